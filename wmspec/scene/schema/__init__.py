@@ -1,0 +1,14 @@
+"""The codeless USD schemas `WmsEpisode`, `WmsAction` and `WmsObservation`; importing this registers them.
+
+USD reads its schemas once, when the first stage is opened: import this before that, or they stay untyped. The reader
+does not mind, since it goes by type names and knows the fallbacks itself.
+"""
+
+from pathlib import Path
+
+from pxr import Plug
+
+FORMAT_VERSION = 1
+"""The `wms:formatVersion` of the stages that this version reads and writes."""
+
+Plug.Registry().RegisterPlugins(str(Path(__file__).parent))
