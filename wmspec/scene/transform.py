@@ -1,0 +1,80 @@
+"""Quaternions (w, x, y, z) and poses. Quaternion and vector arguments broadcast over leading axes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmspec.scene.model import Array, Pose
+
+
+def multiply(a: Array, b: Array) -> Array:
+    """The rotation `b`, then `a`: (..., 4) times (..., 4)."""
+    aw, ax, ay, az = np.moveaxis(np.asarray(a, float), -1, 0)
+    bw, bx, by, bz = np.moveaxis(np.asarray(b, float), -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(q: Array) -> Array:
+    """The inverse of the unit quaternions `q` (..., 4)."""
+    signs: Array = np.array([1.0, -1.0, -1.0, -1.0])
+    return signs * q
+
+
+def rotate(q: Array, v: Array) -> Array:
+    """The vectors `v` (..., 3) turned by the unit quaternions `q` (..., 4)."""
+    q, v = np.asarray(q, float), np.asarray(v, float)
+    w, u = q[..., :1], q[..., 1:]
+    t = 2.0 * np.cross(u, v)
+    return v + w * t + np.cross(u, t)
+
+
+def rotation(q: Array) -> Array:
+    """Rotation matrices (..., 3, 3), for column vectors, of the unit quaternions `q` (..., 4)."""
+    q = np.asarray(q, float)
+    return np.swapaxes(rotate(q[..., None, :], np.eye(3)), -1, -2)
+
+
+def quaternion(m: Array) -> Array:
+    """The unit quaternion (4,), w >= 0, of a rotation matrix (3, 3) (Shepperd, J. Guidance and Control 1, 1978)."""
+    m = np.asarray(m, float)
+    x, y, z = np.diag(m)
+    squares = np.array([1 + x + y + z, 1 + x - y - z, 1 - x + y - z, 1 - x - y + z])
+    a, b, c = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
+    d, e, f = m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1]
+    products = np.array([[0, a, b, c], [a, 0, d, e], [b, d, 0, f], [c, e, f, 0]])
+    largest = int(squares.argmax())
+    q: Array = products[largest]
+    q[largest] = squares[largest]
+    return q / np.copysign(np.linalg.norm(q), q[0])
+
+
+def identity() -> Pose:
+    """The world's own frame."""
+    return Pose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+
+
+def compose(outer: Pose, inner: Pose) -> Pose:
+    """The pose of something placed at `inner` inside a frame that is placed at `outer`."""
+    return Pose(
+        outer.position + rotate(outer.orientation, inner.position),
+        multiply(outer.orientation, inner.orientation),
+    )
+
+
+def inverse(pose: Pose) -> Pose:
+    """The pose that undoes `pose`."""
+    back = conjugate(pose.orientation)
+    return Pose(-rotate(back, pose.position), back)
+
+
+def apply(pose: Pose, points: Array) -> Array:
+    """Points (..., 3) of the frame `pose`, in the frame around it."""
+    return pose.position + rotate(pose.orientation, points)
