@@ -31,3 +31,7 @@ class StageError(WmsError):
     def __reduce__(self) -> tuple[type[StageError], tuple[tuple[Problem, ...]]]:
         """Cross from a worker process to its parent whole."""
         return StageError, (self.problems,)
+
+
+class EngineError(WmsError):
+    """An engine gave up or returned nonsense for this episode (a diverged state, a warning that it hides)."""

@@ -53,7 +53,8 @@ def quaternion(m: Array) -> Array:
     largest = int(squares.argmax())
     q: Array = products[largest]
     q[largest] = squares[largest]
-    return q / np.copysign(np.linalg.norm(q), q[0])
+    unit: Array = q / np.copysign(np.linalg.norm(q), q[0])
+    return unit
 
 
 def identity() -> Pose:

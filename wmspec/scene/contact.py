@@ -1,0 +1,51 @@
+"""What touching means, once for all engines: which pairs may touch, with which material, and for how long they did."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import combinations
+from math import sqrt
+
+from wmspec.scene.model import Body, Contact, Friction, Geom
+
+Pair = tuple[int, int]
+
+
+def mix(a: Friction, b: Friction) -> Friction:
+    """The material of a touching pair: the geometric mean of both sides, the one rule that every engine can realise."""
+    return Friction(sqrt(a.static * b.static), sqrt(a.dynamic * b.dynamic), sqrt(a.restitution * b.restitution))
+
+
+def may_touch(a: Body, b: Body) -> bool:
+    """Bodies whose motion is given beforehand never push each other."""
+    return a is not b and "dynamic" in (a.motion, b.motion)
+
+
+def colliders(body: Body) -> tuple[Geom, ...]:
+    """The body's pieces that can be touched."""
+    return tuple(geom for geom in body.geoms if geom.collides)
+
+
+def touchable(bodies: Sequence[Body]) -> Iterator[tuple[Body, Geom, Body, Geom]]:
+    """Every pair of pieces that may touch, in scene order."""
+    for a, b in combinations(bodies, 2):
+        if may_touch(a, b):
+            yield from ((a, g, b, h) for g in colliders(a) for h in colliders(b))
+
+
+def intervals(touching: Sequence[Iterable[Pair]], names: Sequence[str], step: float, gap: float) -> tuple[Contact, ...]:
+    """Contacts in order of their start, from the pairs that touched during each step of `step` seconds.
+
+    A pair that parts for no longer than `gap` (s) has not parted: a resting contact flickers in every engine.
+    """
+    first: dict[Pair, int] = {}
+    last: dict[Pair, int] = {}
+    ended: list[tuple[int, Pair, int]] = []
+    for i, pairs in enumerate(touching):
+        for pair in pairs:
+            if pair in last and (i - last[pair] - 1) * step > gap:
+                ended.append((first.pop(pair), pair, last[pair]))
+            first.setdefault(pair, i)
+            last[pair] = i
+    ended += [(start, pair, last[pair]) for pair, start in first.items()]
+    return tuple(Contact(names[a], names[b], start * step, (stop + 1) * step) for start, (a, b), stop in sorted(ended))

@@ -1,0 +1,32 @@
+"""From what an engine recorded to a `Trace`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmspec.errors import EngineError
+from wmspec.scene.contact import intervals
+from wmspec.scene.episode import Episode, Recording
+from wmspec.scene.model import Scene, Trace
+
+
+def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> Trace:
+    """The trace of an episode. Raises EngineError, naming the body and the time, if a number is not finite."""
+    states = recording.states
+    if not np.isfinite(states).all():
+        sample, body = np.argwhere(~np.isfinite(states).all(axis=-1))[0]
+        raise EngineError(
+            f"{engine} lost {scene.bodies[body].path} at {sample / scene.rate:.3f} s: its state is not a finite number; "
+            "look for bodies that overlap at the start, extreme masses or extreme velocities"
+        )
+    names = tuple(body.name for body in scene.bodies)
+    return Trace(
+        engine=engine,
+        bodies=names,
+        time=np.arange(episode.samples) / scene.rate,
+        position=states[..., :3],
+        orientation=states[..., 3:7],
+        linear_velocity=states[..., 7:10],
+        angular_velocity=states[..., 10:],
+        contacts=intervals(recording.touching, names, episode.step, gap=1 / scene.rate),
+    )

@@ -1,0 +1,104 @@
+"""What no engine can execute, said before one returns nonsense for it: they accept any number without complaint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from wmspec.errors import WmsError
+from wmspec.scene.model import Action, Body, Box, Capsule, Cone, Cylinder, Geom, Launch, Mesh, Scene, Shape, Sphere
+
+_UNIT = 1e-6  # how far a quaternion's length may be from 1
+
+
+def validate(scene: Scene) -> None:
+    """Raise WmsError with the prim path of everything in the scene that is not physically meaningful."""
+    problems = [*_whole(scene)]
+    for body in scene.bodies:
+        problems += [f"{body.path}: {problem}" for problem in _body(body)]
+    motions = {body.name: body.motion for body in scene.bodies}
+    for action in scene.actions:
+        problems += [f"action {action.name}: {problem}" for problem in _action(action, motions)]
+    if problems:
+        raise WmsError("\n".join(problems))
+
+
+def _whole(scene: Scene) -> Iterator[str]:
+    names = [body.name for body in scene.bodies]
+    yield from (f"two bodies are named '{n}'; give each its own name" for n in sorted(set(names)) if names.count(n) > 1)
+    if not (np.isfinite(scene.duration) and scene.duration > 0 and scene.rate > 0):
+        yield f"the episode lasts {scene.duration} s at {scene.rate} Hz, expected both to be positive"
+    if not np.isfinite(scene.gravity).all():
+        yield f"gravity is {scene.gravity}, expected three finite numbers"
+
+
+def _body(body: Body) -> Iterator[str]:
+    numbers = [body.pose.position, body.linear_velocity, body.angular_velocity]
+    if not all(np.isfinite(v).all() for v in numbers):
+        yield "its position or velocity is not finite"
+    if not abs(np.linalg.norm(body.pose.orientation) - 1) < _UNIT:
+        yield f"its orientation {body.pose.orientation} is not a unit quaternion"
+    if body.motion != "dynamic" and any(np.any(v) for v in numbers[1:]):
+        yield f"it is {body.motion} but has a velocity; make it dynamic, or move it by a glide"
+    if min(body.linear_damping, body.angular_damping) < 0:
+        yield "its damping is negative"
+    if body.motion == "dynamic":
+        yield from _inertia(body)
+    for geom in body.geoms:
+        yield from (f"{geom.name}: {problem}" for problem in _geom(geom))
+
+
+def _inertia(body: Body) -> Iterator[str]:
+    if body.inertia is None:
+        yield "it is dynamic but has no mass; give it a mass or a density"
+        return
+    a, b, c = np.sort(body.inertia.moments)
+    if not (np.isfinite(body.inertia.mass) and body.inertia.mass > 0):
+        yield f"its mass is {body.inertia.mass} kg, expected a positive number"
+    if not (a > 0 and np.isfinite(c) and a + b >= c * (1 - _UNIT)):
+        yield f"its moments of inertia {body.inertia.moments} belong to no solid: expected positive ones, none above the sum of the others"
+
+
+def _geom(geom: Geom) -> Iterator[str]:
+    sizes = _sizes(geom.shape)
+    if not (np.isfinite(sizes).all() and (sizes > 0).all()):
+        yield f"its size {sizes} is not positive"
+    if not abs(np.linalg.norm(geom.pose.orientation) - 1) < _UNIT:
+        yield f"its orientation {geom.pose.orientation} is not a unit quaternion"
+    f = geom.friction
+    if not (0 <= f.dynamic < np.inf and 0 <= f.static < np.inf):
+        yield f"its friction is {f.static} (static), {f.dynamic} (dynamic), expected numbers from 0 up"
+    if not 0 <= f.restitution <= 1:
+        yield f"its restitution is {f.restitution}, expected a number from 0 to 1"
+
+
+def _sizes(shape: Shape) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    match shape:
+        case Box(half):
+            return np.ravel(half)
+        case Sphere(r):
+            return np.array([r])
+        case Cylinder(r, h) | Cone(r, h) | Capsule(r, h):
+            return np.array([r, h])
+        case Mesh(points):
+            return np.atleast_1d(np.ptp(points, axis=0).max() if len(points) else 0.0)
+
+
+def _action(action: Action, motions: Mapping[str, str]) -> Iterator[str]:
+    needed, numbers = (
+        ("dynamic", [action.linear, action.angular])
+        if isinstance(action, Launch)
+        else (
+            "kinematic",
+            [action.velocity, action.stop],
+        )
+    )
+    if action.body not in motions:
+        yield f"there is no body '{action.body}'; there are {', '.join(motions)}"
+    elif motions[action.body] != needed:
+        yield f"it moves '{action.body}', which is {motions[action.body]}, expected a {needed} body"
+    if not (action.start >= 0 and all(np.isfinite(v).all() for v in [action.start, *numbers])):
+        yield "its start is negative, or one of its numbers is not finite"
+    if not isinstance(action, Launch) and action.stop < action.start:
+        yield f"it stops at {action.stop} s, before it starts at {action.start} s"
