@@ -1,0 +1,89 @@
+"""The value of an expression of the IR. Operators are a table; names, properties and functions come from the environment."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol
+
+from wmspec.check.ir import Call, Expr, Items, Operation, Property, Ref, Value
+from wmspec.errors import WmsError
+
+
+class Environment(Protocol):
+    """Where an expression finds what it refers to."""
+
+    def ref(self, name: str) -> Any: ...
+
+    def property(self, owner: str, name: str) -> Any: ...
+
+    def call(self, function: str, arguments: tuple[Any, ...]) -> Any: ...
+
+
+def _divide(a: float, b: float) -> float:
+    if b == 0:
+        raise WmsError("division by zero")
+    return a / b
+
+
+_OPERATORS: dict[str, Callable[..., Any]] = {
+    "+": operator.add,
+    "*": operator.mul,
+    "/": _divide,
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "not": operator.not_,
+}
+
+
+def evaluate(expr: Expr, env: Environment) -> Any:
+    """The value: a float (SI), bool, str (words and names), or a tuple of values. Raises WmsError if there is none."""
+    match expr:
+        case Value():
+            return expr.value
+        case Ref():
+            return env.ref(expr.name)
+        case Property():
+            return env.property(evaluate(expr.owner, env), expr.name)
+        case Items():
+            return tuple(evaluate(e, env) for e in expr.items)
+        case Call():
+            return env.call(expr.function, tuple(evaluate(e, env) for e in expr.arguments))
+        case Operation():
+            return _operate(expr.operator, expr.operands, env)
+
+
+def _operate(operator: str, operands: tuple[Expr, ...], env: Environment) -> Any:
+    match operator:
+        case "if":
+            return evaluate(operands[1] if evaluate(operands[0], env) else operands[2], env)
+        case "and":
+            return all(evaluate(e, env) for e in operands)
+        case "or":
+            return any(evaluate(e, env) for e in operands)
+        case "-":
+            values = [evaluate(e, env) for e in operands]
+            return -values[0] if len(values) == 1 else values[0] - values[1]
+        case _:
+            return _OPERATORS[operator](*(evaluate(e, env) for e in operands))
+
+
+def parts(expr: Expr) -> Iterator[Expr]:
+    """The expression and all that it is made of."""
+    stack: list[Expr] = [expr]
+    while stack:
+        node = stack.pop()
+        yield node
+        match node:
+            case Property():
+                stack.append(node.owner)
+            case Items():
+                stack.extend(node.items)
+            case Call():
+                stack.extend(node.arguments)
+            case Operation():
+                stack.extend(node.operands)

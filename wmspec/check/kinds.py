@@ -1,0 +1,78 @@
+"""The kinds of values that the language knows: its types."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wmspec.check.units import ANGLE, LENGTH, NUMBER, TIME, Dimension
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with a dimension."""
+
+    dimension: Dimension
+
+    def __str__(self) -> str:
+        return str(self.dimension)
+
+
+@dataclass(frozen=True)
+class Word:
+    """One of the words of a vocabulary, such as a shape or a colour."""
+
+    vocabulary: str
+
+    def __str__(self) -> str:
+        return self.vocabulary
+
+
+@dataclass(frozen=True)
+class Plain:
+    """A kind without parameters: truth, text, object, camera, action, picture."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True)
+class List:
+    """A list of values of one kind; `None` for the empty list."""
+
+    item: Kind | None
+
+    def __str__(self) -> str:
+        return f"list of {self.item}s" if self.item else "empty list"
+
+
+@dataclass(frozen=True)
+class Vector:
+    """Two or three quantities of one dimension: a point, a size, a direction."""
+
+    dimension: Dimension
+    size: int
+
+    def __str__(self) -> str:
+        what = {LENGTH: "lengths", NUMBER: "plain numbers"}.get(self.dimension, f"values ({self.dimension})")
+        return f"{'pair' if self.size == 2 else 'triple'} of {what}"
+
+
+Kind = Quantity | Word | Plain | List | Vector
+
+TRUTH = Plain("truth value")
+TEXT = Plain("text")
+OBJECT = Plain("object")
+CAMERA = Plain("camera")
+ACTION = Plain("action")
+PICTURE = Plain("picture")
+COLOR = Word("color")
+SHAPE = Word("shape")
+A_NUMBER = Quantity(NUMBER)
+A_LENGTH = Quantity(LENGTH)
+A_TIME = Quantity(TIME)
+AN_ANGLE = Quantity(ANGLE)
+POINT2 = Vector(LENGTH, 2)
+POINT3 = Vector(LENGTH, 3)
+TRIPLE = Vector(NUMBER, 3)

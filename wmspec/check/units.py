@@ -1,0 +1,140 @@
+"""Units and dimensions. Values are SI numbers once a spec is checked; there are no unit objects at run time."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """Exponents of length, mass, time and angle."""
+
+    length: int = 0
+    mass: int = 0
+    time: int = 0
+    angle: int = 0
+
+    def __mul__(self, other: Dimension) -> Dimension:
+        return self._combine(other, 1)
+
+    def __truediv__(self, other: Dimension) -> Dimension:
+        return self._combine(other, -1)
+
+    def __pow__(self, n: int) -> Dimension:
+        return Dimension(self.length * n, self.mass * n, self.time * n, self.angle * n)
+
+    def _combine(self, other: Dimension, sign: int) -> Dimension:
+        return Dimension(
+            self.length + sign * other.length,
+            self.mass + sign * other.mass,
+            self.time + sign * other.time,
+            self.angle + sign * other.angle,
+        )
+
+    def __str__(self) -> str:
+        return _NAMES.get(self) or self.symbol
+
+    @property
+    def symbol(self) -> str:
+        """The SI unit, such as `kg*m/s^2`; empty for a plain number."""
+        parts = [("kg", self.mass), ("m", self.length), ("rad", self.angle), ("s", self.time)]
+        above = "*".join(u if n == 1 else f"{u}^{n}" for u, n in parts if n > 0)
+        below = "/".join(u if n == -1 else f"{u}^{-n}" for u, n in parts if n < 0)
+        return f"{above or '1'}/{below}" if below else above
+
+
+NUMBER = Dimension()
+LENGTH = Dimension(length=1)
+MASS = Dimension(mass=1)
+TIME = Dimension(time=1)
+ANGLE = Dimension(angle=1)
+SPEED = LENGTH / TIME
+ACCELERATION = SPEED / TIME
+ANGULAR_SPEED = ANGLE / TIME
+DENSITY = MASS / LENGTH**3
+FORCE = MASS * ACCELERATION
+IMPULSE = MASS * SPEED
+
+_NAMES = {
+    NUMBER: "plain number",
+    LENGTH: "length",
+    MASS: "mass",
+    TIME: "time",
+    ANGLE: "angle",
+    SPEED: "speed",
+    ACCELERATION: "acceleration",
+    ANGULAR_SPEED: "angular speed",
+    DENSITY: "density",
+    FORCE: "force",
+    IMPULSE: "impulse",
+    LENGTH**2: "area",
+    LENGTH**3: "volume",
+    NUMBER / TIME: "frequency",
+}
+
+#: How a value of a dimension may be written, for messages.
+EXAMPLES = {
+    LENGTH: "6 cm",
+    MASS: "200 g",
+    TIME: "0.5 s",
+    ANGLE: "30 deg",
+    SPEED: "20 cm/s",
+    ACCELERATION: "9.81 m/s^2",
+    ANGULAR_SPEED: "90 deg/s",
+    DENSITY: "700 kg/m^3",
+    FORCE: "2 N",
+    IMPULSE: "0.1 N*s",
+    NUMBER: "0.5",
+}
+
+UNITS: dict[str, tuple[float, Dimension]] = {
+    "mm": (1e-3, LENGTH),
+    "cm": (1e-2, LENGTH),
+    "dm": (1e-1, LENGTH),
+    "m": (1.0, LENGTH),
+    "km": (1e3, LENGTH),
+    "mg": (1e-6, MASS),
+    "g": (1e-3, MASS),
+    "kg": (1.0, MASS),
+    "t": (1e3, MASS),
+    "ms": (1e-3, TIME),
+    "s": (1.0, TIME),
+    "min": (60.0, TIME),
+    "h": (3600.0, TIME),
+    "Hz": (1.0, NUMBER / TIME),
+    "rad": (1.0, ANGLE),
+    "deg": (math.pi / 180, ANGLE),
+    "turn": (2 * math.pi, ANGLE),
+    "N": (1.0, FORCE),
+    "frames": (1.0, NUMBER),
+    "frame": (1.0, NUMBER),
+    "%": (0.01, NUMBER),
+}
+
+_FACTOR = re.compile(r"([*/]?)([A-Za-z]+|%)(?:\^(-?\d+))?")
+
+
+class UnknownUnit(Exception):
+    """The unit's name, as written."""
+
+
+def parse_unit(text: str) -> tuple[float, Dimension]:
+    """The SI value and dimension of a unit such as `cm/s` or `kg*m^2`. Raises UnknownUnit with the unknown part."""
+    scale, dimension = 1.0, NUMBER
+    for sign, name, power in _FACTOR.findall(text):
+        if name not in UNITS:
+            raise UnknownUnit(name)
+        n = int(power or 1) * (-1 if sign == "/" else 1)
+        if abs(n) > 9:
+            raise UnknownUnit(f"{name}^{power}")
+        unit, unit_dimension = UNITS[name]
+        scale, dimension = scale * unit**n, dimension * unit_dimension**n
+    return scale, dimension
+
+
+def convert(value: float, scale: float) -> float:
+    """`value * scale`, correctly rounded where the scale is one over a whole number (35 cm is 0.35 m to the last bit)."""
+    inverse = round(1 / scale)
+    return value / inverse if inverse > 1 and abs(inverse * scale - 1) < 1e-12 else value * scale

@@ -1,0 +1,211 @@
+"""From Lark's parse tree to the syntax tree: one function per rule of the grammar that needs one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from lark import Token, Tree
+
+from wmspec.parse import syntax as s
+from wmspec.parse.diagnostics import Report
+from wmspec.parse.source import Source, Span
+
+_QUANTITY = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)[ \t]*(.+)")
+_ESCAPES = {"n": "\n", "t": "\t", '"': '"', "\\": "\\"}
+
+
+def build_file(source: Source, tree: Tree[Token], report: Report) -> s.File:
+    """The syntax tree of a whole file."""
+    build = _Builder(source, report)
+    return s.File(tuple(build(c) for c in tree.children if c is not None), Span(source, 0, len(source.text)))
+
+
+def build_expression(source: Source, tree: Tree[Token], report: Report) -> s.Expr:
+    """The syntax tree of one expression."""
+    expression: s.Expr = _Builder(source, report)(tree)
+    return expression
+
+
+class _Builder:
+    def __init__(self, source: Source, report: Report) -> None:
+        self.source = source
+        self.report = report
+
+    def __call__(self, node: Any) -> Any:
+        rule: Callable[[Any, Span], Any] = getattr(self, node.data)
+        return rule(node.children, self.span(node))
+
+    def span(self, node: Any) -> Span:
+        if isinstance(node, Token):
+            return Span(self.source, node.start_pos or 0, node.end_pos or 0)
+        if node.meta.empty:
+            return Span(self.source, 0, 0)
+        return Span(self.source, node.meta.start_pos, node.meta.end_pos)
+
+    def maybe(self, node: Any) -> Any:
+        return None if node is None else self(node)
+
+    def every(self, nodes: list[Any]) -> tuple[Any, ...]:
+        return tuple(self(n) for n in nodes if isinstance(n, Tree))
+
+    # ------------------------------------------------------------ statements
+
+    def docstring(self, c: Any, span: Span) -> s.Docstring:
+        return s.Docstring(c[0][3:-3].strip(), span)
+
+    def use(self, c: Any, span: Span) -> s.Use:
+        return s.Use(self(c[0]), span)
+
+    def task(self, c: Any, span: Span) -> s.Task:
+        path = self.every(c[1].children) if c[1] is not None else ()
+        return s.Task(self(c[0]), path, self.every(c[2:]), span)
+
+    def factor(self, c: Any, span: Span) -> s.Factor:
+        return s.Factor(self(c[0]), self(c[1]), False, span)
+
+    def nuisance(self, c: Any, span: Span) -> s.Factor:
+        return s.Factor(self(c[0]), self(c[1]), True, span)
+
+    def let(self, c: Any, span: Span) -> s.Let:
+        return s.Let(self(c[0]), self(c[1]), span)
+
+    def require(self, c: Any, span: Span) -> s.Require:
+        return s.Require(self(c[0]), span)
+
+    def repeat(self, c: Any, span: Span) -> s.Setting:
+        return s.Setting("repeat", self(c[0]), span)
+
+    def horizon(self, c: Any, span: Span) -> s.Setting:
+        return s.Setting("horizon", self(c[0]), span)
+
+    def setting(self, c: Any, span: Span) -> s.Setting:
+        return s.Setting(str(c[0]), self.text(c[1:], self.span(c[1])), span)
+
+    def block(self, c: Any, span: Span) -> s.Block:
+        kind = str(c[0])
+        name = self(c[1]) if kind != "world" else s.Name("world", self.span(c[0]))
+        properties = tuple(self(n) for n in c[1:] if isinstance(n, Tree) and n.data == "property")
+        return s.Block(kind, name, properties, span)
+
+    def property(self, c: Any, span: Span) -> s.Property:
+        return s.Property(self(c[0]), self(c[1]), self.maybe(c[2]), span)
+
+    def action(self, c: Any, span: Span) -> s.Action:
+        return s.Action(self(c[0]), self(c[1]), self.every(c[2:]), span)
+
+    def timing(self, c: Any, span: Span) -> s.Timing:
+        return s.Timing(str(c[0]), self(c[1]), span)
+
+    def observe(self, c: Any, span: Span) -> s.Observe:
+        return s.Observe(self(c[0]), self(c[1]), span)
+
+    # ------------------------------------------------------------ questions
+
+    def question(self, c: Any, span: Span) -> s.Question:
+        parts = self.every(c[1:])
+        clauses = tuple(p for p in parts if isinstance(p, s.Clause))
+        counterfactuals = tuple(p for p in parts if isinstance(p, s.Counterfactual))
+        return s.Question(self.text(c, self.span(c[0])), clauses, counterfactuals, span)
+
+    def _clause(kind: str) -> Callable[[_Builder, Any, Span], s.Clause]:  # type: ignore[misc]
+        def build(self: _Builder, c: Any, span: Span) -> s.Clause:
+            return s.Clause(kind, self(c[0]), self(c[1]) if len(c) > 1 else None, span)
+
+        return build
+
+    options = _clause("options")
+    answer = _clause("answer")
+    margin = _clause("margin")
+    ensure = _clause("ensure")
+    distinct = _clause("distinct")
+
+    def counterfactual(self, c: Any, span: Span) -> s.Counterfactual:
+        return s.Counterfactual(self(c[0]), self.every(c[1:]), span)
+
+    def change_action(self, c: Any, span: Span) -> s.Change:
+        return s.Change("action", self(c[0]), self(c[1]), span)
+
+    def change_state(self, c: Any, span: Span) -> s.Change:
+        return s.Change("state", self(c[0]), self(c[1]), span)
+
+    def change_without(self, c: Any, span: Span) -> s.Change:
+        return s.Change("without", self(c[0]), None, span)
+
+    def change_order(self, c: Any, span: Span) -> s.Change:
+        return s.Change("order", self(c[0]), self(c[1]), span)
+
+    # ------------------------------------------------------------ expressions
+
+    def conditional(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("if", self.every(c), span)
+
+    def either(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("or", self.every(c), span)
+
+    def both(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("and", self.every(c), span)
+
+    def negate(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("not", self.every(c), span)
+
+    def compare(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation(str(c[1]), (self(c[0]), self(c[2])), span)
+
+    binary = compare
+
+    def minus(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("-", (self(c[1]),), span)
+
+    def range_(self, c: Any, span: Span) -> s.Range:
+        return s.Range(self(c[0]), self(c[1]), None, None, span)
+
+    def steps(self, c: Any, span: Span) -> s.Range:
+        return s.Range(self(c[0]), self(c[1]), self(c[2]), None, span)
+
+    def points(self, c: Any, span: Span) -> s.Range:
+        return s.Range(self(c[0]), self(c[1]), None, self(c[2]), span)
+
+    def member(self, c: Any, span: Span) -> s.Member:
+        return s.Member(self(c[0]), self(c[1]), span)
+
+    def call(self, c: Any, span: Span) -> s.Call:
+        return s.Call(self(c[0]), self.every(c[1:]), span)
+
+    def argument(self, c: Any, span: Span) -> s.Argument:
+        return s.Argument(self(c[0]) if len(c) > 1 else None, self(c[-1]), span)
+
+    def number(self, c: Any, span: Span) -> s.Number:
+        return s.Number(float(c[0]), None, span)
+
+    def quantity(self, c: Any, span: Span) -> s.Number:
+        match = _QUANTITY.fullmatch(c[0])
+        assert match, c[0]
+        return s.Number(float(match[1]), match[2], span)
+
+    def text(self, c: Any, span: Span) -> s.Text:
+        return s.Text(re.sub(r"\\(.)", lambda m: _ESCAPES.get(m[1], m[1]), c[0][1:-1]), span)
+
+    def true(self, c: Any, span: Span) -> s.Truth:
+        return s.Truth(True, span)
+
+    def false(self, c: Any, span: Span) -> s.Truth:
+        return s.Truth(False, span)
+
+    def name(self, c: Any, span: Span) -> s.Name:
+        return s.Name(str(c[0]), span)
+
+    at_name = name
+    at_key = name
+
+    def reference(self, c: Any, span: Span) -> s.Name:
+        name: s.Name = self(c[0])
+        return name
+
+    def tuple(self, c: Any, span: Span) -> s.Items:
+        return s.Items("tuple", self.every(c), None, span)
+
+    def list(self, c: Any, span: Span) -> s.Items:
+        unit = c[-1].strip() if isinstance(c[-1], Token) else None
+        return s.Items("list", self.every(c), unit, span)

@@ -1,0 +1,87 @@
+"""Reading a spec with the libraries that it uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from wmspec.errors import WmsError
+from wmspec.parse.diagnostics import Note, Report, suggestion
+from wmspec.parse.parser import parse
+from wmspec.parse.source import Source, Span
+from wmspec.parse.syntax import File, Name, Task, Use
+
+#: A longer file is refused: no hand writes it.
+MAX_CHARACTERS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Program:
+    """A parsed file and the libraries that it uses, directly or not, each once, in order of use."""
+
+    source: Source
+    file: File
+    libraries: tuple[File, ...]
+
+
+def load(path: Path, report: Report) -> Program:
+    """Read and parse the spec at `path`. Raises WmsError if there is no such readable file."""
+    source = read_source(path)
+    return load_source(source, path.parent, report)
+
+
+def load_source(source: Source, folder: Path, report: Report) -> Program:
+    """Parse a spec from text; its libraries are looked for in `folder`, then in wmspec's own library."""
+    file = parse(source, report)
+    libraries: dict[Path, File] = {}
+    _collect(file, folder, report, libraries, ())
+    return Program(source, file, tuple(libraries.values()))
+
+
+def read_source(path: Path) -> Source:
+    """The text of a file. Raises WmsError with the reason if it cannot be read."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise WmsError(f"{path}: not UTF-8 text (byte {error.start}); a .wms file is plain UTF-8 text") from None
+    except OSError as error:
+        raise WmsError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(text) > MAX_CHARACTERS:
+        raise WmsError(f"{path}: longer than {MAX_CHARACTERS:,} characters; a spec is written by hand: is this the right file?")
+    return Source(str(path), text)
+
+
+def library_folder() -> Path:
+    """The folder of the libraries that come with wmspec."""
+    return Path(str(files("wmspec").joinpath("specs/library")))
+
+
+def _uses(file: File) -> Iterator[Use]:
+    for item in file.items:
+        yield from (s for s in (item.body if isinstance(item, Task) else (item,)) if isinstance(s, Use))
+
+
+def _collect(file: File, folder: Path, report: Report, found: dict[Path, File], trail: tuple[tuple[Path, Span], ...]) -> None:
+    for use in _uses(file):
+        path = _find(use.name, folder, report)
+        if path is None:
+            continue
+        if any(path == p for p, _ in trail):
+            notes = tuple(Note("used from here", span) for _, span in trail)
+            report.add("WMS208", f"`{use.name.id}` uses itself in a circle", use.span, "move the shared part to a third library", notes)
+        elif path not in found:
+            library = parse(read_source(path), report)
+            _collect(library, path.parent, report, found, (*trail, (path, use.span)))
+            found[path] = library
+
+
+def _find(name: Name, folder: Path, report: Report) -> Path | None:
+    places = (folder, library_folder())
+    for place in places:
+        if (path := place / f"{name.id}.wms").is_file():
+            return path.resolve()
+    known = [p.stem for place in places for p in sorted(place.glob("*.wms"))]
+    report.add("WMS207", f"there is no library `{name.id}` next to the spec or in wmspec's own", name.span, suggestion(name.id, known))
+    return None

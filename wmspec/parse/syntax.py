@@ -1,0 +1,265 @@
+"""The syntax tree: what was written, with its place. Nothing is resolved or checked here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from wmspec.parse.source import Span
+
+# ---------------------------------------------------------------- expressions
+
+
+@dataclass(frozen=True)
+class Number:
+    """`6 cm`: a number and the text of its unit, if any."""
+
+    value: float
+    unit: str | None
+    span: Span
+
+
+@dataclass(frozen=True)
+class Text:
+    """A quoted text, its escapes resolved."""
+
+    value: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Truth:
+    """`true` or `false`."""
+
+    value: bool
+    span: Span
+
+
+@dataclass(frozen=True)
+class Name:
+    """A bare word."""
+
+    id: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Member:
+    """`ball.mass`."""
+
+    value: Expr
+    name: Name
+    span: Span
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An argument of a call, `name: value` or `value`."""
+
+    name: Name | None
+    value: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
+class Call:
+    """`glide(left, speed: 10 cm/s)`."""
+
+    function: Expr
+    arguments: tuple[Argument, ...]
+    span: Span
+
+
+@dataclass(frozen=True)
+class Operation:
+    """An operator and its operands: `+ - * / == != < <= > >= and or not if`, `-` also with one operand."""
+
+    operator: str
+    operands: tuple[Expr, ...]
+    span: Span
+
+
+@dataclass(frozen=True)
+class Range:
+    """`a .. b`, `a .. b by step`, `a .. b in count`."""
+
+    start: Expr
+    stop: Expr
+    step: Expr | None
+    count: Expr | None
+    span: Span
+
+
+@dataclass(frozen=True)
+class Items:
+    """`[a, b, c] unit` or `(x, y)`."""
+
+    kind: Literal["list", "tuple"]
+    items: tuple[Expr, ...]
+    unit: str | None
+    span: Span
+
+
+Expr = Number | Text | Truth | Name | Member | Call | Operation | Range | Items
+
+# ---------------------------------------------------------------- statements
+
+
+@dataclass(frozen=True)
+class Docstring:
+    """Three-quoted text."""
+
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True)
+class Use:
+    """`use tabletop`."""
+
+    name: Name
+    span: Span
+
+
+@dataclass(frozen=True)
+class Factor:
+    """`factor name in domain`, or the same with `nuisance`."""
+
+    name: Name
+    domain: Expr
+    nuisance: bool
+    span: Span
+
+
+@dataclass(frozen=True)
+class Let:
+    """`let name = value`."""
+
+    name: Name
+    value: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
+class Require:
+    """`require condition`."""
+
+    condition: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
+class Setting:
+    """`title "..."`, `repeat 4`, `horizon 2 s`: one value of the task itself."""
+
+    key: str
+    value: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
+class Property:
+    """`mass: 200 g`; `at` is the second half of `on: table at (x, y)`."""
+
+    name: Name
+    value: Expr
+    at: Expr | None
+    span: Span
+
+
+@dataclass(frozen=True)
+class Block:
+    """`object name { properties }`, and the same for cameras, lights and the world (which has no name)."""
+
+    kind: str
+    name: Name
+    properties: tuple[Property, ...]
+    span: Span
+
+
+@dataclass(frozen=True)
+class Timing:
+    """`at 0.2 s`, `for 2 s`, `after push`, `with push`."""
+
+    kind: str
+    value: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
+class Action:
+    """`action name = verb(arguments) timings`."""
+
+    name: Name
+    call: Expr
+    timings: tuple[Timing, ...]
+    span: Span
+
+
+@dataclass(frozen=True)
+class Observe:
+    """`observe camera at times`."""
+
+    camera: Name
+    times: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
+class Change:
+    """The one change of a counterfactual: `kind` is action, state, without or order."""
+
+    kind: str
+    target: Expr
+    value: Expr | None
+    span: Span
+
+
+@dataclass(frozen=True)
+class Counterfactual:
+    """`counterfactual name { change }`."""
+
+    name: Name
+    changes: tuple[Change, ...]
+    span: Span
+
+
+@dataclass(frozen=True)
+class Clause:
+    """`options e`, `answer e`, `ensure e`, `distinct by e`, `margin e apart by bound` of a question."""
+
+    kind: str
+    value: Expr
+    bound: Expr | None
+    span: Span
+
+
+@dataclass(frozen=True)
+class Question:
+    """`question "text" { clauses }`."""
+
+    text: Text
+    clauses: tuple[Clause, ...]
+    counterfactuals: tuple[Counterfactual, ...]
+    span: Span
+
+
+Statement = Docstring | Use | Factor | Let | Require | Setting | Block | Action | Observe | Question
+
+
+@dataclass(frozen=True)
+class Task:
+    """`task name : dimension.path { statements }`."""
+
+    name: Name
+    path: tuple[Name, ...]
+    body: tuple[Statement, ...]
+    span: Span
+
+
+@dataclass(frozen=True)
+class File:
+    """A whole file: a task file holds one or more tasks, a library none."""
+
+    items: tuple[Statement | Task, ...]
+    span: Span
