@@ -16,6 +16,8 @@ from wmspec.scene.transform import multiply, rotate
 
 Vector = tuple[float, ...]
 
+TOUCH = 0.001  # m: a sliding body hops by less than this in some engines
+
 
 @dataclass(frozen=True)
 class Kick:
@@ -70,7 +72,7 @@ class Episode:
 class Recording:
     """`states` (T, N, 13): pose of the body's frame, linear and angular velocity of its centre of mass, world axes.
 
-    `touching`: for each engine step the pairs of bodies that pushed each other.
+    `touching`: for each engine step the pairs of bodies less than `TOUCH` apart.
     """
 
     states: Any
@@ -93,7 +95,7 @@ class World(Protocol):
         """Position (3), quaternion (4), linear (3) and angular velocity (3) of a dynamic body."""
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies, lower number first, that pushed each other in the last step."""
+        """The pairs of bodies, lower number first, less than `TOUCH` apart in the last step."""
 
 
 def play(world: World, episode: Episode) -> Recording:

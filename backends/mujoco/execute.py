@@ -1,0 +1,76 @@
+"""Run a scene in MuJoCo."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from wmspec.backends.mujoco.impact import solref
+from wmspec.backends.mujoco.mjcf import mjcf
+from wmspec.backends.mujoco.world import World, mujoco
+from wmspec.errors import EngineError, WmsError
+from wmspec.scene.contact import mix, touchable
+from wmspec.scene.episode import Episode, play
+from wmspec.scene.honoured import honoured
+from wmspec.scene.model import Scene, Trace
+from wmspec.scene.recording import trace
+from wmspec.scene.timeline import episode
+from wmspec.scene.validate import validate
+
+STEPS_PER_SECOND = 3840
+
+
+def execute(scene: Scene) -> Trace:
+    """The trace of the scene's episode.
+
+    Raises WmsError for a scene that MuJoCo can't honour, EngineError when MuJoCo loses track of it.
+    """
+    validate(scene)
+    timeline = episode(scene, STEPS_PER_SECOND)
+    with unlogged():
+        try:
+            model = mujoco.MjModel.from_xml_string(mjcf(scene, timeline))
+        except ValueError as error:
+            raise WmsError(f"MuJoCo can't load the scene: {error}") from error
+        world = World(model, damping(scene))
+        verify(model, scene, timeline)
+        try:
+            recording = play(world, timeline)
+        except FloatingPointError as error:
+            raise EngineError(f"MuJoCo lost the episode: {error}; look for overlaps or extreme velocities") from error
+    return trace("mujoco", scene, timeline, recording)
+
+
+def damping(scene: Scene) -> dict[int, tuple[float, float]]:
+    """The bodies that have any, and their linear and angular rates."""
+    return {
+        i: (float(body.linear_damping), float(body.angular_damping))
+        for i, body in enumerate(scene.bodies)
+        if body.motion == "dynamic" and (body.linear_damping or body.angular_damping)
+    }
+
+
+def verify(model: Any, scene: Scene, timeline: Episode) -> None:
+    """Raise WmsError unless MuJoCo has the scene's physics."""
+    honoured("MuJoCo", "the time step", model.opt.timestep, timeline.step)
+    honoured("MuJoCo", "gravity", model.opt.gravity, scene.gravity)
+    for i, body in enumerate(scene.bodies):
+        if body.inertia is not None:
+            honoured(body.path, "the mass", model.body_mass[i + 1], body.inertia.mass)
+            honoured(body.path, "the inertia", model.body_inertia[i + 1], body.inertia.moments)
+    for i, (a, g, _, h) in enumerate(touchable(scene.bodies)):
+        pair = mix(g.friction, h.friction)
+        honoured(f"{a.path}/{g.name}", "friction", model.pair_friction[i, :2], [pair.dynamic] * 2)
+        honoured(f"{a.path}/{g.name}", "restitution", model.pair_solref[i], solref(pair, timeline.step))
+
+
+@contextmanager
+def unlogged() -> Iterator[None]:
+    """MuJoCo's warnings are checked here; it must not also write them to a file in the working directory."""
+    previous = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(previous)

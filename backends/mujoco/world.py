@@ -1,0 +1,60 @@
+"""The scene in MuJoCo: what the loop in `wmspec.scene.episode` does, in MuJoCo's words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from wmspec.scene.silence import silence
+from wmspec.scene.transform import conjugate, rotate
+
+with silence():
+    import mujoco as mujoco
+
+
+class World:
+    """A model whose bodies are the scene's, in order, frames at their centres of mass."""
+
+    def __init__(self, model: Any, damping: dict[int, tuple[float, float]]) -> None:
+        """`damping`: body -> linear and angular rate, 1/s; MJCF has only one number for both, so it is set here."""
+        self.model, self.data = model, mujoco.MjData(model)
+        joints = model.body_jntadr[1:]  # body 0 is the world
+        self.qpos = np.where(joints < 0, -1, model.jnt_qposadr[joints] if model.njnt else -1)
+        self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
+        for body, (linear, angular) in damping.items():
+            at = self.qvel[body]
+            model.dof_damping[at : at + 3] = linear * model.body_mass[body + 1]
+            model.dof_damping[at + 3 : at + 6] = angular * model.body_inertia[body + 1]
+
+    def kick(self, body: int, linear: Any, angular: Any) -> None:
+        """Set the velocities of a dynamic body."""
+        at, turn = self.qvel[body], self.data.qpos[self.qpos[body] + 3 : self.qpos[body] + 7]
+        self.data.qvel[at : at + 3] = linear
+        self.data.qvel[at + 3 : at + 6] = rotate(conjugate(turn), angular)
+
+    def drive(self, body: int, position: Any, velocity: Any) -> None:
+        """Put a kinematic body back on its path, undoing whatever pushed it."""
+        place, speed = self.qpos[body], self.qvel[body]
+        self.data.qpos[place : place + 3] = position
+        self.data.qpos[place + 3 : place + 7] = self.model.qpos0[place + 3 : place + 7]
+        self.data.qvel[speed : speed + 6] = [*velocity, 0, 0, 0]
+
+    def step(self) -> None:
+        """Advance. On a warning MuJoCo would silently start over: that is an error here."""
+        mujoco.mj_step(self.model, self.data)
+        if self.data.warning.number.any():
+            raise FloatingPointError(f"MuJoCo's warnings are {self.data.warning.number} at {self.data.time:.4f} s")
+
+    def state(self, body: int) -> Any:
+        """Position, quaternion, linear and angular velocity of a body in world axes, (13,)."""
+        pose = self.data.qpos[self.qpos[body] : self.qpos[body] + 7]
+        speed = self.data.qvel[self.qvel[body] : self.qvel[body] + 6]
+        return np.concatenate([pose, speed[:3], rotate(pose[3:], speed[3:])])
+
+    def touching(self) -> set[tuple[int, int]]:
+        """The pairs of bodies in contact in the last step."""
+        if not self.data.ncon:
+            return set()
+        bodies = np.sort(self.model.geom_bodyid[self.data.contact.geom] - 1, axis=1)
+        return set(map(tuple, bodies.tolist()))
