@@ -224,7 +224,7 @@ class _Task:
                     self.report.add("WMS206", f"the {block.kind} `{block.name.id}` needs `{name}`: {slot.meaning}", block.name.span)
         kind = block.kind
         assert kind in ("object", "camera", "light", "world")
-        return ir.Thing(kind=kind, name=block.name.id, properties=properties, place=place(block.name.span))  # type: ignore[arg-type]
+        return ir.Thing(kind=kind, name=block.name.id, properties=properties, place=place(block.name.span))
 
     def property(self, block: s.Block, p: s.Property, table: dict[str, Slot]) -> dict[str, ir.Setting]:
         slot = self.check.slot(table, p.name, f"{_article(block.kind)}")
@@ -434,7 +434,7 @@ class _Task:
         if typed.expr == ir.Property(owner=ir.Value(value=owner), name=prop):
             self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
         assert change.kind in ("action", "state")
-        return ir.Counterfactual(name=name, change=change.kind, owner=owner, property=prop, value=typed.expr, place=where)  # type: ignore[arg-type]
+        return ir.Counterfactual(name=name, change=change.kind, owner=owner, property=prop, value=typed.expr, place=where)
 
     def target(self, change: s.Change) -> tuple[str, str, tuple[Kind, ...], Slot]:
         target = change.target

@@ -1,0 +1,88 @@
+"""A stage as plain values: prims, their attributes, and which property of the spec each of them comes from.
+
+Two documents can be compared and written without opening a stage, and the law of one factor can be read off them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """A value with its USD type. `sources` are the `owner.property`s of the spec that decide it."""
+
+    type: str
+    value: Any
+    sources: frozenset[str] = frozenset()
+    uniform: bool = False
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A relationship to prims, or with `connection` an attribute's connection to another attribute."""
+
+    targets: tuple[str, ...]
+    sources: frozenset[str] = frozenset()
+
+
+@dataclass
+class Prim:
+    """A prim under construction: its type, its applied schemas and its properties in the order of writing."""
+
+    type: str
+    schemas: tuple[str, ...] = ()
+    attributes: dict[str, Attribute] = field(default_factory=dict)
+    relations: dict[str, Relation] = field(default_factory=dict)
+    sources: frozenset[str] = frozenset()
+
+    def set(self, name: str, type: str, value: Any, *sources: str, uniform: bool = False) -> Prim:
+        """Give the prim an attribute; returns the prim."""
+        self.attributes[name] = Attribute(type, value, frozenset(sources), uniform)
+        return self
+
+    def relate(self, name: str, target: str, *sources: str) -> Prim:
+        """Give the prim a relationship; returns the prim."""
+        self.relations[name] = Relation((target,), frozenset(sources))
+        return self
+
+
+@dataclass(frozen=True)
+class Document:
+    """Prims by path, parents before children."""
+
+    prims: dict[str, Prim]
+
+    def add(self, path: str, type: str, schemas: Iterable[str] = (), sources: Iterable[str] = ()) -> Prim:
+        """Add a prim under its parent, which must be there."""
+        prim = Prim(type, tuple(schemas), sources=frozenset(sources))
+        self.prims[path] = prim
+        return prim
+
+    def differing(self, other: Document) -> dict[str, frozenset[str]]:
+        """What differs: property paths (prim paths for a type or a whole prim), with the sources of both sides."""
+        found: dict[str, frozenset[str]] = {}
+        for path in self.prims.keys() | other.prims.keys():
+            a, b = self.prims.get(path), other.prims.get(path)
+            if a is None or b is None or (a.type, a.schemas) != (b.type, b.schemas):
+                found[path] = (a.sources if a else frozenset()) | (b.sources if b else frozenset())
+            for name in (_names(a) | _names(b)) if a and b else ():
+                x, y = _property(a, name), _property(b, name)
+                if x is None or y is None or _content(x) != _content(y):
+                    found[f"{path}.{name}"] = (x.sources if x else frozenset()) | (y.sources if y else frozenset())
+        return dict(sorted(found.items()))
+
+
+def _names(prim: Prim) -> set[str]:
+    return prim.attributes.keys() | prim.relations.keys()
+
+
+def _property(prim: Prim | None, name: str) -> Attribute | Relation | None:
+    assert prim is not None
+    return prim.attributes.get(name) or prim.relations.get(name)
+
+
+def _content(prop: Attribute | Relation) -> tuple[Any, ...]:
+    return (prop.type, prop.value) if isinstance(prop, Attribute) else prop.targets

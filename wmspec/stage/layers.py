@@ -1,0 +1,131 @@
+"""Documents as USD layers: a base layer per task, an override layer per instance, composed into a stage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from pxr import Gf, Sdf, Usd, Vt
+
+import wmspec.scene.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
+from wmspec.stage.document import Attribute, Document, Prim, Relation
+
+_VALUES: dict[str, Callable[[Any], Any]] = {
+    "double2": lambda v: Gf.Vec2d(*v),
+    "double3": lambda v: Gf.Vec3d(*v),
+    "float2": lambda v: Gf.Vec2f(*v),
+    "float3": lambda v: Gf.Vec3f(*v),
+    "vector3f": lambda v: Gf.Vec3f(*v),
+    "color3f": lambda v: Gf.Vec3f(*v),
+    "quatd": lambda v: Gf.Quatd(*v),
+    "matrix4d": lambda v: Gf.Matrix4d(*(x for row in v for x in row)),
+    "token[]": lambda v: Vt.TokenArray(v),
+    "double[]": lambda v: Vt.DoubleArray(v),
+    "float3[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
+}
+
+
+def base_layer(document: Document, doc: str = "") -> Sdf.Layer:
+    """The whole document as an anonymous layer in metres, kilograms and Z up."""
+    layer = _layer(doc)
+    with Sdf.ChangeBlock():
+        for path, prim in document.prims.items():
+            _define(layer, path, prim)
+    layer.GetPrimAtPath("/World").kind = "group"
+    return layer
+
+
+def override_layer(base: Document, document: Document, base_path: str, doc: str = "") -> Sdf.Layer:
+    """What turns the base into the document, over a sublayer at `base_path`: the factor change, and nothing else."""
+    layer = _layer(doc)
+    layer.subLayerPaths.append(base_path)
+    with Sdf.ChangeBlock():
+        for path, prim in document.prims.items():
+            if path not in base.prims:
+                _define(layer, path, prim)
+            else:
+                _override(layer, path, base.prims[path], prim)
+        for path in base.prims:
+            if path not in document.prims:
+                Sdf.CreatePrimInLayer(layer, path).SetInfo("active", False)
+    return layer
+
+
+def compose(document: Document) -> Usd.Stage:
+    """A stage of the whole document, in memory."""
+    return Usd.Stage.Open(base_layer(document))
+
+
+def _layer(doc: str) -> Sdf.Layer:
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    layer.defaultPrim = "World"
+    root = layer.pseudoRoot
+    for key, value in (("upAxis", "Z"), ("metersPerUnit", 1.0), ("kilogramsPerUnit", 1.0)):
+        root.SetInfo(key, value)
+    if doc:
+        layer.documentation = doc
+    return layer
+
+
+def _define(layer: Sdf.Layer, path: str, prim: Prim) -> None:
+    spec = Sdf.CreatePrimInLayer(layer, path)
+    spec.specifier = Sdf.SpecifierDef
+    spec.typeName = prim.type
+    if prim.schemas:
+        _apply(spec, prim.schemas)
+    for name, attribute in prim.attributes.items():
+        _attribute(spec, name, attribute)
+    for name, relation in prim.relations.items():
+        _relation(spec, name, relation)
+
+
+def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
+    attributes = {n: a for n, a in after.attributes.items() if not _same(before.attributes.get(n), a)}
+    relations = {n: r for n, r in after.relations.items() if (b := before.relations.get(n)) is None or b.targets != r.targets}
+    lost = before.attributes.keys() - after.attributes.keys()
+    retyped, reapplied = before.type != after.type, before.schemas != after.schemas
+    if not (attributes or relations or lost or retyped or reapplied):
+        return
+    spec = Sdf.CreatePrimInLayer(layer, path)
+    if retyped:
+        spec.typeName = after.type
+    if reapplied:
+        _apply(spec, after.schemas)
+    for name, attribute in attributes.items():
+        _attribute(spec, name, attribute)
+    for name in sorted(lost):
+        gone = before.attributes[name]
+        _attribute(spec, name, Attribute(gone.type, Sdf.ValueBlock(), gone.sources, gone.uniform))
+    for name, relation in relations.items():
+        _relation(spec, name, relation)
+
+
+def _same(a: Attribute | None, b: Attribute) -> bool:
+    return a is not None and (a.type, a.value) == (b.type, b.value)
+
+
+def _apply(spec: Sdf.PrimSpec, schemas: Iterable[str]) -> None:
+    spec.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=list(schemas)))
+
+
+def _attribute(spec: Sdf.PrimSpec, name: str, attribute: Attribute) -> None:
+    variability = Sdf.VariabilityUniform if attribute.uniform else Sdf.VariabilityVarying
+    made = Sdf.AttributeSpec(spec, name, Sdf.ValueTypeNames.Find(attribute.type), variability)
+    if attribute.value is not None:
+        convert = _VALUES.get(attribute.type)
+        blocked = isinstance(attribute.value, Sdf.ValueBlock)
+        made.default = convert(attribute.value) if convert and not blocked else attribute.value
+    if attribute.sources:
+        made.customData = {"wms": {"from": " ".join(sorted(attribute.sources))}}
+
+
+def _relation(spec: Sdf.PrimSpec, name: str, relation: Relation) -> None:
+    target = relation.targets[0]
+    if "." in target:  # a property: the attribute is connected to it
+        made = Sdf.AttributeSpec(spec, name, Sdf.ValueTypeNames.Token)
+        made.connectionPathList.explicitItems = [target]
+        return
+    rel = Sdf.RelationshipSpec(spec, name, custom=False)
+    rel.targetPathList.explicitItems = list(relation.targets)
+    if relation.sources:
+        rel.customData = {"wms": {"from": " ".join(sorted(relation.sources))}}
