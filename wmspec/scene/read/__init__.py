@@ -1,0 +1,82 @@
+"""A USD stage as a `Scene`: everything that an engine is given, in metres, kilograms, seconds and Z up."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+
+from pxr import Usd
+
+from wmspec.scene.model import Action, Body, Camera, Observation, Scene
+from wmspec.scene.read import episode, views
+from wmspec.scene.read.bodies import Names, bodies
+from wmspec.scene.read.frames import World
+from wmspec.scene.read.prims import Problems, targets
+from wmspec.scene.read.walk import Found, Walk
+
+__all__ = ["read"]
+
+
+def read(stage: Usd.Stage) -> Scene:
+    """Read a stage: ours, or anyone's standard UsdPhysics.
+
+    A stage without a WmsEpisode lasts 0 s: `dataclasses.replace(scene, duration=...)`. One without cameras gets one
+    named 'overview', one without lights the default light.
+
+    Raises:
+        StageError: with everything on the stage that is wrong or not supported, each with its prim and remedy.
+    """
+    problems = Problems()
+    found, world = Walk(stage, problems).found, World(stage)
+    everything = bodies(list(found.owners.values()), world, problems)
+    cameras = _cameras(found, world, problems)
+    actions = _actions(found, everything, world, problems)
+    observations = _observations(found, cameras, problems)
+    with problems.gathered():
+        gravity = episode.gravity(found.of("PhysicsScene"), world)
+    with problems.gathered():
+        task, duration, rate = episode.timing(found.of("WmsEpisode"))
+    with problems.gathered():
+        light, background = views.light(found.of("DistantLight"), found.of("DomeLight"), world)
+    problems.report()
+    return Scene(
+        name=task or PurePath(stage.GetRootLayer().GetDisplayName()).stem,
+        gravity=gravity,
+        bodies=everything,
+        actions=actions,
+        cameras=tuple(cameras.values()) or (views.overview(everything),),
+        light=light,
+        background=background,
+        observations=observations,
+        duration=duration,
+        rate=rate,
+    )
+
+
+def _cameras(found: Found, world: World, problems: Problems) -> dict[str, Camera]:
+    names, cameras = Names(), {}
+    for prim in found.of("Camera"):
+        name = names.give(prim.GetName(), str(prim.GetPath()))
+        with problems.gathered():
+            cameras[str(prim.GetPath())] = views.camera(prim, name, world)
+    return cameras
+
+
+def _actions(found: Found, everything: tuple[Body, ...], world: World, problems: Problems) -> tuple[Action, ...]:
+    known, actions = {body.path: body for body in everything}, []
+    refused = found.owners.keys() - known.keys()
+    for prim in found.of("WmsAction"):
+        if not refused.isdisjoint(targets(prim, "wms:object")):
+            continue  # what is wrong is already said of its object
+        with problems.gathered():
+            actions.append((prim, episode.action(prim, known, world)))
+    with problems.gathered():
+        episode.overlapping(actions)
+    return tuple(action for _, action in actions)
+
+
+def _observations(found: Found, cameras: dict[str, Camera], problems: Problems) -> tuple[Observation, ...]:
+    observations = []
+    for prim in found.of("WmsObservation"):
+        with problems.gathered():
+            observations.append(episode.observation(prim, cameras))
+    return tuple(observations)

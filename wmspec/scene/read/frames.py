@@ -1,0 +1,90 @@
+"""Where things are: every transform of the stage in metres and Z up, as a rigid pose and what is left of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Gf, Usd, UsdGeom
+
+from wmspec.scene.model import Array, Pose
+from wmspec.scene.read.prims import NOW, refuse
+
+_ORTHOGONAL = 1e-6
+_UPRIGHT = {"Y": Gf.Rotation(Gf.Vec3d(1, 0, 0), 90), "X": Gf.Rotation(Gf.Vec3d(0, 1, 0), -90)}
+"""Up axis -> the rotation that brings it to Z."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A transform as a rigid part, applied last, and the `stretch` before it (row vectors, as in Gf)."""
+
+    rigid: Gf.Matrix4d
+    stretch: Gf.Matrix4d
+
+    @property
+    def pose(self) -> Pose:
+        """The rigid part."""
+        return Pose(vector(self.rigid.ExtractTranslation()), quaternion(self.rigid.ExtractRotationQuat()))
+
+
+def vector(v: Gf.Vec3d) -> Array:
+    """A Gf vector as an array (3,)."""
+    return np.array((v[0], v[1], v[2]), np.float64)
+
+
+def quaternion(q: Gf.Quatd) -> Array:
+    """A Gf quaternion as a unit (w, x, y, z) with w >= 0."""
+    i = q.GetImaginary()
+    found = np.array((q.GetReal(), i[0], i[1], i[2]), np.float64)
+    return found / math.copysign(math.sqrt(found @ found), found[0])
+
+
+def split(matrix: Gf.Matrix4d, prim: Usd.Prim) -> Place:
+    """Take a transform apart into rotation and translation, and the scale, mirroring and shear before them.
+
+    Raises:
+        StageError: if the prim is squashed flat.
+    """
+    rows = [matrix.GetRow3(i) for i in range(3)]
+    lengths = [row.Normalize() for row in rows]
+    if not min(lengths) > 0 or not abs(matrix.GetDeterminant3()) > 0:
+        refuse(prim, "its transform has scale zero", "author a scale that is not zero")
+    if max(abs(rows[0] * rows[1]), abs(rows[1] * rows[2]), abs(rows[2] * rows[0])) > _ORTHOGONAL:
+        rigid = matrix.RemoveScaleShear()
+    else:
+        if matrix.GetDeterminant3() < 0:
+            rows[0] = -rows[0]
+        rigid = Gf.Matrix4d().SetIdentity()
+        for i, row in enumerate(rows):
+            rigid.SetRow3(i, row)
+        rigid.SetTranslateOnly(matrix.ExtractTranslation())
+    return Place(rigid, matrix * rigid.GetInverse())
+
+
+class World:
+    """The stage's coordinates turned into ours: metres, kilograms, Z up."""
+
+    def __init__(self, stage: Usd.Stage) -> None:
+        self.meters = UsdGeom.GetStageMetersPerUnit(stage)
+        self.kilograms = float(stage.GetMetadata("kilogramsPerUnit") or 1.0)
+        self.upright = Gf.Matrix4d(
+            _UPRIGHT.get(UsdGeom.GetStageUpAxis(stage), Gf.Rotation(Gf.Vec3d(0, 0, 1), 0)), (0, 0, 0)
+        )
+        self._units = Gf.Matrix4d().SetScale(self.meters) * self.upright
+        self._cache = UsdGeom.XformCache(NOW)
+
+    def matrix(self, prim: Usd.Prim) -> Gf.Matrix4d:
+        """The prim's local coordinates -> our world."""
+        return self._cache.GetLocalToWorldTransform(prim) * self._units
+
+    def parent(self, prim: Usd.Prim) -> Gf.Matrix4d:
+        """The coordinates in which the prim's transform is given -> our world."""
+        if self._cache.GetLocalTransformation(prim)[1]:
+            return self._units
+        return self._cache.GetParentToWorldTransform(prim) * self._units
+
+    def direction(self, v: Gf.Vec3d) -> Array:
+        """A vector (3,) in the stage's world axes, turned to ours and not scaled."""
+        return vector(self.upright.TransformDir(Gf.Vec3d(v)))

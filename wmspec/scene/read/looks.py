@@ -1,0 +1,122 @@
+"""Materials: how a geometry looks (UsdPreviewSurface) and how it rubs (PhysicsMaterialAPI)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
+
+from wmspec.scene.color import to_srgb
+from wmspec.scene.model import Friction, Surface
+from wmspec.scene.read.prims import NOW, applied, refuse, value
+
+_PREVIEW = (0.18, 0.18, 0.18)
+"""UsdPreviewSurface's own diffuseColor, linear."""
+
+
+def bound(prims: Sequence[Usd.Prim], purpose: str) -> list[Usd.Prim | None]:
+    """The Material prim that each prim is bound to for `purpose` ('preview' or 'physics'), inherited bindings included."""
+    materials, _ = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(list(prims), purpose)
+    return [material.GetPrim() if material else None for material in materials]
+
+
+def friction(material: Usd.Prim | None) -> Friction:
+    """The physics material; the default if none is bound, but 0 for what a bound one leaves out, as UsdPhysics says.
+
+    Raises:
+        StageError: if a value is out of its range.
+    """
+    if material is None or "PhysicsMaterialAPI" not in applied(material):
+        return Friction()
+    names = {"static": "staticFriction", "dynamic": "dynamicFriction", "restitution": "restitution"}
+    found = {key: float(value(material, f"physics:{name}", 0.0)) for key, name in names.items()}
+    for key, number in found.items():
+        if not 0 <= number < float("inf") or (key == "restitution" and number > 1):
+            refuse(material, f"physics:{names[key]} = {number:g}", "expected 0 or more, and a restitution of at most 1")
+    return Friction(**found)
+
+
+def density(material: Usd.Prim | None) -> float:
+    """The physics material's density in the stage's units, 0 if it has none."""
+    return float(value(material, "physics:density", 0.0)) if material is not None else 0.0
+
+
+def surface(prim: Usd.Prim, material: Usd.Prim | None) -> Surface:
+    """The preview surface of the bound material, or the displayColor of a prim without one.
+
+    Raises:
+        StageError: if the surface is of another kind, transparent, or its texture is missing.
+    """
+    shader = UsdShade.Material(material).ComputeSurfaceSource()[0] if material is not None else None
+    return _preview(shader) if shader else _displayed(prim)
+
+
+def srgb(linear: Gf.Vec3f) -> tuple[float, float, float]:
+    """A linear colour as sRGB."""
+    return _srgb(linear[0], linear[1], linear[2])
+
+
+@lru_cache(maxsize=1024)
+def _srgb(*linear: float) -> tuple[float, float, float]:
+    r, g, b = to_srgb(linear).tolist()
+    return r, g, b
+
+
+def _displayed(prim: Usd.Prim) -> Surface:
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+    colors = primvar.Get(NOW) if primvar and primvar.HasValue() else None
+    return Surface(srgb(colors[0])) if colors else Surface()
+
+
+def _preview(shader: UsdShade.Shader) -> Surface:
+    prim = shader.GetPrim()
+    if shader.GetIdAttr().Get() != "UsdPreviewSurface":
+        refuse(prim, "its surface is no UsdPreviewSurface", "give the material a UsdPreviewSurface")
+    if float(_input(shader, "opacity", 1.0)) < 1:
+        refuse(prim, "transparency is not supported", "set inputs:opacity to 1")
+    color = _source(shader, "diffuseColor")
+    textured = isinstance(color, UsdShade.Shader)
+    return Surface(
+        (1.0, 1.0, 1.0) if textured else srgb(Gf.Vec3f(color or _PREVIEW)),
+        roughness=float(_input(shader, "roughness", 0.5)),
+        metallic=float(_input(shader, "metallic", 0.0)),
+        texture=_texture(color) if textured else None,
+    )
+
+
+def _source(shader: UsdShade.Shader, name: str) -> Any:
+    """The input's value (through a material's interface), the shader that computes it, or None."""
+    plug = shader.GetInput(name)
+    for attribute in plug.GetValueProducingAttributes() if plug else []:
+        if UsdShade.Output.IsOutput(attribute):
+            return UsdShade.Shader(attribute.GetPrim())
+        return attribute.Get(NOW)
+    return None
+
+
+def _input(shader: UsdShade.Shader, name: str, fallback: float) -> float:
+    found = _source(shader, name)
+    if isinstance(found, UsdShade.Shader):
+        refuse(found.GetPrim(), f"a texture for {name} is not supported", f"author a value for inputs:{name}")
+    return fallback if found is None else float(found)
+
+
+def _texture(shader: UsdShade.Shader) -> str:
+    prim = shader.GetPrim()
+    if shader.GetIdAttr().Get() != "UsdUVTexture":
+        refuse(prim, "its colour is computed by another shader than a UsdUVTexture", "use a UsdUVTexture or a value")
+    reader = _source(shader, "st")
+    if isinstance(reader, UsdShade.Shader) and reader.GetIdAttr().Get() != "UsdPrimvarReader_float2":
+        refuse(
+            reader.GetPrim(), "transformed texture coordinates are not supported", "bake the transform into primvars:st"
+        )
+    if isinstance(reader, UsdShade.Shader) and _source(reader, "varname") not in (None, "", "st"):
+        refuse(reader.GetPrim(), "only the texture coordinates named 'st' are supported", "rename the primvar to st")
+    path: Sdf.AssetPath | None = _source(shader, "file")
+    if not path or not path.resolvedPath:
+        refuse(
+            prim, f"its image {path.path if path else ''!r} is not found", "author a path relative to its layer's file"
+        )
+    return str(path.resolvedPath)

@@ -1,0 +1,57 @@
+"""Reading single values, and saying what is wrong with a prim."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+from pxr import Usd
+
+from wmspec.errors import Problem, StageError
+
+NOW = Usd.TimeCode.EarliestTime()
+"""A value without time samples, or the only sample of one: anything else is refused as animated."""
+
+
+def value(prim: Usd.Prim, name: str, fallback: Any = None) -> Any:
+    """The attribute's composed value (or the fallback of its schema); `fallback` if it has none."""
+    attribute = prim.GetAttribute(name)
+    found = attribute.Get(NOW) if attribute else None
+    return fallback if found is None else found
+
+
+def targets(prim: Usd.Prim, name: str) -> list[str]:
+    """The paths that the relationship points to, forwarded; empty if there is no such relationship."""
+    relationship = prim.GetRelationship(name)
+    return [str(path) for path in relationship.GetForwardedTargets()] if relationship else []
+
+
+def applied(prim: Usd.Prim) -> list[str]:
+    """The API schemas that are authored on the prim, also those that USD does not know."""
+    return list(prim.GetPrimTypeInfo().GetAppliedAPISchemas())
+
+
+def refuse(prim: Usd.Prim, reason: str, remedy: str) -> NoReturn:
+    """Raise a `StageError` about this prim."""
+    raise StageError((Problem(str(prim.GetPath()), reason, remedy),))
+
+
+class Problems:
+    """Gathers what is wrong with a stage, so that the user sees all of it at once."""
+
+    def __init__(self) -> None:
+        self.found: list[Problem] = []
+
+    @contextmanager
+    def gathered(self) -> Iterator[None]:
+        """Note a `StageError` of the block and go on after it."""
+        try:
+            yield
+        except StageError as error:
+            self.found += error.problems
+
+    def report(self) -> None:
+        """Raise one `StageError` with everything found, if anything was."""
+        if self.found:
+            raise StageError(tuple(dict.fromkeys(self.found)))

@@ -1,0 +1,71 @@
+"""What a stage may hold and the engines are not given: refused, never skipped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pxr import Usd, UsdGeom
+
+from wmspec.scene.read.prims import refuse, targets, value
+
+_JOINT = ("joints are not supported", "deactivate the joint, or merge the two bodies into one")
+_SOFT = ("particles and deformable bodies are not supported", "deactivate the prim")
+_SHAPE = ("this kind of geometry is not supported", "use a Cube, Sphere, Cylinder, Cone, Capsule or Mesh")
+_VEHICLE = ("vehicles are not supported", "deactivate the prim")
+_LAMP = ("only a DistantLight and a DomeLight are supported", "deactivate the light")
+
+TYPES = {
+    **{f"Physics{kind}Joint": _JOINT for kind in ("", "Fixed", "Revolute", "Prismatic", "Spherical", "Distance")},
+    **{f"PhysxPhysics{kind}Joint": _JOINT for kind in ("Gear", "RackAndPinion")},
+    **{kind: _SHAPE for kind in ("Points", "BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "TetMesh")},
+    **{f"{kind}Light": _LAMP for kind in ("Sphere", "Rect", "Disk", "Cylinder", "Geometry", "Portal", "Plugin")},
+    "DomeLight_1": ("DomeLight_1 is not supported", "use a DomeLight"),
+    "PointInstancer": ("point instancers are not supported", "author each instance as a prim of its own"),
+    "SkelRoot": ("skeletons are not supported", "deactivate the prim"),
+    "Volume": _SHAPE,
+    "PhysxParticleSystem": _SOFT,
+    "PhysxParticleInstancer": _SOFT,
+}
+"""Type of prim -> reason and remedy."""
+
+APIS = {
+    "PhysicsArticulationRootAPI": ("articulations are not supported", "remove PhysicsArticulationRootAPI"),
+    "PhysxSDFMeshCollisionAPI": ("colliders made of signed distance fields are not supported", "use convexHull"),
+    "PhysxTriggerAPI": ("trigger volumes are not supported", "remove PhysxTriggerAPI"),
+    "PhysxForceAPI": ("force fields are not supported", "remove PhysxForceAPI"),
+    "PhysxSurfaceVelocityAPI": ("conveyors are not supported", "remove PhysxSurfaceVelocityAPI"),
+    "PhysxParticle": _SOFT,
+    "PhysxDeformable": _SOFT,
+    "PhysxAutoParticle": _SOFT,
+    "PhysxVehicle": _VEHICLE,
+    "PhysicsDeformable": _SOFT,
+    "PhysicsVolumeDeformable": _SOFT,
+    "PhysicsSurfaceDeformable": _SOFT,
+}
+"""Beginning of an applied API schema's name -> reason and remedy."""
+
+_STARTS = tuple(APIS)
+
+
+def examine(prim: Usd.Prim, apis: Sequence[str]) -> None:
+    """Refuse a prim, with its applied schemas, that asks for something the engines are not given.
+
+    Raises:
+        StageError: naming the prim, the reason and the remedy.
+    """
+    if row := TYPES.get(prim.GetTypeName()):
+        refuse(prim, *row)
+    for api in apis:
+        if api.startswith(_STARTS):
+            refuse(prim, *next(row for start, row in APIS.items() if api.startswith(start)))
+        if api == "PhysicsFilteredPairsAPI" and targets(prim, "physics:filteredPairs"):
+            refuse(prim, "filtered pairs are not supported: all bodies collide", "remove PhysicsFilteredPairsAPI")
+    if prim.GetTypeName() == "PhysicsCollisionGroup":
+        _examine_group(prim)
+    if (place := UsdGeom.Xformable(prim)) and place.TransformMightBeTimeVarying():
+        refuse(prim, "its transform is animated", "author one transform without time samples; move it by a WmsAction")
+
+
+def _examine_group(prim: Usd.Prim) -> None:
+    if targets(prim, "physics:filteredGroups") or value(prim, "physics:invertFilteredGroups", False):
+        refuse(prim, "collision groups are not supported: all bodies collide", "deactivate the collision group")
