@@ -1,0 +1,211 @@
+"""The parity look in MuJoCo's classic renderer (OpenGL; without a display through EGL)."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.errors import WmsError
+from wmspec.scene.camera import find
+from wmspec.scene.color import texture, whole
+from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
+from wmspec.scene.picture import check
+from wmspec.scene.shadow import SHADE, Casters
+from wmspec.scene.silence import silence
+from wmspec.scene.tessellate import tessellate
+
+with silence():
+    import mujoco
+
+SHADOW_MAP = 2048
+BIAS = 1.0
+"""How many texels of the shadow map a shadow begins behind its caster, see `Renderer._aim`."""
+SAMPLES = 4
+
+
+def renderer(scene: Scene, width: int, height: int) -> Renderer:
+    """Make a renderer of `width` x `height` pixels. Raises WmsError where OpenGL is missing."""
+    return Renderer(scene, width, height)
+
+
+class Renderer:
+    """Draws one scene: every body is a mocap body, so a shot is a matter of setting poses."""
+
+    def __init__(self, scene: Scene, width: int, height: int) -> None:
+        self._scene, self._casters = scene, Casters(scene)
+        self._rect = mujoco.MjrRect(0, 0, width, height)
+        self._gl = _context(width, height)
+        self._gl.make_current()
+        self._model: Any = _spec(scene, width, height).compile()
+        self._data: Any = mujoco.MjData(self._model)
+        self._owner = np.append(self._model.body_mocapid[self._model.geom_bodyid], -1)
+        self._view: Any = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 100)
+        self._context: Any = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
+        self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
+
+    def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
+        """Draw the bodies where the shot places them."""
+        check(self._scene, shot)
+        self._gl.make_current()
+        self._place(shot)
+        self._aim(find(self._scene, shot.camera), shot)
+        rgb, _ = self._render(ids=False)
+        marks, distance = self._render(ids=True)
+        ids = self._bodies(marks)
+        return Frame(rgb, ids, np.where(ids >= 0, distance, np.float32(0)) if depth else None)
+
+    def close(self) -> None:
+        """Free the graphics context; the renderer can't be used any more."""
+        self._gl.make_current()
+        self._context.free()
+        self._gl.free()
+
+    def _place(self, shot: Shot) -> None:
+        for i, pose in enumerate(shot.poses):
+            self._data.mocap_pos[i], self._data.mocap_quat[i] = pose.position, pose.orientation
+
+    def _aim(self, camera: Camera, shot: Shot) -> None:
+        """Turn camera and shadow map to what's to be seen.
+
+        MuJoCo offsets shadows by four steps of a 24-bit depth map that reaches from the near plane to the far plane
+        (`render_gl3.c`), which is too little for a small map: surfaces would shade themselves. So the far plane is
+        put where four steps are `BIAS` texels; the camera's own depth has floating point, and loses nothing by it.
+        """
+        region = self._casters.region(camera, shot)
+        far = max(camera.far, BIAS * 2 * region.half / SHADOW_MAP * 2**24 / 4)
+        self._model.vis.map.znear, self._model.vis.map.zfar = camera.near, far
+        self._context.shadowClip = region.half
+        self._model.light_pos[:] = region.center - self._scene.light.direction * region.reach
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+        eye = mujoco.MjvCamera()
+        eye.type = mujoco.mjtCamera.mjCAMERA_FIXED
+        eye.fixedcamid = self._scene.cameras.index(camera)
+        every = mujoco.mjtCatBit.mjCAT_ALL
+        mujoco.mjv_updateScene(self._model, self._data, mujoco.MjvOption(), None, eye, every, self._view)
+
+    def _render(self, ids: bool) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+        """Bytes (h, w, 3) and distances (h, w) in metres along the view axis, the first row on top."""
+        self._view.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = ids
+        self._view.flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = ids
+        rgb = np.empty((self._rect.height, self._rect.width, 3), np.uint8)
+        z = np.empty((self._rect.height, self._rect.width), np.float32)
+        mujoco.mjr_render(self._rect, self._view, self._context)
+        mujoco.mjr_readPixels(rgb, z, self._rect, self._context)
+        return np.ascontiguousarray(rgb[::-1]), self._metres(z[::-1])
+
+    def _metres(self, z: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Undo OpenGL's projection: the reversed depth is 1 at the near plane and 0 at the far plane."""
+        near, far = float(self._model.vis.map.znear), float(self._model.vis.map.zfar)
+        return (far * near / (near + z.astype(np.float64) * (far - near))).astype(np.float32)
+
+    def _bodies(self, marks: NDArray[np.uint8]) -> NDArray[np.int16]:
+        """The scene's body behind every id colour (0 is the background, n + 1 the n-th drawn geometry)."""
+        number = marks.astype(np.int32) @ np.array([1, 256, 65536])
+        table = np.full(self._view.ngeom + 1, -1, np.int16)
+        for geom in self._view.geoms[: self._view.ngeom]:
+            if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
+                table[geom.segid + 1] = self._owner[geom.objid]
+        bodies: NDArray[np.int16] = table[number]
+        return bodies
+
+
+def _context(width: int, height: int) -> Any:
+    """An OpenGL context: the one that MUJOCO_GL asks for, else EGL where there is no display."""
+    display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    try:
+        with silence():
+            if "MUJOCO_GL" in os.environ or display:
+                from mujoco.gl_context import GLContext  # noqa: PLC0415  (importing one chooses it)
+            else:
+                from mujoco.egl import GLContext  # noqa: PLC0415
+            return GLContext(width, height)
+    except Exception as error:  # every back end has its own
+        raise WmsError(
+            f"MuJoCo can't draw: no OpenGL ({error}); install Mesa's EGL (Debian: libegl1 libgl1-mesa-dri), "
+            "see 'wmspec doctor'"
+        ) from error
+
+
+def _spec(scene: Scene, width: int, height: int) -> Any:
+    spec = mujoco.MjSpec()
+    _settings(spec, scene, width, height)
+    _lights(spec, scene)
+    for i, body in enumerate(scene.bodies):
+        node = spec.worldbody.add_body(name=f"b{i}", mocap=True, pos=body.pose.position, quat=body.pose.orientation)
+        for j, geom in enumerate(body.geoms):
+            if geom.visible:
+                _geom(spec, node, geom, f"b{i}g{j}")
+    for i, camera in enumerate(scene.cameras):
+        pose = camera.pose
+        spec.worldbody.add_camera(
+            name=f"c{i}", pos=pose.position, quat=pose.orientation, fovy=math.degrees(camera.fovy)
+        )
+    return spec
+
+
+def _settings(spec: Any, scene: Scene, width: int, height: int) -> None:
+    spec.stat.extent, spec.stat.center = 1.0, np.zeros(3)  # so that lengths below `visual` are in metres
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
+    spec.visual.quality.offsamples, spec.visual.quality.shadowsize = SAMPLES, SHADOW_MAP
+    spec.visual.headlight.active = 0
+    sky = whole(scene.background)
+    flat, skybox = mujoco.mjtBuiltin.mjBUILTIN_FLAT, mujoco.mjtTexture.mjTEXTURE_SKYBOX
+    spec.add_texture(name="sky", type=skybox, builtin=flat, rgb1=sky, rgb2=sky, width=16, height=16)
+
+
+def _lights(spec: Any, scene: Scene) -> None:
+    """The sun, once with shadows and once without, which also carries the ambient light."""
+    light = scene.light
+    for name, share, shadow in (("sun", SHADE, True), ("sky", 1 - SHADE, False)):
+        spec.worldbody.add_light(
+            name=name,
+            type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+            dir=light.direction,
+            castshadow=shadow,
+            diffuse=np.full(3, light.diffuse * share),
+            ambient=np.full(3, 0.0 if shadow else light.ambient),
+            specular=np.zeros(3),
+        )
+
+
+def _geom(spec: Any, node: Any, geom: Geom, name: str) -> None:
+    facets = tessellate(geom.shape)
+    spec.add_mesh(
+        name=name,
+        uservert=facets.points.ravel(),
+        usernormal=facets.normals.ravel(),
+        usertexcoord=(facets.st * [1, -1] + [0, 1]).ravel(),
+        userface=facets.faces.ravel(),
+        userfacenormal=facets.faces.ravel(),
+        userfacetexcoord=facets.faces.ravel(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    )
+    _material(spec, geom, name)
+    node.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_MESH,
+        meshname=name,
+        material=name,
+        pos=geom.pose.position,
+        quat=geom.pose.orientation,
+        contype=0,
+        conaffinity=0,
+    )
+
+
+def _material(spec: Any, geom: Geom, name: str) -> None:
+    material = spec.add_material(name=name, specular=0.0, shininess=0.0, reflectance=0.0)
+    if geom.surface.texture is None:
+        material.rgba = [*geom.surface.color, 1.0]
+        return
+    image = texture(geom.surface.texture)
+    kind = mujoco.mjtTexture.mjTEXTURE_2D
+    made = spec.add_texture(name=name, type=kind, height=image.shape[0], width=image.shape[1], nchannel=3)
+    made.data = image.tobytes()
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+    material.rgba = [1.0, 1.0, 1.0, 1.0]

@@ -1,0 +1,38 @@
+"""From an engine's pixels to ours."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.errors import WmsError
+from wmspec.scene.model import Scene, Shot
+
+
+def check(scene: Scene, shot: Shot) -> None:
+    """Raises WmsError unless the shot places every body of the scene."""
+    if len(shot.poses) != len(scene.bodies):
+        raise WmsError(
+            f"a shot of '{scene.name}' has {len(shot.poses)} poses, expected one for each of {len(scene.bodies)} bodies"
+        )
+
+
+Image = NDArray[np.float32]
+
+
+def fill(rgb: Image, ids: NDArray[np.int16], color: tuple[float, float, float]) -> Image:
+    """`rgb` (h, w, 3), values 0..255, with `color` (sRGB, 0..1) wherever `ids` (h, w) show the background."""
+    sky = np.rint(255 * np.asarray(color)).astype(np.float32)
+    return np.where((ids < 0)[..., None], sky, rgb)
+
+
+def halve(image: Image) -> Image:
+    """The mean of every 2 x 2 pixels: (2 h, 2 w, ...) to (h, w, ...)."""
+    rows: Image = image[0::2] + image[1::2]
+    total: Image = rows[:, 0::2] + rows[:, 1::2]
+    return total / np.float32(4)
+
+
+def quantize(rgb: Image) -> NDArray[np.uint8]:
+    """The nearest bytes of values 0..255."""
+    return np.rint(np.clip(rgb, 0.0, 255.0)).astype(np.uint8)

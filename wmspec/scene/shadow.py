@@ -1,0 +1,72 @@
+"""Where the sun's shadow map must look: the same for all engines, fitted to what casts shadows.
+
+A map that is seen along the sun needs to cover only what *casts*; whatever lies behind in the same column receives
+the shadow, and everything beside it is lit. So it is fitted to the bodies of the shot, and ground is left out: a
+static body so large, or so near the camera, that the camera is inside its bounding sphere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.scene.camera import look_at
+from wmspec.scene.model import Array, Body, Camera, Scene, Shot
+from wmspec.scene.tessellate import tessellate
+from wmspec.scene.transform import rotation
+
+SHADE = 0.6
+"""The share of the sun's light that shadows take away; the rest stands for light from the sky, and falls everywhere."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """A column along the sun: `center` (3,) in the world, `half` its half width (m), `reach` its half length (m).
+
+    `casts` (N,) tells which bodies cast shadows; it was fitted to these.
+    """
+
+    center: Array
+    half: float
+    reach: float
+    casts: NDArray[np.bool_]
+
+
+class Casters:
+    """The bounding spheres of a scene's bodies; made once, asked for every shot."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._radius = np.array([_radius(body) for body in scene.bodies])
+        self._axes = rotation(look_at(-scene.light.direction, np.zeros(3)).orientation)
+
+        self._moves = np.array([body.motion != "static" for body in scene.bodies], dtype=bool)
+
+    def region(self, camera: Camera, shot: Shot) -> Region:
+        """The column to draw the shadows of a shot in."""
+        at = np.array([pose.position for pose in shot.poses]).reshape(-1, 3)
+        away = np.linalg.norm(at - camera.pose.position, axis=1)
+        casts = (self._radius > 0) & ((self._radius < away) | self._moves)
+        if not casts.any():
+            return Region(np.zeros(3), 1.0, 1.0 + float(np.linalg.norm(camera.pose.position)), casts)
+        return self._around(at, casts, camera)
+
+    def _around(self, at: Array, casts: NDArray[np.bool_], camera: Camera) -> Region:
+        local, radius = at[casts] @ self._axes, self._radius[casts, None]
+        low, high = (local - radius).min(axis=0), (local + radius).max(axis=0)
+        center = self._axes @ ((low + high) / 2)
+        size = (high - low) / 2
+        reach = 2 * float(size.max()) + float(np.linalg.norm(camera.pose.position - center))
+        return Region(center, 1.05 * float(size[:2].max()), reach, casts)
+
+
+def _radius(body: Body) -> float:
+    """The radius of the sphere around the body's origin that holds all that's visible of it (m)."""
+    placed = [
+        geom.pose.position + tessellate(geom.shape).points @ rotation(geom.pose.orientation).T
+        for geom in body.geoms
+        if geom.visible
+    ]
+    return max((float(np.linalg.norm(points, axis=1).max()) for points in placed), default=0.0)
