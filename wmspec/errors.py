@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -35,3 +37,14 @@ class StageError(WmsError):
 
 class EngineError(WmsError):
     """An engine gave up or returned nonsense for this episode (a diverged state, a warning that it hides)."""
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """`did you mean X?` for the known word closest to `word`, or a list of a few known ones, or nothing."""
+    names = sorted(set(known))
+    close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    if close:
+        return f"did you mean `{close[0]}`?"
+    if 0 < len(names) <= 16:
+        return "known here: " + ", ".join(names)
+    return ""

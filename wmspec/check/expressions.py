@@ -24,8 +24,9 @@ from wmspec.check.kinds import (
 from wmspec.check.scope import Scope
 from wmspec.check.units import NUMBER, Dimension
 from wmspec.check.vocabulary import FUNCTIONS, PROPERTIES, VERBS, WORDS, Slot
+from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note, Report, suggestion
+from wmspec.parse.diagnostics import Note, Report
 from wmspec.parse.source import Span
 
 #: The dimension of a bare `0`, which fits wherever a quantity is wanted.

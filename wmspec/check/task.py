@@ -27,8 +27,9 @@ from wmspec.check.kinds import (
 from wmspec.check.scope import Scope
 from wmspec.check.units import NUMBER
 from wmspec.check.vocabulary import PROPERTIES, SETTINGS, VERBS, Slot
+from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note, Report, suggestion
+from wmspec.parse.diagnostics import Note, Report
 from wmspec.parse.load import Program, load
 from wmspec.parse.parser import parse_expression
 from wmspec.parse.source import Source, Span

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
@@ -144,14 +143,3 @@ class Report:
         """Raise `SpecError` with everything recorded if anything is an error."""
         if self.failed:
             raise SpecError(self.diagnostics)
-
-
-def suggestion(word: str, known: Iterable[str]) -> str:
-    """`did you mean X?` for the known word closest to `word`, or a list of a few known ones, or nothing."""
-    names = sorted(set(known))
-    close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
-    if close:
-        return f"did you mean `{close[0]}`?"
-    if 0 < len(names) <= 16:
-        return "known here: " + ", ".join(names)
-    return ""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from wmspec.errors import WmsError
-from wmspec.parse.diagnostics import Note, Report, suggestion
+from wmspec.errors import WmsError, suggestion
+from wmspec.parse.diagnostics import Note, Report
 from wmspec.parse.parser import parse
 from wmspec.parse.source import Source, Span
 from wmspec.parse.syntax import File, Name, Task, Use

@@ -1,0 +1,1 @@
+"""Finding the engines and having them execute and draw what is on a stage."""

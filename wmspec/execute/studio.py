@@ -1,0 +1,52 @@
+"""Drawing scenes: a renderer is kept for as long as scenes look the same, and a picture is drawn once."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from collections import OrderedDict
+
+from wmspec.execute.backends import backend
+from wmspec.scene.model import Frame, Renderer, Scene, Shot
+
+
+def look_key(scene: Scene) -> str:
+    """What a picture shows of a scene apart from poses, as a hash."""
+    shown = tuple((b.name, tuple((g.shape, g.pose, g.surface) for g in b.geoms if g.visible)) for b in scene.bodies)
+    read = (shown, scene.cameras, scene.light, scene.background)
+    return hashlib.blake2b(pickle.dumps(read, protocol=4), digest_size=16).hexdigest()
+
+
+class Studio:
+    """Draws in one engine at one size (pixels). Close it when done."""
+
+    def __init__(self, engine: str, width: int, height: int, remembered: int = 64) -> None:
+        self.engine = engine
+        self.size = (width, height)
+        self._remembered = remembered
+        self._open: tuple[str, Renderer] | None = None
+        self._frames: OrderedDict[str, Frame] = OrderedDict()
+
+    def draw(self, scene: Scene, shot: Shot) -> Frame:
+        """The picture of a scene from a camera, with every body at the pose of the shot."""
+        look = look_key(scene)
+        where = b"".join(p.position.tobytes() + p.orientation.tobytes() for p in shot.poses)
+        key = hashlib.blake2b(f"{look}{shot.camera}".encode() + where, digest_size=16).hexdigest()
+        if key not in self._frames:
+            self._frames[key] = self._renderer(scene, look).draw(shot)
+            if len(self._frames) > self._remembered:
+                self._frames.popitem(last=False)
+        self._frames.move_to_end(key)
+        return self._frames[key]
+
+    def close(self) -> None:
+        """Let go of the renderer."""
+        if self._open is not None:
+            self._open[1].close()
+            self._open = None
+
+    def _renderer(self, scene: Scene, look: str) -> Renderer:
+        if self._open is None or self._open[0] != look:
+            self.close()
+            self._open = (look, backend(self.engine).renderer(scene, *self.size))
+        return self._open[1]
