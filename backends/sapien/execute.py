@@ -1,0 +1,56 @@
+"""Run a scene in SAPIEN."""
+
+from __future__ import annotations
+
+from wmspec.backends.sapien.world import BITS, World, lanes, mean
+from wmspec.errors import WmsError
+from wmspec.scene.episode import Episode, play
+from wmspec.scene.honoured import honoured
+from wmspec.scene.model import Scene, Trace
+from wmspec.scene.recording import trace
+from wmspec.scene.rigid import Rigid, rigids
+from wmspec.scene.timeline import episode
+from wmspec.scene.validate import validate
+
+STEPS_PER_SECOND = 1920
+SINGLE = 1e-6  # PhysX computes with 32 bits
+
+
+def execute(scene: Scene) -> Trace:
+    """The trace of the scene's episode.
+
+    Raises WmsError for a scene that SAPIEN can't honour, EngineError when SAPIEN loses track of it.
+    """
+    bodies, timeline = prepare(scene)
+    world = World(bodies, timeline.gravity, timeline.step)
+    verify(world, scene, timeline)
+    return trace("sapien", scene, timeline, play(world, timeline))
+
+
+def prepare(scene: Scene) -> tuple[tuple[Rigid, ...], Episode]:
+    """The scene in SAPIEN's words. Raises WmsError, with the prim path, for what SAPIEN doesn't have."""
+    validate(scene)
+    bodies = rigids(scene)
+    needed = lanes(bodies)
+    over = {material for pair, bit in needed.items() if bit >= BITS for material in pair}
+    if over:
+        paths = [b.path for b, r in zip(scene.bodies, bodies, strict=True) if over & {p.material for p in r.pieces}]
+        raise WmsError(
+            f"{', '.join(paths)}: SAPIEN tells {BITS} pairs of touching materials apart, this scene has {len(needed)}; "
+            "give some bodies the same friction and restitution"
+        )
+    return bodies, episode(scene, STEPS_PER_SECOND)
+
+
+def verify(world: World, scene: Scene, timeline: Episode) -> None:
+    """Raise WmsError unless SAPIEN has the scene's physics."""
+    honoured("SAPIEN", "the time step", world.scene.get_timestep(), timeline.step, tolerance=SINGLE)
+    honoured("SAPIEN", "gravity", world.system.config.gravity, scene.gravity, tolerance=SINGLE)
+    for body, rigid, part in zip(scene.bodies, world.bodies, world.parts, strict=True):
+        if body.motion == "dynamic":
+            honoured(body.path, "the mass", part.mass, rigid.mass, tolerance=SINGLE)
+            honoured(body.path, "the inertia", part.inertia, rigid.moments, tolerance=SINGLE)
+        wanted = [mean(*pair) for piece in rigid.pieces for pair in world.lanes if piece.material in pair]
+        made = [shape.physical_material for shape in part.collision_shapes]
+        have = [[m.static_friction, m.dynamic_friction, m.restitution] for m in made]
+        honoured(body.path, "friction and restitution", have, wanted, tolerance=SINGLE)

@@ -1,0 +1,79 @@
+"""Bodies as plain numbers: what is said to an engine, in an order and words that suit all of them.
+
+The native scripts contain these definitions as they stand here, and the `repr` of a `Rigid` is the Python text of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmspec.scene.centred import centred, placed
+from wmspec.scene.contact import colliders
+from wmspec.scene.episode import Vector
+from wmspec.scene.hull import corners
+from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Scene, Sphere
+from wmspec.scene.timeline import floats
+from wmspec.scene.transform import identity
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A shape that collides, m. `kind` is box (`size`: half-extents), sphere (radius), cylinder or capsule (radius,
+
+    height of the straight part, along z) or hull (`size`: corners, flat). `pose`: position, quaternion (w, x, y, z).
+    `material`: static friction, dynamic friction, restitution.
+    """
+
+    kind: str
+    size: Vector
+    pose: Vector
+    material: Vector
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """A body in its centre-of-mass frame, SI units. `damping`: linear and angular rate, 1/s."""
+
+    name: str
+    motion: str
+    start: Vector
+    mass: float
+    moments: Vector
+    damping: Vector
+    pieces: tuple[Piece, ...]
+
+
+def rigids(scene: Scene) -> tuple[Rigid, ...]:
+    """The scene's bodies, in order."""
+    return tuple(_rigid(centred(body)) for body in scene.bodies)
+
+
+def _rigid(body: Body) -> Rigid:
+    return Rigid(
+        name=body.name,
+        motion=body.motion,
+        start=floats(np.concatenate([body.pose.position, body.pose.orientation])),
+        mass=float(body.inertia.mass) if body.inertia else 0.0,
+        moments=floats(body.inertia.moments if body.inertia else np.zeros(3)),
+        damping=(float(body.linear_damping), float(body.angular_damping)),
+        pieces=tuple(map(_piece, colliders(body))),
+    )
+
+
+def _piece(geom: Geom) -> Piece:
+    f, pose = geom.friction, geom.pose
+    match geom.shape:
+        case Box(half):
+            kind, size = "box", floats(half)
+        case Sphere(r):
+            kind, size = "sphere", (float(r),)
+        case Cylinder(r, h):
+            kind, size = "cylinder", (float(r), float(h))
+        case Capsule(r, h):
+            kind, size = "capsule", (float(r), float(h))
+        case Cone() | Mesh():
+            kind, size, pose = "hull", floats(placed(pose, corners(geom.shape))), identity()
+    where = floats(np.concatenate([pose.position, pose.orientation]))
+    return Piece(kind, size, where, (float(f.static), float(f.dynamic), float(f.restitution)))
