@@ -192,14 +192,15 @@ def _pictured(
     design: Design, instance: Instance, question: Question, run: _Run, answer: Any, crew: Crew, position: int
 ) -> tuple[tuple[Option, ...], int, NDArray[np.float64]]:
     camera, time = answer
-    runs, changes = [run], [None, *question.counterfactuals]
-    for change in question.counterfactuals:
+    runs: list[_Run] = [run]
+    changes: list[Counterfactual | None] = [None, *question.counterfactuals]
+    for counterfactual in question.counterfactuals:
         try:
-            runs.append(_execute(design.spec, instance, change, crew))
+            runs.append(_execute(design.spec, instance, counterfactual, crew))
         except EngineError as error:
-            raise _Reject("unstable", f"{change.name}: {error}") from None
+            raise _Reject("unstable", f"{counterfactual.name}: {error}") from None
         except WmsError as error:
-            raise _Reject("invalid", f"{change.name}: {error}") from None
+            raise _Reject("invalid", f"{counterfactual.name}: {error}") from None
     poses = np.stack([r.poses(time) for r in runs])
     names = ["truth", *(c.name for c in question.counterfactuals)]
     if question.distinct is not None:
@@ -210,8 +211,7 @@ def _pictured(
     options = []
     for i in order:
         picture = _picture(runs[i], camera, time, crew, f"in option {names[i]}")
-        change = changes[i]
-        said = _change(change, run.values, runs[i].values) if change is not None else None
+        said = _change(change, run.values, runs[i].values) if (change := changes[i]) is not None else None
         options.append(Option("truth" if i == 0 else "counterfactual", names[i], picture=picture, change=said))
     return tuple(options), order.index(0), poses[order]
 

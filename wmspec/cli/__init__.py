@@ -1,0 +1,48 @@
+"""The command line. Every command is a file of its own, imported when it is used."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+
+import click
+
+from wmspec import __version__
+from wmspec.errors import WmsError
+
+COMMANDS = ("check", "list", "compile", "run", "render", "generate", "view", "doctor")
+
+
+class _Commands(click.Group):
+    """Commands by file name; a user's mistake is told in a sentence and ends with exit code 2."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        module = importlib.import_module(f"wmspec.cli.{cmd_name}")
+        command: click.Command = getattr(module, f"{cmd_name}_command")
+        return command
+
+    def invoke(self, ctx: click.Context) -> object:
+        try:
+            return super().invoke(ctx)
+        except WmsError as error:
+            click.echo(f"{error}" if str(error).startswith("error[") else f"error: {error}", err=True)
+            ctx.exit(2)
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            ctx.exit(1)
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="wmspec")
+def main() -> None:
+    """Controlled visual questions about a physical world.
+
+    A spec (.wms) describes objects, factors, actions and counterfactuals. It compiles to a USD stage, which MuJoCo,
+    PyBullet and SAPIEN execute and draw; questions with measured answers come out.
+    """

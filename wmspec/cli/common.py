@@ -1,0 +1,100 @@
+"""What several commands share: reading specs, telling diagnostics, common options."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from wmspec.errors import WmsError
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+specs_argument = click.argument("specs", nargs=-1, required=True, type=click.Path(path_type=Path))
+spec_argument = click.argument("spec", type=click.Path(path_type=Path))
+seed_option = click.option("--seed", default=0, show_default=True, help="What all draws depend on.")
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for machines.")
+instance_option = click.option("--instance", "-i", default=0, show_default=True, metavar="I", help="Which instance.")
+
+
+def spec_files(paths: Iterable[Path]) -> list[Path]:
+    """The spec files meant: a file as it is, a folder as every .wms below it. Raises WmsError where there is none."""
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            found = sorted(path.rglob("*.wms"))
+            if not found:
+                raise WmsError(f"{path}: there is no .wms file in this folder")
+            files += found
+        else:
+            files.append(path)
+    return list(dict.fromkeys(files))
+
+
+def load_tasks(paths: Iterable[Path]) -> list[tuple[Path, Any]]:
+    """The checked tasks of all spec files, each with its file. Libraries yield none.
+
+    Warnings go to standard error. Raises SpecError with every mistake of every file.
+    """
+    from wmspec.check.task import check
+    from wmspec.parse.diagnostics import Report
+
+    report = Report()
+    tasks = [(path, task) for path in spec_files(paths) for task in check(path, report)]
+    report.stop_if_failed()
+    for diagnostic in report.diagnostics:
+        click.echo(diagnostic.render(), err=True)
+    if not tasks:
+        raise WmsError("there is no task in the files given; a task begins with `task NAME : DIMENSION {`")
+    names: dict[str, Path] = {}
+    for path, task in tasks:
+        if task.name in names:
+            raise WmsError(f"two tasks are called `{task.name}`: in {names[task.name]} and in {path}; rename one")
+        names[task.name] = path
+    return tasks
+
+
+def one_task(path: Path) -> Any:
+    """The only task of a spec file. Raises WmsError if it has none or several."""
+    tasks = load_tasks([path])
+    if len(tasks) > 1:
+        raise WmsError(f"{path} has {len(tasks)} tasks; this command takes a file with one")
+    return tasks[0][1]
+
+
+def instance_of(design: Any, index: int) -> Any:
+    """An instance by index. Raises WmsError outside the design."""
+    try:
+        return design[index]
+    except IndexError as error:
+        raise WmsError(f"{error}") from None
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """`256` or `320x240` as width and height in pixels. Raises WmsError for anything else."""
+    match = re.fullmatch(r"(\d+)(?:x(\d+))?", text.strip())
+    width, height = (int(match[1]), int(match[2] or match[1])) if match else (0, 0)
+    if not (16 <= width <= 4096 and 16 <= height <= 4096):
+        raise WmsError(f"size `{text}`: expected pixels such as 256 or 320x240, each from 16 to 4096")
+    return width, height
+
+
+def make_folder(path: Path) -> Path:
+    """Create a folder to write to. Raises WmsError with the reason if that is impossible."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise WmsError(f"{path}: cannot be made a folder: {error.strerror}") from None
+    return path
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a text file. Raises WmsError with the reason if that is impossible."""
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise WmsError(f"{path}: cannot be written: {error.strerror}") from None
+    return path

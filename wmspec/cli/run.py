@@ -1,0 +1,134 @@
+"""`wmspec run`: execute an instance, or a stage from anywhere, and see what happened."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from wmspec.cli.common import instance_of, instance_option, json_option, one_task, seed_option
+from wmspec.errors import WmsError
+
+STAGES = (".usd", ".usda", ".usdc", ".usdz")
+
+
+@click.command("run")
+@click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE")
+@click.option("--backend", "-b", default="mujoco", show_default=True, help="Engines: names joined by commas, or all.")
+@instance_option
+@seed_option
+@click.option("--for", "duration", default="", metavar="TIME", help="How long, such as 2s; for stages without an episode.")
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="Write the trace to this .npz file.")
+@json_option
+def run_command(
+    source: Path, backend: str, instance: int, seed: int, duration: str, output: Path | None, as_json: bool
+) -> None:
+    """Execute an instance of a spec, or a USD stage, and print where everything ended and what touched."""
+    from wmspec.execute.backends import backend as load_backend
+    from wmspec.execute.backends import chosen
+
+    scene = load_scene(source, instance, seed)
+    if duration:
+        scene = replace(scene, duration=_seconds(duration))
+    if scene.duration <= 0:
+        raise WmsError(f"{source}: the stage does not say how long it lasts; add for instance `--for 2s`")
+    engines = chosen(backend)
+    if output is not None and len(engines) > 1:
+        raise WmsError("one file holds the trace of one engine; choose one with --backend, or leave out --output")
+    traces = {name: load_backend(name).execute(scene) for name in engines}
+    if output is not None:
+        _save(traces[engines[0]], output)
+    if as_json:
+        click.echo(json.dumps([_summary(t, scene) for t in traces.values()], indent=2))
+        return
+    for trace in traces.values():
+        _print(trace, scene)
+
+
+def load_scene(source: Path, instance: int, seed: int) -> Any:
+    """The scene of a USD stage, or of an instance of a spec."""
+    from wmspec.scene.read import read
+
+    if source.suffix.lower() in STAGES:
+        return read(_open(source))
+    from wmspec.design.design import Design
+    from wmspec.stage.episode import document
+    from wmspec.stage.layers import compose
+
+    task = one_task(source)
+    return read(compose(document(task, instance_of(Design(task, seed), instance))))
+
+
+def _open(path: Path) -> Any:
+    import wmspec.scene.schema  # noqa: F401  importing it registers the schemas
+    from pxr import Tf, Usd
+
+    if not path.is_file():
+        raise WmsError(f"{path}: there is no such file")
+    try:
+        return Usd.Stage.Open(str(path))
+    except Tf.ErrorException as error:
+        reason = str(error).strip().splitlines()[-1].strip()
+        raise WmsError(f"{path}: not a stage that USD can open: {reason}") from None
+
+
+def _seconds(text: str) -> float:
+    from wmspec.check.units import TIME, UnknownUnit, parse_unit
+
+    number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
+    try:
+        scale, dimension = parse_unit(text[len(number) :].strip() or "s")
+        seconds = float(number) * scale
+    except (ValueError, UnknownUnit):
+        dimension, seconds = TIME, 0.0
+    if dimension != TIME or not 0 < seconds <= 3600:
+        raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to an hour")
+    return seconds
+
+
+def _save(trace: Any, path: Path) -> None:
+    import numpy as np
+
+    try:
+        with path.open("wb") as file:
+            np.savez_compressed(
+                file,
+                engine=trace.engine,
+                bodies=np.array(trace.bodies),
+                time=trace.time,
+                position=trace.position,
+                orientation=trace.orientation,
+                linear_velocity=trace.linear_velocity,
+                angular_velocity=trace.angular_velocity,
+            )
+    except OSError as error:
+        raise WmsError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _summary(trace: Any, scene: Any) -> dict[str, Any]:
+    bodies = {}
+    for i, body in enumerate(scene.bodies):
+        if body.motion != "static":
+            bodies[body.name] = {
+                "position": trace.position[-1, i].tolist(),
+                "orientation": trace.orientation[-1, i].tolist(),
+                "velocity": trace.linear_velocity[-1, i].tolist(),
+            }
+    contacts = [{"first": c.first, "second": c.second, "start": c.start, "stop": c.stop} for c in trace.contacts]
+    return {"engine": trace.engine, "duration": float(trace.time[-1]), "bodies": bodies, "contacts": contacts}
+
+
+def _print(trace: Any, scene: Any) -> None:
+    summary = _summary(trace, scene)
+    click.echo(click.style(f"{trace.engine}, {summary['duration']:g} s", bold=True))
+    for name, end in summary["bodies"].items():
+        x, y, z = (100 * v for v in end["position"])
+        vx, vy, vz = (100 * v for v in end["velocity"])
+        click.echo(f"  {name:<16} ends at ({x:7.1f}, {y:7.1f}, {z:6.1f}) cm, moving at ({vx:6.1f}, {vy:6.1f}, {vz:6.1f}) cm/s")
+    static = {b.name for b in scene.bodies if b.motion == "static"}
+    for contact in summary["contacts"]:
+        if contact["first"] not in static:
+            click.echo(f"  {contact['first']} touches {contact['second']} from {contact['start']:.3f} s to {contact['stop']:.3f} s")

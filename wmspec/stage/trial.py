@@ -1,0 +1,52 @@
+"""Trying a spec out: the design and the scenes of a sample of instances and counterfactuals are built, nothing is executed."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from wmspec.check.ir import TaskSpec
+from wmspec.design.design import Design
+from wmspec.errors import WmsError
+from wmspec.parse.diagnostics import Report
+from wmspec.parse.load import read_source
+from wmspec.parse.source import Source, Span
+from wmspec.stage.episode import document
+
+#: How many instances are tried.
+TRIED = 24
+
+
+def trial(spec: TaskSpec, report: Report) -> int:
+    """Report what goes wrong with the values of a spec; returns the number of its instances (0 if there are none)."""
+    try:
+        design = Design(spec)
+    except WmsError as error:
+        _report(str(error), "WMS402" if "no combination" in str(error) else "WMS404", report)
+        return 0
+    try:
+        for index in design.sample(TRIED):
+            instance = design[index]
+            truth = document(spec, instance)
+            for question in spec.questions:
+                for change in question.counterfactuals:
+                    if not truth.differing(document(spec, instance, change)):
+                        raise WmsError(f"{change.place}: `{change.name}` changes nothing in instance {index}")
+    except WmsError as error:
+        _report(str(error), "WMS503" if "changes nothing" in str(error) else "WMS304", report)
+    return len(design)
+
+
+def _report(message: str, code: str, report: Report) -> None:
+    """Point at the place that a message begins with."""
+    match = re.search(r"([^\s:;][^:;]*):(\d+):(\d+): ", message)
+    if match is None:
+        span = Span(Source("<spec>", " "), 0, 0)
+        report.add(code, message, span)
+        return
+    source = read_source(Path(match[1]))
+    lines = source.text.split("\n")
+    start = sum(len(line) + 1 for line in lines[: int(match[2]) - 1]) + int(match[3]) - 1
+    word = re.match(r"[^\n]*", source.text[start:])
+    end = start + len((word[0] if word else "").rstrip())
+    report.add(code, message[: match.start()] + message[match.end() :], Span(source, start, end))
