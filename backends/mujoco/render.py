@@ -38,15 +38,11 @@ class Renderer:
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         self._scene, self._casters = scene, Casters(scene)
         self._rect = mujoco.MjrRect(0, 0, width, height)
-        self._gl = _context(width, height)
-        self._gl.make_current()
         self._model: Any = _spec(scene, width, height).compile()
         self._data: Any = mujoco.MjData(self._model)
         self._owner = np.append(self._model.body_mocapid[self._model.geom_bodyid], -1)
         self._view: Any = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 100)
-        self._context: Any = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
+        self._gl, self._context = _graphics(self._model, width, height)
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
@@ -115,8 +111,8 @@ class Renderer:
         return bodies
 
 
-def _context(width: int, height: int) -> Any:
-    """An OpenGL context: the one that MUJOCO_GL asks for, else EGL where there is no display."""
+def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
+    """An OpenGL context and the model's data in it: by EGL, unless MUJOCO_GL is set or there is a display."""
     display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     try:
         with silence():
@@ -124,12 +120,17 @@ def _context(width: int, height: int) -> Any:
                 from mujoco.gl_context import GLContext  # noqa: PLC0415  (importing one chooses it)
             else:
                 from mujoco.egl import GLContext  # noqa: PLC0415
-            return GLContext(width, height)
+            gl = GLContext(width, height)
+            gl.make_current()
+            context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
     except Exception as error:  # every back end has its own
         raise WmsError(
-            f"MuJoCo can't draw: no OpenGL ({error}); install Mesa's EGL (Debian: libegl1 libgl1-mesa-dri), "
-            "see 'wmspec doctor'"
+            f"MuJoCo can't draw: no OpenGL ({error}); set MUJOCO_GL=egl and install Mesa's EGL "
+            "(Debian: libegl1 libgl1-mesa-dri), see 'wmspec doctor'"
         ) from error
+    mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, context)
+    context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
+    return gl, context
 
 
 def _spec(scene: Scene, width: int, height: int) -> Any:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.backends.pybullet.lists import lists
 from wmspec.backends.pybullet.shadow import Sun
 from wmspec.errors import WmsError
 from wmspec.scene.camera import find, projection_matrix, view_matrix
@@ -118,20 +119,11 @@ def _metres(z: NDArray[np.float32], camera: Camera) -> NDArray[np.float32]:
 def _add(geom: Geom, client: int) -> int:
     """Add a geometry; return its number in PyBullet."""
     facets, image = tessellate(geom.shape), geom.surface.texture
-    # PyBullet never gives back the references that it takes to these lists: what is emptied does not leak.
-    lists = [facets.points.tolist(), facets.normals.tolist(), facets.st.tolist(), facets.faces.ravel().tolist()]
-    shape = pybullet.createVisualShape(
-        pybullet.GEOM_MESH,
-        vertices=lists[0],
-        normals=lists[1],
-        uvs=lists[2],
-        indices=lists[3],
-        rgbaColor=[*((1, 1, 1) if image else whole(geom.surface.color)), 1],
-        specularColor=[0, 0, 0],
-        physicsClientId=client,
-    )
-    for values in lists:
-        values.clear()
+    color = (1.0, 1.0, 1.0) if image else whole(geom.surface.color)
+    with lists(facets) as mesh:
+        shape = pybullet.createVisualShape(
+            pybullet.GEOM_MESH, rgbaColor=[*color, 1.0], specularColor=[0, 0, 0], physicsClientId=client, **mesh
+        )
     if shape < 0:
         raise WmsError(f"PyBullet can't draw '{geom.name}'; expected a mesh of fewer than 131072 vertices")
     body: int = pybullet.createMultiBody(baseVisualShapeIndex=shape, physicsClientId=client)
