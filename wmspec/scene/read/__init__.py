@@ -8,9 +8,9 @@ from pxr import Usd
 
 from wmspec.scene.model import Action, Body, Camera, Observation, Scene
 from wmspec.scene.read import episode, views
-from wmspec.scene.read.bodies import Names, bodies
+from wmspec.scene.read.bodies import bodies
 from wmspec.scene.read.frames import World
-from wmspec.scene.read.prims import Problems, targets
+from wmspec.scene.read.prims import Names, Problems, targets
 from wmspec.scene.read.walk import Found, Walk
 
 __all__ = ["read"]

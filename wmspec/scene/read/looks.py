@@ -17,7 +17,7 @@ _PREVIEW = (0.18, 0.18, 0.18)
 
 
 def bound(prims: Sequence[Usd.Prim], purpose: str) -> list[Usd.Prim | None]:
-    """The Material prim that each prim is bound to for `purpose` ('preview' or 'physics'), inherited bindings included."""
+    """The Material that each prim is bound to, itself or by an ancestor, for `purpose` ('preview' or 'physics')."""
     materials, _ = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(list(prims), purpose)
     return [material.GetPrim() if material else None for material in materials]
 

@@ -1,42 +1,33 @@
 """Mass properties by the rules of UsdPhysics (`PhysicsMassAPI`).
 
 A body's mass beats its colliders' masses, which beat densities; a collider's density beats its body's, which beats its
-material's, which beats 1000 kg/m³. Of the rest, what is authored is taken and what is not is computed from the shapes.
+material's, which beats 1000 kg/m³. Of the rest, what is authored is taken and what is not is computed from the shapes;
+only principal axes without moments mean nothing, and moments without axes are along the prim's own.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from pxr import Gf, Usd
 
 from wmspec.errors import WmsError
 from wmspec.scene.inertia import inertia, principal, volume
-from wmspec.scene.model import Array, Inertia, Pose, Shape
+from wmspec.scene.model import Array, Inertia
 from wmspec.scene.read.frames import Place, World, quaternion, vector
 from wmspec.scene.read.prims import refuse, value
+from wmspec.scene.read.shapes import Placed
 from wmspec.scene.transform import multiply, rotation
 
 WATER = 1000.0
 """The density (kg/m³) of what has none authored: UsdPhysics, PhysicsMassAPI, physics:density."""
 
 
-@dataclass(frozen=True)
-class Collider:
-    """A collider of a body: where its prim is in the body's frame, its shape, and its material's density."""
-
-    prim: Usd.Prim
-    place: Place
-    shape: Shape
-    pose: Pose
-    density: float
-
-
-def body_inertia(prim: Usd.Prim, place: Place, colliders: Sequence[Collider], world: World) -> Inertia:
-    """The mass properties of the dynamic body `prim`, in its own frame.
+def body_inertia(prim: Usd.Prim, place: Place, colliders: Sequence[tuple[Placed, float]], world: World) -> Inertia:
+    """The mass properties of the dynamic body `prim`, in its own frame; `colliders` with their materials' densities.
 
     Raises:
         StageError: if they are not positive or can't be computed.
@@ -45,17 +36,16 @@ def body_inertia(prim: Usd.Prim, place: Place, colliders: Sequence[Collider], wo
     if not colliders:
         return _authored_alone(prim, place, mass, world)
     common = _amount(prim, "density")
-    found = [_collider_inertia(c, common, world) for c in colliders]
+    found = [_collider_inertia(c, common or own, world) for c, own in colliders]
     total = found[0] if len(found) == 1 else _merge(found)
     if mass:
         total = replace(total, mass=mass, moments=total.moments * (mass / total.mass))
-    own = Place(Gf.Matrix4d(1.0), place.stretch)
-    return _override(prim, own, total, world)
+    return _override(prim, Place(Gf.Matrix4d(1.0), place.stretch), total, world)
 
 
-def _collider_inertia(c: Collider, common: float, world: World) -> Inertia:
+def _collider_inertia(c: Placed, density: float, world: World) -> Inertia:
     mass = _amount(c.prim, "mass") * world.kilograms
-    per_volume = (_amount(c.prim, "density") or common or c.density) * world.kilograms / world.meters**3
+    per_volume = (_amount(c.prim, "density") or density) * world.kilograms / world.meters**3
     try:
         found = inertia([(c.shape, c.pose, mass or (per_volume or WATER) * volume(c.shape))])
     except WmsError as error:

@@ -37,8 +37,8 @@ def mesh(prim: Usd.Prim, stretch: Gf.Matrix4d, faces: _Indices | None = None) ->
 
 
 def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
-    """The pieces that look different: each material subset with its polygons, and the prim itself with the rest."""
-    subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()
+    """The pieces of a mesh that look different: each material subset with its polygons, and the prim with the rest."""
+    subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.GetTypeName() == "Mesh" else []
     if not subsets:
         return []
     found = [(s.GetPrim(), np.asarray(s.GetIndicesAttr().Get(NOW), np.int32)) for s in subsets]
@@ -90,8 +90,8 @@ def _texture_coordinates(prim: Usd.Prim, vertices: _Indices) -> Array | None:
         return None
     st = np.asarray(primvar.ComputeFlattened(NOW), np.float64).reshape(-1, 2)
     interpolation = primvar.GetInterpolation()
-    if interpolation in (UsdGeom.Tokens.vertex, UsdGeom.Tokens.varying) and len(st) > vertices.max():
-        return np.asarray(st[vertices])
-    if interpolation == UsdGeom.Tokens.faceVarying and len(st) == len(vertices):
-        return st
-    refuse(prim, f"its primvars:st ({interpolation}, {len(st)} values) does not fit", "author it vertex or faceVarying")
+    per_point = interpolation in (UsdGeom.Tokens.vertex, UsdGeom.Tokens.varying) and len(st) > vertices.max()
+    if not per_point and not (interpolation == UsdGeom.Tokens.faceVarying and len(st) == len(vertices)):
+        reason = f"its primvars:st ({interpolation}, {len(st)} values) does not fit"
+        refuse(prim, reason, "author it vertex or faceVarying")
+    return np.asarray(st[vertices]) if per_point else st

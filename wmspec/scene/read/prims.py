@@ -55,3 +55,18 @@ class Problems:
         """Raise one `StageError` with everything found, if anything was."""
         if self.found:
             raise StageError(tuple(dict.fromkeys(self.found)))
+
+
+class Names:
+    """Gives every path a name of its own: its last part if that is free."""
+
+    def __init__(self) -> None:
+        self._taken: set[str] = set()
+
+    def give(self, *wishes: str) -> str:
+        """The first wish that is free, or the last with a number; `/` becomes `_`."""
+        plain = [wish.strip("/").replace("/", "_") for wish in wishes]
+        numbered = (f"{plain[-1]}_{i}" for i in range(2, 2 + len(self._taken)))
+        name = next(name for name in (*plain, *numbered, plain[-1]) if name not in self._taken)
+        self._taken.add(name)
+        return name

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from pxr import Gf, Usd
@@ -32,21 +33,30 @@ _TURNS = {
 _Scale = tuple[float, float, float]
 
 
-def shape(prim: Usd.Prim, place: Place) -> tuple[Shape, Pose]:
-    """The geometry of a prim in metres, and where its frame is.
+@dataclass(frozen=True)
+class Placed:
+    """The geometry of a prim: `place` of the prim and `pose` of the shape are both in the body's frame."""
+
+    prim: Usd.Prim
+    place: Place
+    shape: Shape
+    pose: Pose
+
+
+def placed(prim: Usd.Prim, place: Place) -> Placed:
+    """The shape of a prim, in metres.
 
     Raises:
         StageError: if its numbers make no such shape, or its transform deforms it into something else.
     """
     if prim.GetTypeName() == "Mesh":
-        return mesh(prim, place.stretch), place.pose
+        return Placed(prim, place, mesh(prim, place.stretch), place.pose)
     scale = _scale(prim, place)
-    found, offset = SHAPES[prim.GetTypeName()](prim, scale)
+    shape, offset = SHAPES[prim.GetTypeName()](prim, scale)
     axis = value(prim, "axis", "Z")
-    turn = _TURNS[axis, 1 if scale[_AXES[axis]] > 0 else -1]
-    turned = place.rigid.ExtractRotationQuat() * turn
-    shift = place.rigid.ExtractTranslation() + Gf.Rotation(turned).TransformDir(Gf.Vec3d(0, 0, offset))
-    return found, Pose(vector(shift), quaternion(turned))
+    turn = place.rigid.ExtractRotationQuat() * _TURNS[axis, 1 if scale[_AXES[axis]] > 0 else -1]
+    shift = place.rigid.ExtractTranslation() + turn.Transform(Gf.Vec3d(0, 0, offset))
+    return Placed(prim, place, shape, Pose(vector(shift), quaternion(turn)))
 
 
 def _scale(prim: Usd.Prim, place: Place) -> _Scale:
@@ -93,7 +103,7 @@ def _cone(prim: Usd.Prim, scale: _Scale) -> tuple[Shape, float]:
     return Cone(_positive(prim, "radius", 1.0) * across, _positive(prim, "height", 2.0) * along), 0.0
 
 
-def _plane(prim: Usd.Prim, scale: _Scale) -> tuple[Shape, float]:
+def _plane(_prim: Usd.Prim, _scale: _Scale) -> tuple[Shape, float]:
     """An infinite plane, as the top of a big box (`PLANE`)."""
     width, thickness = PLANE
     return Box(np.array((width, width, thickness)) / 2), -thickness / 2
@@ -112,7 +122,7 @@ SHAPES: dict[str, Callable[[Usd.Prim, _Scale], tuple[Shape, float]]] = {
 """Type of prim -> its shape along z, and how far along z the shape is from the prim's origin."""
 
 GEOMETRIES = frozenset(SHAPES) | {"Mesh"}
-"""The types of prims that `shape` reads."""
+"""The types of prims that `placed` reads."""
 
 
 def _radius(prim: Usd.Prim, fallback: float) -> float:

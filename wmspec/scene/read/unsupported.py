@@ -17,7 +17,7 @@ _LAMP = ("only a DistantLight and a DomeLight are supported", "deactivate the li
 TYPES = {
     **{f"Physics{kind}Joint": _JOINT for kind in ("", "Fixed", "Revolute", "Prismatic", "Spherical", "Distance")},
     **{f"PhysxPhysics{kind}Joint": _JOINT for kind in ("Gear", "RackAndPinion")},
-    **{kind: _SHAPE for kind in ("Points", "BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "TetMesh")},
+    **dict.fromkeys(("Points", "BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "TetMesh"), _SHAPE),
     **{f"{kind}Light": _LAMP for kind in ("Sphere", "Rect", "Disk", "Cylinder", "Geometry", "Portal", "Plugin")},
     "DomeLight_1": ("DomeLight_1 is not supported", "use a DomeLight"),
     "PointInstancer": ("point instancers are not supported", "author each instance as a prim of its own"),

@@ -1,4 +1,4 @@
-"""One walk over the stage that finds what matters: the bodies with their geometries, the eyes, the lights, the episode."""
+"""One walk over the stage that finds what matters: bodies with their geometries, cameras, lights, the episode."""
 
 from __future__ import annotations
 

@@ -1,0 +1,88 @@
+"""The geometries of a body: where they are, how they look and rub, what collides and what is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pxr import Sdf, Usd
+
+from wmspec.scene.model import Friction, Geom, Mesh, Surface
+from wmspec.scene.read import looks, meshes
+from wmspec.scene.read.prims import Names, refuse, value
+from wmspec.scene.read.shapes import Placed
+from wmspec.scene.read.walk import Piece
+
+_HULLS = ("convexHull", "convexDecomposition", "meshSimplification", "none")
+
+
+class Materials:
+    """What the geometries, and the subsets of meshes among them, are made of: looked up once for all."""
+
+    def __init__(self, pieces: Iterable[Piece]) -> None:
+        prims = [p for piece in pieces for p in (piece.prim, *_subsets(piece.prim))]
+        paths = [prim.GetPath() for prim in prims]
+        self._look = dict(zip(paths, looks.bound(prims, "preview"), strict=True))
+        self._physics = dict(zip(paths, looks.bound(prims, "physics"), strict=True))
+        self._surfaces: dict[Sdf.Path, Surface] = {}
+        self._frictions: dict[Sdf.Path | None, Friction] = {}
+
+    def surface(self, prim: Usd.Prim) -> Surface:
+        """How the geometry or subset looks."""
+        material = self._look[prim.GetPath()]
+        key = (material or prim).GetPath()
+        if key not in self._surfaces:
+            self._surfaces[key] = looks.surface(prim, material)
+        return self._surfaces[key]
+
+    def friction(self, prim: Usd.Prim) -> Friction:
+        """How the geometry rubs."""
+        material = self._physics[prim.GetPath()]
+        key = material.GetPath() if material else None
+        if key not in self._frictions:
+            self._frictions[key] = looks.friction(material)
+        return self._frictions[key]
+
+    def density(self, prim: Usd.Prim) -> float:
+        """The density that the geometry's physics material gives it, or 0."""
+        return looks.density(self._physics[prim.GetPath()])
+
+
+def geoms(piece: Piece, placed: Placed, name: str, names: Names, materials: Materials) -> list[Geom]:
+    """The geometry `name`; if its subsets look different, they are drawn instead of it.
+
+    Raises:
+        StageError: if its collider or its look is not supported.
+    """
+    prim = piece.prim
+    if piece.collides and isinstance(placed.shape, Mesh):
+        _check_collider(prim, placed.shape)
+    friction = materials.friction(prim)
+    drawn = []
+    for part, faces in meshes.parts(prim) if piece.visible else []:
+        shape, surface = meshes.mesh(prim, placed.place.stretch, faces), materials.surface(part)
+        drawn.append(
+            Geom(names.give(f"{name}_{part.GetName()}"), shape, placed.pose, surface, friction, collides=False)
+        )
+    if drawn and not piece.collides:
+        return drawn
+    visible = piece.visible and not drawn
+    surface = materials.surface(prim) if visible else Surface()
+    return [*drawn, Geom(name, placed.shape, placed.pose, surface, friction, piece.collides, visible)]
+
+
+def _check_collider(prim: Usd.Prim, found: Mesh) -> None:
+    """A mesh collides as its convex hull: refuse one that was meant otherwise."""
+    way = value(prim, "physics:approximation", "none")
+    if way not in _HULLS:
+        refuse(prim, f"the approximation '{way}' is not supported", "set physics:approximation to convexHull")
+    if meshes.is_flat(found):
+        refuse(prim, "a mesh that collides has no volume", "use a Cube, a Plane or a mesh that is not flat")
+    if way != "convexHull" and not meshes.is_convex(found):
+        remedy = "set physics:approximation to convexHull, or split it into convex meshes"
+        refuse(prim, "a mesh that is not convex would collide as its convex hull", remedy)
+
+
+def _subsets(prim: Usd.Prim) -> list[Usd.Prim]:
+    if prim.GetTypeName() != "Mesh":
+        return []
+    return [child for child in prim.GetChildren() if child.GetTypeName() == "GeomSubset"]
