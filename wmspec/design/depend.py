@@ -15,7 +15,11 @@ class Dependencies:
     def __init__(self, spec: TaskSpec) -> None:
         self._lets = {let.name: let.value for let in spec.lets}
         self._things = {t.name: t for t in spec.things}
-        self._of: dict[str, frozenset[str]] = {}
+        self._of: dict[str, frozenset[str]] = {"end": frozenset({"end"})}
+        self._of["end"] |= self.expression(spec.horizon)
+        for observation in spec.observations:
+            name = f"observe.{observation.camera}"
+            self._of[name] = self._of.get(name, frozenset({name})) | self.expression(observation.times)
 
     def expression(self, expr: Expr) -> frozenset[str]:
         """The names of the factors and nuisances, and the `owner.property`s, that the value depends on."""
@@ -36,6 +40,8 @@ class Dependencies:
         return frozenset(found)
 
     def _name(self, name: str) -> frozenset[str]:
+        if name == "end":
+            return self._of["end"]
         if name in self._lets:
             if name not in self._of:
                 self._of[name] = self.expression(self._lets[name])

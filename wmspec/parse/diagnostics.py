@@ -16,7 +16,6 @@ CODES: dict[str, str] = {
     "WMS101": "unexpected text",
     "WMS102": "unreadable character",
     "WMS103": "unknown unit",
-    "WMS104": "unreadable file",
     "WMS105": "nested too deeply",
     "WMS201": "unknown name",
     "WMS202": "name declared twice",
@@ -40,7 +39,6 @@ CODES: dict[str, str] = {
     "WMS502": "options and answer do not fit",
     "WMS503": "counterfactual without effect",
     "WMS504": "nothing is observed",
-    "WMS505": "time outside the episode",
 }
 
 

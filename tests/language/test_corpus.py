@@ -1,0 +1,43 @@
+"""The corpus: every `.wms` file under tests/corpus beside the diagnostics it must give, one a line.
+
+To add a case, add a `.wms` file and run `UPDATE_CORPUS=1 pytest tests/language/test_corpus.py`; then read what it wrote.
+"""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from wmspec.check.task import check
+from wmspec.parse.diagnostics import CODES, Report
+from wmspec.stage.trial import trial
+
+CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
+
+
+def diagnose(path: Path) -> str:
+    report = Report()
+    for spec in check(path, report):
+        trial(spec, report)
+    lines = []
+    for d in report.diagnostics:
+        assert d.code in CODES
+        helped = f" | {d.help}" if d.help else ""
+        lines.append(f"{d.severity} {d.code} {d.span.line}:{d.span.column} {d.message}{helped}\n")
+        lines += [f"    note {n.span.line}:{n.span.column} {n.message}\n" for n in d.notes]
+    return "".join(lines) or "no mistakes\n"
+
+
+@pytest.mark.parametrize("path", CORPUS, ids=lambda p: p.stem)
+def test_corpus(path: Path) -> None:
+    expected = path.with_suffix(".expected")
+    found = diagnose(path).replace(str(path), path.name)
+    if os.environ.get("UPDATE_CORPUS"):
+        expected.write_text(found)
+    assert found == expected.read_text()
+
+
+def test_every_code_but_a_few_is_in_the_corpus() -> None:
+    """A code that no case shows is a message that nobody has read."""
+    shown = {word for p in CORPUS for word in p.with_suffix(".expected").read_text().split() if word.startswith("WMS")}
+    assert set(CODES) - shown <= {"WMS208"}

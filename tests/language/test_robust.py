@@ -1,0 +1,52 @@
+"""Whatever is written, the answer is a diagnostic and never a traceback."""
+
+from pathlib import Path
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.language.specs import SPECS
+from wmspec.check.task import check_program
+from wmspec.errors import WmsError
+from wmspec.parse.diagnostics import Report
+from wmspec.parse.load import load_source
+from wmspec.parse.source import Source
+from wmspec.stage.trial import trial
+
+TEXTS = [p.read_text() for p in [*SPECS, *sorted((Path(__file__).parent.parent / "corpus").glob("[a-c]*.wms"))]]
+FRAGMENTS = st.sampled_from(["{", "}", "(", "]", '"', "..", " in ", "at", "3 cm", "-", "if", "task", "\x00", "é", "#", "1e999", "*", ":", "."])
+
+
+def survive(text: str) -> None:
+    report = Report()
+    try:
+        for spec in check_program(load_source(Source("fuzz.wms", text), Path(), report), report):
+            trial(spec, report)
+    except WmsError:
+        pass
+    for diagnostic in report.diagnostics:
+        assert diagnostic.render()
+        assert diagnostic.record()
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_mutated_specs(data: st.DataObject) -> None:
+    text = data.draw(st.sampled_from(TEXTS))
+    for _ in range(data.draw(st.integers(1, 4))):
+        i = data.draw(st.integers(0, len(text)))
+        j = min(len(text), i + data.draw(st.integers(0, 12)))
+        text = text[:i] + data.draw(st.one_of(FRAGMENTS, st.text(max_size=5))) + text[j:]
+    survive(text)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.text())
+def test_random_text(text: str) -> None:
+    survive(text)
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.lists(st.one_of(FRAGMENTS, st.sampled_from("task object factor let action question answer x y red".split())), max_size=40))
+def test_random_words(words: list[str]) -> None:
+    survive(" ".join(words))

@@ -1,0 +1,122 @@
+"""`wmspec generate`: datasets."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+
+from wmspec.cli.common import load_tasks, parse_size, seed_option, specs_argument
+from wmspec.errors import WmsError
+
+
+@click.command("generate")
+@specs_argument
+@click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="The folder of the dataset.")
+@click.option("--backend", "-b", default="all", show_default=True, help="Engines: names joined by commas, or all.")
+@click.option("--per-task", type=click.IntRange(1), help="How many instances of each task, drawn at random.  [default: all]")
+@click.option("--size", default="256", show_default=True, help="Pixels of a picture: 256, or 320x240.")
+@seed_option
+@click.option(
+    "--consensus",
+    type=click.Choice(["all", "none"]),
+    default="all",
+    show_default=True,
+    help="Keep a question only if all engines agree on it, or whatever they say.",
+)
+@click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
+@click.option("--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take.")
+@click.option("--force", is_flag=True, help="Replace a different dataset in the folder.")
+def generate_command(
+    specs: tuple[Path, ...],
+    output: Path,
+    backend: str,
+    per_task: int | None,
+    size: str,
+    seed: int,
+    consensus: str,
+    workers: int | None,
+    timeout: float,
+    force: bool,
+) -> None:
+    """Make a dataset of the tasks in SPECS: Parquet with pictures, a manifest and a card.
+
+    A run that was stopped goes on where it was when the same command is given again.
+    """
+    from wmspec import __version__
+    from wmspec.design.design import Design
+    from wmspec.execute.backends import chosen, engine_version
+    from wmspec.write.dataset import Dataset
+    from wmspec.write.generate import Effort, generate
+    from wmspec.write.plan import Plan, Task
+
+    tasks = load_tasks(specs)
+    engines = chosen(backend)
+    plan = Plan(
+        texts=_texts(tasks),
+        tasks=tuple(Task(spec, _indices(Design(spec, seed), per_task)) for _, spec in tasks),
+        engines=engines,
+        size=parse_size(size),
+        seed=seed,
+        consensus=consensus == "all",
+        versions={"wmspec": __version__} | {name: engine_version(name) for name in engines},
+    )
+    for task in plan.tasks:
+        if not task.spec.questions:
+            raise WmsError(f"the task `{task.spec.name}` has no question, so there is nothing to generate")
+    with Dataset.open(output, plan, force) as dataset:
+        for notice in dataset.notices:
+            click.echo(notice, err=True)
+        total = sum(len(shard.indices) for shard in dataset.pending())
+        try:
+            with _progress(total) as progress:
+                generate(dataset, Effort(workers or os.cpu_count() or 1, timeout), progress)
+        except KeyboardInterrupt:
+            click.echo("\nstopped; give the same command again to go on", err=True)
+            raise SystemExit(130) from None
+        summary = dataset.finish()
+    click.echo(summary)
+
+
+def _texts(tasks: list[tuple[Path, Any]]) -> dict[str, str]:
+    from wmspec.parse.diagnostics import Report
+    from wmspec.parse.load import load
+
+    texts: dict[str, str] = {}
+    for path, _ in tasks:
+        program = load(path, Report())
+        for source in (program.source, *(file.span.source for file in program.libraries)):
+            texts[Path(source.name).name] = source.text
+    return texts
+
+
+def _indices(design: Any, per_task: int | None) -> tuple[int, ...]:
+    return tuple(sorted(design.sample(per_task))) if per_task else tuple(range(len(design)))
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[str, int], None]]:
+    """A progress bar on a terminal; elsewhere a line every tenth of the way."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    done = 0
+    if not console.is_terminal:
+
+        def line(task: str, count: int) -> None:
+            nonlocal done
+            before, done = done, done + count
+            if total and before * 10 // total != done * 10 // total:
+                console.print(f"{done} of {total} instances ({task})", highlight=False)
+
+        yield line
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console) as bar:
+        shown = bar.add_task("generating", total=total)
+        yield lambda task, count: bar.update(shown, description=task, advance=count)

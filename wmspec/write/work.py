@@ -1,0 +1,60 @@
+"""What a worker process does: ask one instance in every engine, and encode what comes of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+from wmspec.ask.agree import consensus
+from wmspec.ask.ask import Crew, ask
+from wmspec.ask.model import Asked, Rejected
+from wmspec.check.ir import TaskSpec
+from wmspec.design.design import Design
+from wmspec.execute.studio import Studio
+from wmspec.execute.trace import Executor
+from wmspec.write.rows import Row, encode
+
+
+@dataclass(frozen=True)
+class Job:
+    """How every instance is made: `tasks` are `TaskSpec`s as JSON, by name."""
+
+    tasks: tuple[tuple[str, str], ...]
+    seed: int
+    engines: tuple[str, ...]
+    size: tuple[int, int]
+    consensus: bool
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one instance."""
+
+    rows: tuple[Row, ...]
+    rejected: tuple[Rejected, ...]
+
+
+def work(job: Job, task: str, index: int) -> Outcome:
+    """Ask an instance in every engine of the job."""
+    design, crews = _design(job, task), _crews(job)
+    answers = {engine: ask(design, index, crew) for engine, crew in crews.items()}
+    rows: list[Row] = []
+    rejected: list[Rejected] = []
+    for q in range(len(design.spec.questions)):
+        one: dict[str, Asked | Rejected] = {engine: questions[q] for engine, questions in answers.items()}
+        for answer in (consensus(one) if job.consensus else one).values():
+            if isinstance(answer, Rejected):
+                rejected.append(answer)
+            else:
+                rows.append(encode(answer))
+    return Outcome(tuple(rows), tuple(rejected))
+
+
+@cache
+def _design(job: Job, task: str) -> Design:
+    return Design(TaskSpec.model_validate_json(dict(job.tasks)[task]), job.seed)
+
+
+@cache
+def _crews(job: Job) -> dict[str, Crew]:
+    return {engine: Crew(Executor(engine), Studio(engine, *job.size)) for engine in job.engines}
