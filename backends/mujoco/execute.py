@@ -8,15 +8,19 @@ from typing import Any
 
 from wmspec.backends.mujoco.impact import solref
 from wmspec.backends.mujoco.mjcf import mjcf
-from wmspec.backends.mujoco.world import World, mujoco
+from wmspec.backends.mujoco.world import World
 from wmspec.errors import EngineError, WmsError
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import Episode, play
 from wmspec.scene.honoured import honoured
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.recording import trace
+from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
 from wmspec.scene.validate import validate
+
+with silence():
+    import mujoco
 
 STEPS_PER_SECOND = 3840
 
@@ -69,7 +73,7 @@ def verify(model: Any, scene: Scene, timeline: Episode) -> None:
 def unlogged() -> Iterator[None]:
     """MuJoCo's warnings are checked here; it must not also write them to a file in the working directory."""
     previous = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda message: None)
+    mujoco.set_mju_user_warning(lambda _: None)
     try:
         yield
     finally:

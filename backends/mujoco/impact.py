@@ -6,7 +6,7 @@ comparison with analytic impacts (drops, collisions of balls, slid boxes): their
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -45,7 +45,7 @@ def solreffriction(step: float) -> tuple[float, float]:
     return 0.0, -RUB / step * IMPEDANCE
 
 
-@lru_cache(maxsize=None)
+@cache
 def damping(restitution: float) -> float:
     """The damping rate with which an impact returns `restitution` of its speed, on average over the phases."""
     low, high = -0.05, 1.0

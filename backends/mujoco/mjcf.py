@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wmspec.backends.mujoco.impact import IMPEDANCE, solref, solreffriction
-from wmspec.errors import WmsError
 from wmspec.scene.centred import centred, placed
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import TOUCH, Episode
 from wmspec.scene.hull import corners
 from wmspec.scene.model import (
+    Array,
     Body,
     Box,
     Camera,
@@ -37,10 +37,7 @@ _HIDDEN = "3"  # the group of geoms that viewers don't show at first
 
 
 def mjcf(scene: Scene, episode: Episode) -> str:
-    """The text of a model: bodies in the scene's order, frames at their centres of mass, one `pair` per contact pair.
-
-    Raises WmsError for friction that MuJoCo doesn't have.
-    """
+    """A model: bodies in the scene's order, frames at their centres of mass, one `pair` per pair that may touch."""
     root = ET.Element("mujoco", model=scene.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     _options(root, episode)
@@ -51,7 +48,7 @@ def mjcf(scene: Scene, episode: Episode) -> str:
     for body in map(centred, scene.bodies):
         _body(world, asset, body)
     for a, g, b, h in touchable(scene.bodies):
-        _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", _single(a, b, mix(g.friction, h.friction)), episode)
+        _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", mix(g.friction, h.friction), episode)
     _keyframe(root, scene, episode)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
@@ -111,11 +108,11 @@ def _geom(element: ET.Element, asset: ET.Element, name: str, geom: Geom) -> None
         case Box() | Sphere() | Cylinder() | Capsule():
             _add(element, name, {**_primitive(geom.shape), **_pose(geom.pose), **look, **hidden})
         case Cone():
-            _hull(asset, name, geom)
+            _hull(asset, name, placed(geom.pose, corners(geom.shape)))
             _add(element, name, {"type": "mesh", "mesh": name, **look, **hidden})
         case Mesh(points, faces):
             if geom.collides:
-                _hull(asset, name, geom)
+                _hull(asset, name, placed(geom.pose, corners(geom.shape)))
                 _add(element, name, {"type": "mesh", "mesh": name, "group": _HIDDEN, **look})
             if geom.visible:
                 seen = {"name": f"{name}/seen", "vertex": _text(points), "face": _text(faces), "inertia": "shell"}
@@ -123,9 +120,7 @@ def _geom(element: ET.Element, asset: ET.Element, name: str, geom: Geom) -> None
                 _add(element, f"{name}/seen", {"type": "mesh", "mesh": f"{name}/seen", **_pose(geom.pose), **look})
 
 
-def _hull(asset: ET.Element, name: str, geom: Geom) -> None:
-    assert isinstance(geom.shape, Cone | Mesh)
-    points = placed(geom.pose, corners(geom.shape))
+def _hull(asset: ET.Element, name: str, points: Array) -> None:
     ET.SubElement(asset, "mesh", name=name, vertex=_text(points), inertia="convex")
 
 
@@ -146,15 +141,6 @@ def _primitive(shape: Box | Sphere | Cylinder | Capsule) -> dict[str, str]:
             return {"type": "capsule", "size": _text([r, h / 2])}
 
 
-def _single(a: Body, b: Body, pair: Friction) -> Friction:
-    if pair.static != pair.dynamic:
-        raise WmsError(
-            f"{a.path} and {b.path}: static friction {pair.static:g} differs from dynamic friction {pair.dynamic:g}, "
-            "but MuJoCo has one coefficient; make them equal"
-        )
-    return pair
-
-
 def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode: Episode) -> None:
     ET.SubElement(
         contact,
@@ -172,7 +158,6 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
 
 def _keyframe(root: ET.Element, scene: Scene, episode: Episode) -> None:
     """The start, with initial velocities; MuJoCo wants angular ones in the body's axes."""
-
     free = [i for i, body in enumerate(scene.bodies) if body.motion != "static"]
     if not free:
         return

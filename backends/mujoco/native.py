@@ -22,5 +22,5 @@ def native(scene: Scene) -> dict[str, str]:
     validate(scene)
     timeline = episode(scene, STEPS_PER_SECOND)
     values = {"DAMPING": damping(scene), "EPISODE": timeline}
-    run = script("MuJoCo", "mujoco", scene, [World], values, WORLD)
+    run = script("MuJoCo", "mujoco", scene, parts=[World], values=values, world=WORLD)
     return {"scene.xml": mjcf(scene, timeline), "run.py": run}

@@ -10,7 +10,7 @@ from wmspec.scene.silence import silence
 from wmspec.scene.transform import conjugate, rotate
 
 with silence():
-    import mujoco as mujoco
+    import mujoco
 
 
 class World:

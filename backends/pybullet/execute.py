@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.backends.pybullet.world import World, pybullet
+from wmspec.backends.pybullet.world import World
 from wmspec.errors import WmsError
 from wmspec.scene.contact import colliders
 from wmspec.scene.episode import Episode, play
@@ -10,8 +10,12 @@ from wmspec.scene.honoured import honoured
 from wmspec.scene.model import Body, Cone, Mesh, Scene, Trace
 from wmspec.scene.recording import trace
 from wmspec.scene.rigid import Rigid, rigids
+from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
 from wmspec.scene.validate import validate
+
+with silence():
+    import pybullet
 
 STEPS_PER_SECOND = 1920
 MOST_FRICTION = 10.0  # of a pair: Bullet's own limit
@@ -45,12 +49,6 @@ def _unsupported(body: Body) -> list[str]:
     geoms = colliders(body)
     materials = {geom.friction for geom in geoms}
     problems = [
-        f"static friction {f.static:g} differs from dynamic friction {f.dynamic:g}, "
-        "but PyBullet has one coefficient; make them equal"
-        for f in sorted(materials, key=str)
-        if f.static != f.dynamic
-    ]
-    problems += [
         f"friction {f.dynamic:g} is above PyBullet's limit of {MOST_FRICTION:g}"
         for f in sorted(materials, key=str)
         if f.dynamic > MOST_FRICTION

@@ -17,4 +17,4 @@ def native(scene: Scene) -> dict[str, str]:
     bodies, timeline = prepare(scene)
     values = {name: getattr(world, name) for name in CONSTANTS} | {"BODIES": bodies, "EPISODE": timeline}
     line = "world = World(BODIES, EPISODE.gravity, EPISODE.step)"
-    return {"run.py": script("PyBullet", "pybullet", scene, PARTS, values, line)}
+    return {"run.py": script("PyBullet", "pybullet", scene, parts=PARTS, values=values, world=line)}

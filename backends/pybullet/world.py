@@ -12,7 +12,7 @@ from wmspec.scene.rigid import Piece, Rigid
 from wmspec.scene.silence import silence
 
 with silence():
-    import pybullet as pybullet
+    import pybullet
 
 HEAVY_MASS, HEAVY_INERTIA = 1e4, 1e6  # kg, kg m²: a body that nothing in the scene can push
 DYNAMIC, GIVEN = 1, 2  # collision groups: bodies whose motion is given pass through each other
@@ -64,7 +64,7 @@ class World:
         heavy = body.motion == "kinematic"
         mass = HEAVY_MASS if heavy else body.mass
         place, shape = [body.start[:3], xyzw(body.start[3:])], self.shape(pieces)
-        id: int = pybullet.createMultiBody(
+        handle: int = pybullet.createMultiBody(
             mass, shape, -1, *place, useMaximalCoordinates=1, physicsClientId=self.client
         )
         settings: dict[str, Any] = {
@@ -81,10 +81,10 @@ class World:
             settings |= {"collisionMargin": 0.0}
         if mass:  # either of the two alone sets the other to zero
             settings |= {"mass": mass, "localInertiaDiagonal": [HEAVY_INERTIA] * 3 if heavy else body.moments}
-        pybullet.changeDynamics(id, -1, physicsClientId=self.client, **settings)
+        pybullet.changeDynamics(handle, -1, physicsClientId=self.client, **settings)
         group, mask = (DYNAMIC, DYNAMIC | GIVEN) if body.motion == "dynamic" else (GIVEN, DYNAMIC)
-        pybullet.setCollisionFilterGroupMask(id, -1, group, mask, physicsClientId=self.client)
-        return id
+        pybullet.setCollisionFilterGroupMask(handle, -1, group, mask, physicsClientId=self.client)
+        return handle
 
     def shape(self, pieces: tuple[Piece, ...]) -> int:
         """The collision shape of some pieces, -1 for none. Only a single piece may be a hull."""
@@ -103,11 +103,11 @@ class World:
 
     def drive(self, body: int, position: Any, velocity: Any) -> None:
         """Put a kinematic body back on its path, undoing whatever pushed it, and hold it against gravity."""
-        id, turn = self.ids[body], xyzw(self.bodies[body].start[3:])
-        pybullet.resetBasePositionAndOrientation(id, list(position), turn, physicsClientId=self.client)
-        pybullet.resetBaseVelocity(id, list(velocity), [0, 0, 0], physicsClientId=self.client)
+        handle, turn = self.ids[body], xyzw(self.bodies[body].start[3:])
+        pybullet.resetBasePositionAndOrientation(handle, list(position), turn, physicsClientId=self.client)
+        pybullet.resetBaseVelocity(handle, list(velocity), [0, 0, 0], physicsClientId=self.client)
         lift = list(-HEAVY_MASS * self.gravity)
-        pybullet.applyExternalForce(id, -1, lift, list(position), pybullet.WORLD_FRAME, physicsClientId=self.client)
+        pybullet.applyExternalForce(handle, -1, lift, list(position), pybullet.WORLD_FRAME, physicsClientId=self.client)
 
     def step(self) -> None:
         """Advance."""

@@ -13,7 +13,7 @@ from wmspec.scene.silence import silence
 from wmspec.scene.transform import multiply
 
 with silence():
-    import sapien as sapien
+    import sapien
 
 CONTACT_OFFSET = 0.01  # m: pairs are watched from this distance on
 FASTEST_SPIN = 1000.0  # rad/s, PhysX's default is 100

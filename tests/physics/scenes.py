@@ -10,12 +10,14 @@ from wmspec.scene.inertia import inertia
 from wmspec.scene.model import Action, Array, Body, Box, Friction, Geom, Light, Pose, Scene, Shape
 from wmspec.scene.transform import identity
 
+Vector = Sequence[float] | Array
+
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 ENGINES = ("mujoco", "pybullet", "sapien")
 G = 9.81
 
 
-def turn(axis: Sequence[float], angle: float) -> Array:
+def turn(axis: Vector, angle: float) -> Array:
     """The quaternion of a turn by `angle` (rad) about the unit vector `axis`."""
     return np.array([np.cos(angle / 2), *(np.sin(angle / 2) * np.asarray(axis, float))])
 
@@ -23,15 +25,15 @@ def turn(axis: Sequence[float], angle: float) -> Array:
 def body(
     name: str,
     shape: Shape,
-    position: Sequence[float] = (0, 0, 0),
+    position: Vector = (0, 0, 0),
     *,
-    orientation: Sequence[float] | Array = UPRIGHT,
+    orientation: Vector = UPRIGHT,
     mass: float = 1.0,
     motion: str = "dynamic",
     friction: float = 0.5,
     restitution: float = 0.0,
-    velocity: Sequence[float] = (0, 0, 0),
-    spin: Sequence[float] = (0, 0, 0),
+    velocity: Vector = (0, 0, 0),
+    spin: Vector = (0, 0, 0),
     **damping: float,
 ) -> Body:
     """A body of one shape."""

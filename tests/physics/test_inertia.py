@@ -84,13 +84,15 @@ def test_a_box_cut_in_two_is_the_box(x: float, y: float, z: float, cut: float) -
     halves = [(Box(np.array([x * cut, y, z])), left, cut), (Box(np.array([x * (1 - cut), y, z])), right, 1 - cut)]
     both = inertia(halves)
     assert np.allclose(both.center, whole.center, atol=1e-12)
-    assert np.allclose(both.moments, whole.moments) and np.array_equal(both.axes, whole.axes)
+    assert np.allclose(both.moments, whole.moments)
+    assert np.array_equal(both.axes, whole.axes)
 
 
 @given(poses(), poses())
 def test_poses_form_a_group(a: Pose, b: Pose) -> None:
     c = compose(inverse(a), compose(a, b))
-    assert np.allclose(c.position, b.position, atol=1e-12) and np.allclose(c.orientation, b.orientation, atol=1e-12)
+    assert np.allclose(c.position, b.position, atol=1e-12)
+    assert np.allclose(c.orientation, b.orientation, atol=1e-12)
     q = multiply(a.orientation, b.orientation)
     assert np.allclose(rotation(q), rotation(a.orientation) @ rotation(b.orientation), atol=1e-12)
     assert np.allclose(rotation(quaternion(rotation(q))), rotation(q), atol=1e-12)

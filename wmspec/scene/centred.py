@@ -46,7 +46,7 @@ def _center(body: Body) -> Pose:
 
 
 def _clean(pose: Pose) -> Pose:
-    """Free of rounding: a shape whose frame is the body's must be so exactly, engines treat an offset shape differently."""
+    """Free of rounding: engines treat a shape differently unless its frame is exactly the body's."""
     position = np.where(np.abs(pose.position) < _ROUND_OFF, 0.0, pose.position)
     turned = np.abs(pose.orientation[1:]).max() >= _ROUND_OFF
     return Pose(position, pose.orientation if turned else identity().orientation)

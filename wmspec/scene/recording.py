@@ -9,14 +9,17 @@ from wmspec.scene.contact import intervals
 from wmspec.scene.episode import Episode, Recording
 from wmspec.scene.model import Scene, Trace
 
+LOST = 1e6  # m, m/s or rad/s: beyond this, or not finite, an engine has diverged
+
 
 def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> Trace:
-    """The trace of an episode. Raises EngineError, naming the body and the time, if a number is not finite."""
+    """The trace of an episode. Raises EngineError, with prim and time, if an engine diverged."""
     states = recording.states
-    if not np.isfinite(states).all():
-        sample, body = np.argwhere(~np.isfinite(states).all(axis=-1))[0]
+    lost = ~(np.abs(states).max(axis=-1) < LOST)
+    if lost.any():
+        sample, body = np.argwhere(lost)[0]
         raise EngineError(
-            f"{engine} lost {scene.bodies[body].path} at {sample / scene.rate:.3f} s: its state is not a finite number; "
+            f"{engine} lost {scene.bodies[body].path} at {sample / scene.rate:.3f} s: it is at {states[sample, body, :3]} m; "
             "look for bodies that overlap at the start, extreme masses or extreme velocities"
         )
     names = tuple(body.name for body in scene.bodies)

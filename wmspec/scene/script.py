@@ -60,6 +60,7 @@ def script(
     engine: str,
     module: str,
     scene: Scene,
+    *,
     parts: Sequence[Callable[..., Any]],
     values: Mapping[str, object],
     world: str,

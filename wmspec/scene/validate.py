@@ -57,7 +57,10 @@ def _inertia(body: Body) -> Iterator[str]:
     if not (np.isfinite(body.inertia.mass) and body.inertia.mass > 0):
         yield f"its mass is {body.inertia.mass} kg, expected a positive number"
     if not (a > 0 and np.isfinite(c) and a + b >= c * (1 - _UNIT)):
-        yield f"its moments of inertia {body.inertia.moments} belong to no solid: expected positive ones, none above the sum of the others"
+        yield (
+            f"its moments of inertia {body.inertia.moments} belong to no solid: "
+            "expected positive ones, none above the sum of the others"
+        )
 
 
 def _geom(geom: Geom) -> Iterator[str]:
@@ -69,6 +72,11 @@ def _geom(geom: Geom) -> Iterator[str]:
     f = geom.friction
     if not (0 <= f.dynamic < np.inf and 0 <= f.static < np.inf):
         yield f"its friction is {f.static} (static), {f.dynamic} (dynamic), expected numbers from 0 up"
+    if f.static != f.dynamic and geom.collides:
+        yield (
+            f"its static friction {f.static:g} differs from its dynamic friction {f.dynamic:g}, "
+            "but the engines have one coefficient; make them equal"
+        )
     if not 0 <= f.restitution <= 1:
         yield f"its restitution is {f.restitution}, expected a number from 0 to 1"
 
