@@ -19,7 +19,7 @@ def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> 
     if lost.any():
         sample, body = np.argwhere(lost)[0]
         raise EngineError(
-            f"{engine} lost {scene.bodies[body].path} at {sample / scene.rate:.3f} s: it is at {states[sample, body, :3]} m; "
+            f"{engine} lost {scene.bodies[body].path} at {sample / scene.rate:.3f} s, at {states[sample, body, :3]} m; "
             "look for bodies that overlap at the start, extreme masses or extreme velocities"
         )
     names = tuple(body.name for body in scene.bodies)
