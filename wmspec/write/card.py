@@ -1,0 +1,156 @@
+"""The dataset card: what a person reads first, and what the Hugging Face hub and `load_dataset` read."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+
+from wmspec.check.ir import Choices, Factor
+from wmspec.write.manifest import Summary, TaskSummary
+from wmspec.write.plan import Plan, Task
+from wmspec.write.rows import COLUMNS
+
+#: What each reason for rejecting a question means.
+REASONS = {
+    "ensure": "what the spec says must happen did not",
+    "margin": "the answer is nearer to turning than the spec allows",
+    "alike": "two options cannot be told apart",
+    "unseen": "something that moves cannot be seen in a picture",
+    "disagreement": "the engines do not agree on the answer, or one of them rejects the question",
+    "invalid": "the combination of factors is impossible",
+    "unstable": "the engine gave up on the episode",
+    "crashed": "the engine crashed, twice",
+    "timeout": "the engine took too long, twice",
+}
+
+#: The hub's names for numbers of rows: below each bound.
+_SIZES = ((10**3, "n<1K"), (10**4, "1K<n<10K"), (10**5, "10K<n<100K"), (10**6, "100K<n<1M"), (10**7, "1M<n<10M"))
+
+
+def card(plan: Plan, total: Summary) -> str:
+    """The README.md of a finished dataset: YAML for programs, then Markdown for people."""
+    people = [_opening(plan, total), _loading(total), _tasks(plan, total), _rejected(total), _columns()]
+    return "\n\n".join([_front(plan, total), *people]) + "\n"
+
+
+# ---------------------------------------------------------------- for programs
+
+
+def _front(plan: Plan, total: Summary) -> str:
+    size = next((name for bound, name in _SIZES if total.rows < bound), "n>10M")
+    lines = ["---", "language:", "- en", "license:", *(f"- {json.dumps(name)}" for name in _licenses(plan))]
+    lines += ["task_categories:", "- visual-question-answering", "- multiple-choice", "size_categories:", f"- {size}"]
+    lines += ["tags:", "- wmspec", "- physics", "- world-models", "- synthetic"]
+    filled = _filled(total)
+    if filled:
+        lines.append("configs:")
+    for name in filled:
+        lines += [f"- config_name: {json.dumps(name)}", "  data_files:", "  - split: test"]
+        lines += [f"    path: {json.dumps(f'data/{name}/test-*.parquet')}"]
+    return "\n".join([*lines, "---"])
+
+
+def _licenses(plan: Plan) -> list[str]:
+    return sorted({t.spec.license.lower() or "unknown" for t in plan.tasks})
+
+
+def _filled(total: Summary) -> list[str]:
+    return [t.name for t in total.tasks if sum(t.rows.values())]
+
+
+# ---------------------------------------------------------------- for people
+
+
+def _opening(plan: Plan, total: Summary) -> str:
+    versions = ", ".join(f"{name} {number}" for name, number in sorted(plan.versions.items()))
+    agreed = " Only questions on which all engines agree are kept." if plan.consensus else ""
+    width, height = plan.size
+    return (
+        f"# {total.rows:,} questions about a physical world\n\n"
+        f"Made by wmspec from {len(plan.tasks)} {'task' if len(plan.tasks) == 1 else 'tasks'} executed and drawn in "
+        f"{', '.join(plan.engines)}; pictures of {width} × {height} pixels, seed {plan.seed}.{agreed} "
+        "Every answer is measured on the executed episode. "
+        f"The same specs, seed and versions ({versions}) give the same bytes again."
+    )
+
+
+def _loading(total: Summary) -> str:
+    name = next(iter(_filled(total)), "TASK")
+    return (
+        "## Loading\n\n"
+        "```python\n"
+        "from datasets import load_dataset\n\n"
+        f'questions = load_dataset("path/to/this/folder", "{name}", split="test")\n'
+        'questions[0]["text"], questions[0]["context"]  # the pictures are PIL images\n'
+        "```\n\n"
+        "Or without anything but pandas: "
+        f'`pandas.read_parquet("data/{name}")`; pictures are PNG bytes. '
+        "`manifest.json` has the specs' texts, all counts, every rejected question and the shards' checksums."
+    )
+
+
+def _tasks(plan: Plan, total: Summary) -> str:
+    head = ["task", "dimension", "instances", *(f"questions, {e}" for e in plan.engines), "rejected"]
+    rows = [
+        [t.name, task.spec.dimension, t.instances, *t.rows.values(), sum(t.rejected.values())]
+        for task, t in zip(plan.tasks, total.tasks, strict=True)
+    ]
+    described = [_task(task, t) for task, t in zip(plan.tasks, total.tasks, strict=True)]
+    return "\n\n".join(["## Tasks", _table(head, rows), *described])
+
+
+def _task(task: Task, count: TaskSummary) -> str:
+    spec = task.spec
+    parts = [f"### {spec.name}", spec.title, spec.description]
+    if spec.factors:
+        rows = [[f.name, "nuisance" if f.nuisance else "factor", _domain(f)] for f in spec.factors]
+        parts.append(_table(["name", "", "values"], rows))
+    facts = [("Licence", spec.license), ("Source", spec.source), ("Rejected", _reasons(count.rejected))]
+    parts += [f"{name}: {said}" for name, said in facts if said]
+    return "\n\n".join(p.strip() for p in parts if p.strip())
+
+
+def _domain(factor: Factor) -> str:
+    if isinstance(factor.domain, Choices):
+        said = ", ".join(plain(v) for v in factor.domain.values)
+    else:
+        said = f"{plain(factor.domain.low)} to {plain(factor.domain.high)}, drawn once per block"
+    return f"{said} ({factor.unit})" if factor.unit else said
+
+
+def plain(value: bool | float | str) -> str:
+    """A factor's value as a person writes it."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return value if isinstance(value, str) else f"{value:.4g}"
+
+
+def _rejected(total: Summary) -> str:
+    if not total.rejected:
+        return "## Rejected\n\nNothing was rejected."
+    asked = total.rows + sum(total.rejected.values())
+    rows = [[reason, n, f"{n / asked:.1%}", REASONS.get(reason, "")] for reason, n in total.rejected.items()]
+    counts = _table(["reason", "questions", "share", "meaning"], rows)
+    return f"## Rejected\n\nOf {asked:,} questions asked, one an engine:\n\n{counts}"
+
+
+def _reasons(rejected: dict[str, int]) -> str:
+    return ", ".join(f"{n} {reason}" for reason, n in rejected.items())
+
+
+def _columns() -> str:
+    rows = [[f"`{name}`", said] for name, (_, said) in COLUMNS.items()]
+    rows += [
+        ["`factor.*`", "the value of each factor, in SI units"],
+        ["`group.*`", "the key that the instances differing in that factor alone share: group by it"],
+        ["`nuisance.*`", "the value of each nuisance, in SI units"],
+    ]
+    return "## Columns\n\n" + _table(["column", "what it holds"], rows)
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    return "\n".join(f"| {' | '.join(map(_cell, line))} |" for line in (head, ["---"] * len(head), *rows))
+
+
+def _cell(value: object) -> str:
+    return " ".join(str(value).replace("|", "\\|").split())

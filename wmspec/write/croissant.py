@@ -1,0 +1,120 @@
+"""Croissant metadata (https://docs.mlcommons.org/croissant/docs/croissant-spec-1.0.html) of a dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pyarrow as pa
+
+from wmspec.write.plan import Plan, Task
+from wmspec.write.rows import COLUMNS, schema
+from wmspec.write.shards import Record
+
+#: The context that the specification asks for, as far as it is used here.
+CONTEXT: dict[str, Any] = {
+    "@language": "en",
+    "@vocab": "https://schema.org/",
+    "citeAs": "cr:citeAs",
+    "column": "cr:column",
+    "conformsTo": "dct:conformsTo",
+    "containedIn": "cr:containedIn",
+    "cr": "http://mlcommons.org/croissant/",
+    "rai": "http://mlcommons.org/croissant/RAI/",
+    "data": {"@id": "cr:data", "@type": "@json"},
+    "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
+    "dct": "http://purl.org/dc/terms/",
+    "examples": {"@id": "cr:examples", "@type": "@json"},
+    "extract": "cr:extract",
+    "field": "cr:field",
+    "fileProperty": "cr:fileProperty",
+    "fileObject": "cr:fileObject",
+    "fileSet": "cr:fileSet",
+    "format": "cr:format",
+    "includes": "cr:includes",
+    "isLiveDataset": "cr:isLiveDataset",
+    "jsonPath": "cr:jsonPath",
+    "key": "cr:key",
+    "md5": "cr:md5",
+    "parentField": "cr:parentField",
+    "path": "cr:path",
+    "recordSet": "cr:recordSet",
+    "references": "cr:references",
+    "regex": "cr:regex",
+    "repeated": "cr:repeated",
+    "replace": "cr:replace",
+    "sc": "https://schema.org/",
+    "separator": "cr:separator",
+    "source": "cr:source",
+    "subField": "cr:subField",
+    "transform": "cr:transform",
+}
+
+_TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
+
+
+def croissant(plan: Plan, records: Mapping[str, Record]) -> dict[str, Any]:
+    """The metadata as JSON values: a set of files and a record set per task that has questions."""
+    rows = {t.spec.name: 0 for t in plan.tasks}
+    for shard in plan.shards():
+        rows[shard.task.spec.name] += records[shard.path].rows
+    filled = [t for t in plan.tasks if rows[t.spec.name]]
+    said: dict[str, Any] = {
+        "@context": CONTEXT,
+        "@type": "sc:Dataset",
+        "conformsTo": "http://mlcommons.org/croissant/1.0",
+        "name": "-".join(t.spec.name for t in plan.tasks[:3]) or "wmspec",
+        "description": f"{sum(rows.values())} questions about a physical world, made by wmspec",
+        "version": f"{plan.record['format']}.0.0",
+        "distribution": [_files(t) for t in filled],
+        "recordSet": [_records(t) for t in filled],
+    }
+    licenses = sorted({t.spec.license for t in plan.tasks if t.spec.license})
+    return said | {"license": licenses} if licenses else said
+
+
+def _files(task: Task) -> dict[str, Any]:
+    name = task.spec.name
+    return {
+        "@type": "cr:FileSet",
+        "@id": f"files/{name}",
+        "name": f"files/{name}",
+        "encodingFormat": "application/x-parquet",
+        "includes": f"data/{name}/test-*.parquet",
+    }
+
+
+def _records(task: Task) -> dict[str, Any]:
+    name = task.spec.name
+    fields = [_field(name, f) for f in schema(task.spec.factors)]
+    described = {"description": task.spec.title} if task.spec.title else {}
+    return {
+        "@type": "cr:RecordSet",
+        "@id": name,
+        "name": name,
+        **described,
+        "key": {"@id": f"{name}/id"},
+        "field": [f for part in fields for f in part],
+    }
+
+
+def _field(task: str, field: pa.Field) -> list[dict[str, Any]]:
+    """The Croissant fields of a column; a list of structs becomes one list per part."""
+    item = field.type.value_type if pa.types.is_list(field.type) else field.type
+    if not pa.types.is_struct(item):
+        return [_one(task, field, _TYPES[item])]
+    if item.field(0).name == "bytes":
+        return [_one(task, field, "sc:ImageObject", "bytes")]
+    return [_one(task, field, _TYPES[part.type], part.name, f".{part.name}") for part in item]
+
+
+def _one(task: str, column: pa.Field, kind: str, part: str = "", named: str = "") -> dict[str, Any]:
+    """The Croissant field of a column, or of one part of the structs in it."""
+    name = f"{task}/{column.name}{named}"
+    said: dict[str, Any] = {"@type": "cr:Field", "@id": name, "name": name, "dataType": kind}
+    if column.name in COLUMNS:
+        said["description"] = COLUMNS[column.name][1]
+    if pa.types.is_list(column.type):
+        said["repeated"] = True
+    transform = {"transform": {"jsonPath": part}} if part else {}
+    return said | {"source": {"fileSet": {"@id": f"files/{task}"}, "extract": {"column": column.name}, **transform}}

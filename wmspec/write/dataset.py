@@ -1,0 +1,163 @@
+"""The folder of a dataset as a whole: begun, gone on with wherever it was left, and finished."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from wmspec.ask.model import Rejected
+from wmspec.errors import WmsError
+from wmspec.write import files
+from wmspec.write.card import card
+from wmspec.write.croissant import croissant
+from wmspec.write.manifest import Summary, manifest, summary
+from wmspec.write.plan import Plan, Shard, differences
+from wmspec.write.rows import Row
+from wmspec.write.shards import Record, read_record, sidecar, write_shard
+
+PLAN = "plan.json"
+CARD = "README.md"
+CROISSANT = "croissant.json"
+MANIFEST = "manifest.json"
+
+_SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
+
+
+class Dataset:
+    """A dataset in the making. One process writes to a folder at a time; use it in a `with` statement.
+
+    `notices` says what was found wrong in the folder and is made again.
+    """
+
+    def __init__(self, folder: Path, plan: Plan, lock: int) -> None:
+        self.folder = folder
+        self.plan = plan
+        self.notices: list[str] = []
+        self._lock = lock
+        self._records: dict[str, Record] = {}
+
+    @classmethod
+    def open(cls, folder: Path, plan: Plan, force: bool = False) -> Dataset:
+        """Begin a dataset, or go on with one of the same plan.
+
+        With `force` a dataset of another plan is removed first. Only files that we write are ever removed.
+
+        Raises:
+            WmsError: the folder holds something else or another plan, is being written to, or cannot be written to.
+        """
+        scratch = folder / files.PROGRESS
+        with files.explained(folder):
+            scratch.mkdir(parents=True, exist_ok=True)
+        dataset = cls(folder, plan, files.lock(scratch / "lock"))
+        try:
+            with files.explained(folder):
+                dataset._begin(force)
+        except BaseException:
+            dataset.close()
+            raise
+        return dataset
+
+    def close(self) -> None:
+        """Let others write to the folder."""
+        os.close(self._lock)
+
+    def __enter__(self) -> Dataset:
+        return self
+
+    def __exit__(self, *why: object) -> None:
+        self.close()
+
+    def pending(self) -> tuple[Shard, ...]:
+        """The shards that are still to be made."""
+        return tuple(s for s in self.plan.shards() if s.path not in self._records)
+
+    def write(self, shard: Shard, rows: Iterable[Row], rejected: Iterable[Rejected]) -> None:
+        """Write a shard, whole or not at all. `rows` come from `rows.encode`, in any order.
+
+        Raises:
+            WmsError: it cannot be written.
+            ValueError: a question of the shard is missing, foreign or there twice.
+        """
+        self._records[shard.path] = write_shard(self.folder, self.plan, shard, rows=rows, rejected=rejected)
+
+    def finish(self) -> Summary:
+        """Write the card, the Croissant metadata, and last the manifest, which says that the dataset is whole.
+
+        Raises:
+            WmsError: shards are still to be made, or it cannot be written.
+        """
+        left = self.pending()
+        if left:
+            raise WmsError(f"{len(left)} shards of {self.folder} are still to be made; run the same command again")
+        total = summary(self.plan, self._records)
+        self._put(CARD, card(self.plan, total).encode())
+        self._put(CROISSANT, files.text(croissant(self.plan, self._records)))
+        self._put(MANIFEST, files.text(manifest(self.plan, self._records, total)))
+        return total
+
+    # ------------------------------------------------------------ beginning
+
+    def _begin(self, force: bool) -> None:
+        for part in (self.folder / files.PROGRESS).glob("*.part"):
+            part.unlink()  # left by a run that was killed
+        there = self._plan()
+        if there is None and any((self.folder / name).exists() for name in ("data", MANIFEST, CARD, CROISSANT)):
+            raise WmsError(f"{self.folder} holds files that are not a dataset of wmspec; choose another folder with -o")
+        here = self.plan.record
+        if there is not None and there != here:
+            if not force:
+                what = "; ".join(differences(there, here)) or "parts that this version does not know"
+                raise WmsError(
+                    f"{self.folder} holds another dataset, with other {what}; "
+                    "choose another folder with -o, or replace it with --force"
+                )
+            self._clear()
+        if there != here:
+            self._put(PLAN, files.text(here))
+        self._verify()
+
+    def _plan(self) -> dict[str, Any] | None:
+        """The plan that the folder holds, as JSON values; None if it holds none, {} if it cannot be read."""
+        try:
+            said = json.loads((self.folder / PLAN).read_bytes())
+        except FileNotFoundError:
+            return None
+        except ValueError:
+            return {}
+        return said if isinstance(said, dict) else {}
+
+    def _clear(self) -> None:
+        (self.folder / MANIFEST).unlink(missing_ok=True)
+        for task in sorted((self.folder / "data").glob("*/")):
+            for shard in filter(lambda p: _SHARD.fullmatch(p.name), list(task.iterdir())):
+                shard.unlink()
+            if not any(task.iterdir()):
+                task.rmdir()
+        for record in (self.folder / files.PROGRESS).glob("*/*.json"):
+            record.unlink()
+
+    def _verify(self) -> None:
+        """Keep the shards whose files are what their records say; the others are made again."""
+        for shard in self.plan.shards():
+            record, path = read_record(self.folder, shard), self.folder / shard.path
+            if record is None or record.fingerprint != self.plan.fingerprint:
+                continue
+            if not path.is_file():
+                self._again(shard, "is gone")
+            elif files.digest(path) != record.sha256:
+                self._again(shard, "is not as it was written")
+            else:
+                self._records[shard.path] = record
+        if self.pending():
+            (self.folder / MANIFEST).unlink(missing_ok=True)
+
+    def _again(self, shard: Shard, why: str) -> None:
+        self.notices.append(f"{shard.path} {why}; it is made again")
+        (self.folder / sidecar(shard)).unlink()
+
+    def _put(self, name: str, content: bytes) -> None:
+        files.write(self.folder, name, content)

@@ -1,0 +1,79 @@
+"""What a finished dataset holds: counted, and written down for programs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from wmspec.ask.model import Rejected
+from wmspec.write.plan import Plan, Task
+from wmspec.write.shards import Record
+
+
+@dataclass(frozen=True)
+class TaskSummary:
+    """A task's count: instances made, questions kept of each engine, and rejected by reason."""
+
+    name: str
+    instances: int
+    rows: dict[str, int]
+    rejected: dict[str, int]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The count of a whole dataset."""
+
+    tasks: tuple[TaskSummary, ...]
+
+    @property
+    def rows(self) -> int:
+        """All questions kept."""
+        return sum(sum(t.rows.values()) for t in self.tasks)
+
+    @property
+    def rejected(self) -> dict[str, int]:
+        """All questions rejected, by reason."""
+        total: Counter[str] = Counter()
+        for task in self.tasks:
+            total.update(task.rejected)
+        return dict(sorted(total.items()))
+
+
+def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
+    """Count what the shards' records say. `records` has every shard of the plan by its path."""
+    lost: dict[str, list[Rejected]] = {task.spec.name: [] for task in plan.tasks}
+    for shard in plan.shards():
+        lost[shard.task.spec.name] += records[shard.path].rejected
+    return Summary(tuple(_count(plan, task, lost[task.spec.name]) for task in plan.tasks))
+
+
+def _count(plan: Plan, task: Task, lost: list[Rejected]) -> TaskSummary:
+    asked = len(task.indices) * len(task.spec.questions)
+    by_engine, by_reason = Counter(r.engine for r in lost), Counter(r.reason for r in lost)
+    rows = {engine: asked - by_engine[engine] for engine in plan.engines}
+    return TaskSummary(task.spec.name, len(task.indices), rows, {str(k): n for k, n in sorted(by_reason.items())})
+
+
+def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[str, Any]:
+    """The manifest as JSON values: the plan with the specs' texts, the counts, every rejection and every shard."""
+    record = plan.record
+    shards = [(s.path, records[s.path]) for s in plan.shards()]
+    return {
+        "format": record["format"],
+        "fingerprint": plan.fingerprint,
+        **{key: record[key] for key in ("versions", "seed", "engines", "size", "consensus", "shard")},
+        "specs": {name: {"sha256": sha, "text": plan.texts[name]} for name, sha in record["specs"].items()},
+        "tasks": {t.spec.name: _task(t, c) for t, c in zip(plan.tasks, total.tasks, strict=True)},
+        "rows": total.rows,
+        "rejected": {"count": total.rejected, "list": [asdict(r) for _, s in shards for r in s.rejected]},
+        "shards": {path: {"rows": s.rows, "sha256": s.sha256} for path, s in shards},
+    }
+
+
+def _task(task: Task, count: TaskSummary) -> dict[str, Any]:
+    spec = task.spec
+    said = {key: getattr(spec, key) for key in ("dimension", "title", "description", "license", "source")}
+    return {**said, "instances": count.instances, "rows": count.rows, "rejected": count.rejected}
