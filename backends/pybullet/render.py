@@ -85,8 +85,9 @@ class Renderer:
         self._place([pose if casts else NOWHERE for pose, casts in zip(shot.poses, region.casts, strict=True)])
         sun, side = Sun(region, self._scene.light.direction), 2 * max(self._size)
         image = self._draw(sun.camera, side, side, 1.0, 0.0)
-        seen = _metres(np.asarray(image[3], np.float32).reshape(side, side), sun.camera)
-        return sun.occlusion(camera, depth, seen)
+        seen = _metres(np.asarray(image[3], np.float32), sun.camera)
+        seen[np.asarray(image[4], np.int32) < 0] = np.inf
+        return sun.occlusion(camera, depth, seen.reshape(side, side))
 
     def _draw(self, camera: Camera, width: int, height: int, ambient: float, diffuse: float) -> Any:
         projection = projection_matrix(camera, width / height)

@@ -72,11 +72,13 @@ class Renderer:
     def _place(self, shot: Shot) -> None:
         for body, pose in zip(self._bodies, shot.poses, strict=True):
             body.set_pose(_pose(pose))
-        region = self._casters.region(find(self._scene, shot.camera), shot)
+        camera = find(self._scene, shot.camera)
+        region = self._casters.region(camera, shot)
         turn = sapien.math.shortest_rotation([1, 0, 0], self._scene.light.direction.tolist())
         self._sun.pose = sapien.Pose(region.center, turn)
         self._sun.shadow_half_size = region.half
-        self._sun.shadow_near, self._sun.shadow_far = -region.reach, region.reach
+        # what lies beyond the far end counts as shaded: nothing that can be seen may
+        self._sun.shadow_near, self._sun.shadow_far = -region.reach, region.reach + camera.far
         lamp = self._sun.entity  # the size of its shadow map is taken over when it enters the scene
         self._world.remove_entity(lamp)
         self._world.add_entity(lamp)

@@ -43,7 +43,7 @@ def test_a_ball_is_where_the_camera_model_says(engine: str, size: tuple[int, int
 
 def ground(cameras: tuple[Camera, ...]) -> Scene:
     """A floating ball whose shadow on a floor is far from the ball."""
-    floor = body("floor", "static", (0, 0, -0.1), Box(np.array([3.0, 3.0, 0.1])), Surface(GREY))
+    floor = body("floor", "static", (0, 0, -0.1), Box(np.array([12.0, 12.0, 0.1])), Surface(GREY))
     return scene(floor, body("ball", "dynamic", (0, 0, 0.3), Sphere(0.06), Surface(GREY)), cameras=cameras)
 
 
@@ -86,6 +86,22 @@ def test_shadows_touch_what_casts_them(engine: str, renderer: Any) -> None:
         ((x, y),), _ = project(eye, beside, 512, 512)
         assert frame.ids[int(y), int(x)] == 0
         assert frame.rgb[int(y), int(x), 0] < 0.85 * light
+
+
+def test_every_body_casts_its_whole_shadow(engine: str, renderer: Any) -> None:
+    """Balls on a ring, at the ends of the shadow map whichever way it is turned: the rim of each shadow is dark."""
+    eye = Camera("eye", look_at((0, 0, 3.0), (0, 0, 0)), math.radians(50), 0.05, 10.0)
+    floor = body("floor", "static", (0, 0, -0.1), Box(np.array([12.0, 12.0, 0.1])), Surface(GREY))
+    ring = [0.9 * np.array([math.cos(a), math.sin(a), 0]) for a in np.arange(8) * math.pi / 4]
+    balls = [body(f"ball{i}", "dynamic", (x, y, 0.3), Sphere(0.08), Surface(GREY)) for i, (x, y, _) in enumerate(ring)]
+    what = scene(floor, *balls, cameras=(eye,))
+    frame = renderer(engine, what, 384, 384).draw(still(what, "eye"))
+    light = 255 * (what.light.ambient - what.light.diffuse * SUN[2]) * GREY[0]
+    for at in ring:
+        for rim in 0.065 * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]):
+            ((x, y),), _ = project(eye, at + rim - SUN * 0.3 / SUN[2] + [0, 0, 0.3], 384, 384)
+            if frame.ids[int(y), int(x)] == 0:
+                assert frame.rgb[int(y), int(x), 0] < 0.85 * light
 
 
 def test_same_shot_same_bytes(engine: str, table: Scene, renderer: Any) -> None:

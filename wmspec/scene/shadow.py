@@ -55,11 +55,13 @@ class Casters:
 
     def _around(self, at: Array, casts: NDArray[np.bool_], camera: Camera) -> Region:
         local, radius = at[casts] @ self._axes, self._radius[casts, None]
-        low, high = (local - radius).min(axis=0), (local + radius).max(axis=0)
-        center = self._axes @ ((low + high) / 2)
-        size = (high - low) / 2
-        reach = 2 * float(size.max()) + float(np.linalg.norm(camera.pose.position - center))
-        return Region(center, 1.05 * float(size[:2].max()), reach, casts)
+        middle = ((local - radius).min(axis=0) + (local + radius).max(axis=0)) / 2
+        # a circle, since engines turn their square maps around the sun's direction as they like
+        half = float((np.linalg.norm((local - middle)[:, :2], axis=1) + radius[:, 0]).max())
+        thick = float((np.abs(local - middle)[:, 2] + radius[:, 0]).max())
+        center: Array = self._axes @ middle
+        reach = 2 * max(half, thick) + float(np.linalg.norm(camera.pose.position - center))
+        return Region(center, 1.02 * half, reach, casts)
 
 
 def _radius(body: Body) -> float:
