@@ -31,14 +31,16 @@ class Place:
 
 def vector(v: Gf.Vec3d) -> Array:
     """A Gf vector as an array (3,)."""
-    return np.array((v[0], v[1], v[2]), np.float64)
+    x, y, z = v
+    return np.array((x, y, z), np.float64)
 
 
 def quaternion(q: Gf.Quatd) -> Array:
     """A Gf quaternion as a unit (w, x, y, z) with w >= 0."""
-    i = q.GetImaginary()
-    found = np.array((q.GetReal(), i[0], i[1], i[2]), np.float64)
-    return found / math.copysign(math.sqrt(found @ found), found[0])
+    x, y, z = q.imaginary
+    w = q.real
+    length = math.copysign(math.sqrt(w * w + x * x + y * y + z * z), w)
+    return np.array((w / length, x / length, y / length, z / length))
 
 
 def split(matrix: Gf.Matrix4d, prim: Usd.Prim) -> Place:

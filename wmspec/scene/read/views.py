@@ -16,7 +16,7 @@ from wmspec.scene.read.prims import refuse, value
 from wmspec.scene.read.shapes import reach
 from wmspec.scene.transform import apply
 
-BACKGROUND = (0.85, 0.87, 0.9)
+BACKGROUND = (0.86, 0.88, 0.9)
 """The colour, sRGB, behind a stage without a DomeLight."""
 
 _SUN = np.array((0.3, 0.5, -1.0)) / math.sqrt(1.34)
