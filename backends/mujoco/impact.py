@@ -1,4 +1,4 @@
-"""MuJoCo has no restitution: a contact is a damped spring, here stiff enough that an impact lasts about ten steps.
+"""MuJoCo has no restitution: a contact is a damped spring, here stiff enough that an impact lasts about twenty steps.
 
 Units of this file: one time step, the speed of impact. The numbers in `SOFT`, `STIFF` and `RUB` were found by
 comparison with analytic impacts (drops, collisions of balls, slid boxes): their errors are bounded in `tests/physics`.
@@ -14,7 +14,7 @@ import numpy as np
 from wmspec.scene.model import Array, Friction
 
 IMPEDANCE = 0.9999
-LOWEST = 0.04  # a critically damped impact, spread over ten steps, still has about this restitution
+LOWEST = 0.04  # a critically damped impact still has about this restitution
 
 
 class Spring(NamedTuple):
@@ -24,20 +24,17 @@ class Spring(NamedTuple):
     damping: float
 
 
-SOFT = Spring(0.03, 0.15)  # for impacts without restitution
-STIFF = 0.2  # the frequency for those with
-RUB = 0.15  # friction's damping rate: not below the normal one, or an impact is over before friction has acted
+SOFT = Spring(0.02, 0.1)  # for impacts without restitution
+STIFF = 0.15  # the highest frequency of those with
+RUB = 0.2  # friction's damping rate: twice the normal one at least, or impacts are over before friction has acted
 _PHASES = (np.arange(64) + 0.5) / 64  # where in the step the surface is met
-_LONGEST = 400
+_LONGEST = 800
 
 
 def solref(pair: Friction, step: float) -> tuple[float, float]:
     """MuJoCo's `solref` in its direct form (-stiffness, -damping) for a pair's restitution; `step` in s."""
-    spring = SOFT if pair.restitution <= LOWEST else Spring(STIFF, damping(round(pair.restitution, 4)))
-    return (
-        -((spring.frequency / step * IMPEDANCE) ** 2),
-        -spring.damping / step * IMPEDANCE,
-    )
+    frequency, damping = spring(round(pair.restitution, 4))
+    return -((frequency / step * IMPEDANCE) ** 2), -damping / step * IMPEDANCE
 
 
 def solreffriction(step: float) -> tuple[float, float]:
@@ -46,12 +43,20 @@ def solreffriction(step: float) -> tuple[float, float]:
 
 
 @cache
-def damping(restitution: float) -> float:
+def spring(restitution: float) -> Spring:
+    """The stiffest spring, up to `STIFF`, that returns `restitution` and isn't damped faster than `SOFT`."""
+    if restitution <= LOWEST:
+        return SOFT
+    frequency = STIFF * min(1.0, SOFT.damping / damping(restitution, STIFF))  # the ratio of the two gives restitution
+    return Spring(frequency, damping(restitution, frequency))
+
+
+def damping(restitution: float, frequency: float) -> float:
     """The damping rate with which an impact returns `restitution` of its speed, on average over the phases."""
     low, high = -0.05, 1.0
     for _ in range(40):
         middle = (low + high) / 2
-        if rebound(STIFF**2, middle).mean() > restitution:
+        if rebound(frequency**2, middle).mean() > restitution:
             low = middle
         else:
             high = middle
