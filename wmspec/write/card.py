@@ -101,7 +101,7 @@ def _tasks(plan: Plan, total: Summary) -> str:
 
 def _task(task: Task, count: TaskSummary) -> str:
     spec = task.spec
-    parts = [f"### {spec.name}", spec.title, spec.description]
+    parts = [f"### {spec.name}", spec.description or spec.title]
     if spec.factors:
         rows = [[f.name, "nuisance" if f.nuisance else "factor", _domain(f)] for f in spec.factors]
         parts.append(_table(["name", "", "values"], rows))

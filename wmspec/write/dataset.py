@@ -117,7 +117,7 @@ class Dataset:
                 )
             self._clear()
         if there != here:
-            self._put(PLAN, files.text(here))
+            self._put(PLAN, files.lines(here))
         self._verify()
 
     def _plan(self) -> dict[str, Any] | None:

@@ -49,7 +49,7 @@ def explained(path: Path) -> Iterator[None]:
 
 
 def write(folder: Path, name: str, content: bytes) -> None:
-    """Write the file `name` of a folder whole or not at all: under another name, to the disk, and only then under its own.
+    """Write a folder's file `name` whole or not at all: under another name, to the disk, and only then under its own.
 
     Raises WmsError, and leaves what was there before, if that fails.
     """
@@ -81,6 +81,12 @@ def _sync(folder: Path) -> None:
 def text(value: Any) -> bytes:
     """A value as JSON for people: indented, in the order of its keys, the same bytes for the same value."""
     return (json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def lines(values: dict[str, Any]) -> bytes:
+    """Values as JSON with one key a line: for lists that are too long to be read."""
+    said = (f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in values.items())
+    return ("{\n" + ",\n".join(said) + "\n}\n").encode()
 
 
 def digest(path: Path) -> str:

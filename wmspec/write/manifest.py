@@ -41,6 +41,12 @@ class Summary:
             total.update(task.rejected)
         return dict(sorted(total.items()))
 
+    def __str__(self) -> str:
+        lost = sum(self.rejected.values())
+        why = ", ".join(f"{n:,} {reason}" for reason, n in self.rejected.items())
+        counts = [f"{t.name}: {sum(t.rows.values()):,} questions of {t.instances:,} instances" for t in self.tasks]
+        return "\n".join([*counts, f"{self.rows:,} questions, {lost:,} rejected" + (f" ({why})" if why else "")])
+
 
 def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
     """Count what the shards' records say. `records` has every shard of the plan by its path."""

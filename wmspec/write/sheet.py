@@ -1,0 +1,266 @@
+"""A contact sheet of a dataset: a few instances of each task, engine under engine, to be understood at a glance."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.dataset as ds
+from PIL import Image
+
+from wmspec.check.kinds import TRUTH, Quantity
+from wmspec.check.vocabulary import FUNCTIONS
+from wmspec.errors import WmsError
+from wmspec.write import ink
+from wmspec.write.card import plain
+from wmspec.write.ink import BLACK, GREEN, GREY, PALE, Picture, Style
+from wmspec.write.rows import Row
+
+#: The width of everything on the sheet (px), and of what is in its columns.
+WIDTH, MARGIN, ENGINE, GAP, PARTING, ROOM = 2000, 56, 150, 10, 44, 6
+LARGEST, WORDS = 300, 430
+
+LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+
+TITLE, TASK, QUESTION = Style(46, bold=True), Style(34, bold=True), Style(28, bold=True)
+BODY, SMALL, TINY = Style(22), Style(20, GREY), Style(17, GREY)
+NAME, TRUE = Style(20, bold=True), Style(20, GREEN, bold=True)
+
+#: SI units that people read better in another: its sign, and how many of it make one.
+READABLE = {"m": ("cm", 100.0), "rad": ("°", 180 / math.pi), "kg": ("g", 1000.0), "m/s": ("cm/s", 100.0)}
+
+
+def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = None) -> Picture:
+    """A sheet, 2000 px wide, with `count` instances of each task (or of the named ones) of a finished dataset.
+
+    Raises WmsError if there is no finished dataset in the folder, or no such task in it.
+    """
+    said = _manifest(folder)
+    chosen = list(said["tasks"]) if tasks is None else list(tasks)
+    for name in chosen:
+        if name not in said["tasks"]:
+            raise WmsError(f"{folder} has no task `{name}`; it has {', '.join(said['tasks'])}")
+    parts = [_title(said)]
+    parts += [_task(folder, said, name, count) for name in chosen]
+    return ink.padded(ink.above(parts, 70), MARGIN)
+
+
+def _manifest(folder: Path) -> dict[str, Any]:
+    try:
+        said: dict[str, Any] = json.loads((folder / "manifest.json").read_bytes())
+    except (OSError, ValueError):
+        raise WmsError(f"{folder} holds no finished dataset; make one with `wmspec generate`") from None
+    return said
+
+
+def _inside() -> int:
+    return WIDTH - 2 * MARGIN
+
+
+# ---------------------------------------------------------------- tasks
+
+
+def _title(said: dict[str, Any]) -> Picture:
+    engines = ", ".join(said["engines"])
+    agreed = "; only what all of them agree on" if said["consensus"] else ""
+    counted = f"{said['rows']:,} questions in {len(said['tasks'])} tasks, executed and drawn in {engines}{agreed}"
+    return ink.above([ink.paragraph("wmspec", TITLE, _inside()), ink.paragraph(counted, SMALL, _inside())], 4)
+
+
+def _task(folder: Path, said: dict[str, Any], name: str, count: int) -> Picture:
+    about = said["tasks"][name]
+    head = [ink.rule(_inside(), BLACK, 3), ink.paragraph(about["title"] or name, TASK, _inside())]
+    head += [ink.paragraph(f"{name}  ·  {about['dimension']}  ·  {_kept(about)}", SMALL, _inside())]
+    shown = [_question(list(rows), units) for rows, units in _picked(folder, said, name, count)]
+    nothing = ink.paragraph("every question was rejected", BODY, _inside())
+    return ink.above([ink.above(head, 8), *(shown or [nothing])], 40)
+
+
+def _kept(about: dict[str, Any]) -> str:
+    rows, lost = sum(about["rows"].values()), sum(about["rejected"].values())
+    return f"{rows:,} questions kept, {lost:,} rejected"
+
+
+def _picked(folder: Path, said: dict[str, Any], task: str, count: int) -> Iterator[tuple[list[Row], dict[str, str]]]:
+    """The rows of `count` questions, engine by engine, spread over the task; those that all engines ask come first."""
+    files = [str(folder / path) for path in said["shards"] if path.startswith(f"data/{task}/")]
+    if not files:
+        return
+    data = ds.dataset(files, format="parquet")
+    units = {f.name: (f.metadata or {}).get(b"unit", b"").decode() for f in data.schema}
+    keys = data.to_table(columns=["index", "question", "engine"]).to_pylist()
+    for index, question in _spread(keys, count):
+        which = (pc.field("index") == index) & (pc.field("question") == question)
+        rows = _decoded(data.to_table(filter=which))
+        yield sorted(rows, key=lambda r: said["engines"].index(r["engine"])), units
+
+
+def _spread(keys: list[Row], count: int) -> list[tuple[int, int]]:
+    asked: dict[tuple[int, int], int] = {}
+    for key in keys:
+        which = (key["index"], key["question"])
+        asked[which] = asked.get(which, 0) + 1
+    most = max(asked.values(), default=0)
+    best = [which for which, engines in asked.items() if engines == most]
+    best += [which for which, engines in asked.items() if engines < most] if len(best) < count else []
+    shown = min(count, len(best))
+    return [best[i * len(best) // shown] for i in range(shown)]
+
+
+def _decoded(table: pa.Table) -> list[Row]:
+    rows: list[Row] = table.to_pylist()
+    for row in rows:
+        for column in ("context", "option_image"):
+            row[column] = [Image.open(io.BytesIO(p["bytes"])).convert("RGB") for p in row[column]]
+    return rows
+
+
+# ---------------------------------------------------------------- a question
+
+
+def _question(rows: list[Row], units: dict[str, str]) -> Picture:
+    first = rows[0]
+    head = [ink.paragraph(first["text"], QUESTION, _inside()), ink.paragraph(_factors(first, units), SMALL, _inside())]
+    side = _side(first)
+    lines: list[Picture] = []
+    for heading, same in groupby(rows, key=_heading):
+        lines.append(_headings(heading, side))
+        lines += [_row(row, side) for row in same]
+    return ink.above([ink.above(head, 6), ink.above(lines, 8), _reasons(rows)], 16)
+
+
+def _factors(row: Row, units: dict[str, str]) -> str:
+    """The instance in words: its factors, then its nuisances."""
+    named = [(name, value) for name, value in row.items() if name.startswith(("factor.", "nuisance."))]
+    values = "  ·  ".join(f"{name.partition('.')[2]} {_human(value, units[name])}" for name, value in named)
+    return f"instance {row['index']}:  {values}"
+
+
+def _human(value: bool | float | str, unit: str) -> str:
+    if isinstance(value, float) and unit in READABLE:
+        unit, scale = READABLE[unit]
+        value *= scale
+    said = f"{value:.3g}" if isinstance(value, float) else plain(value)
+    return said + (unit if unit == "°" else f" {unit}" if unit else "")
+
+
+def _side(row: Row) -> int:
+    """How wide every picture of a question is drawn (px)."""
+    shown, choices = len(row["context"]), len(row["option_image"])
+    words = 0 if choices else WORDS
+    free = _inside() - ENGINE - PARTING - 2 * GAP - words - (shown + choices) * (GAP + 2 * ROOM)
+    return min(LARGEST, free // max(shown + choices, 1))
+
+
+# ---------------------------------------------------------------- above the pictures
+
+
+@dataclass(frozen=True)
+class _Heading:
+    """What stands above the pictures of a row: of the context when and where, of the options kind, name and change."""
+
+    context: tuple[str, ...]
+    options: tuple[tuple[str, str, str], ...]
+
+
+def _heading(row: Row) -> _Heading:
+    context = tuple(
+        f"{t:.4g} s, {camera}" for camera, t in zip(row["context_camera"], row["context_time"], strict=True)
+    )
+    if not row["option_image"]:
+        return _Heading(context, ())
+    changes = [change or "" for change in row["option_change"]]
+    return _Heading(context, tuple(zip(row["option_kind"], row["option_name"], changes, strict=True)))
+
+
+def _headings(heading: _Heading, side: int) -> Picture:
+    wide = side + 2 * ROOM
+    shown = [ink.paragraph(said, SMALL, wide, centred=True) for said in heading.context]
+    left = _over("what is shown", ink.beside(shown, GAP))
+    options = [_option(LETTERS[i], option, wide) for i, option in enumerate(heading.options)]
+    right = _over(
+        "which picture is true?" if options else "which is true?", ink.beside(options or [ink.blank(WORDS, 1)], GAP)
+    )
+    return ink.beside([ink.blank(ENGINE, 1), left, ink.blank(PARTING, 1), right], GAP)
+
+
+def _over(said: str, part: Picture) -> Picture:
+    return ink.above([ink.paragraph(said, TINY, part.width), ink.rule(part.width), part], 5)
+
+
+def _option(letter: str, option: tuple[str, str, str], wide: int) -> Picture:
+    kind, name, change = option
+    if kind == "truth":
+        head = ink.beside([ink.paragraph(letter, TRUE, ink.width_of(letter, TRUE)), ink.tick(22)], 8, middle=True)
+        said = "this happens"
+    else:
+        head = ink.paragraph(f"{letter}  {name}", NAME, wide)
+        said = change.replace("->", "→")
+    return ink.above([head, ink.paragraph(said, TINY, wide)], 2)
+
+
+# ---------------------------------------------------------------- the pictures
+
+
+def _row(row: Row, side: int) -> Picture:
+    engine = ink.paragraph(row["engine"], NAME, ENGINE)
+    if row["renderer"] != row["engine"]:
+        engine = ink.above([engine, ink.paragraph(f"drawn by {row['renderer']}", TINY, ENGINE)])
+    context = [ink.framed(_sized(p, side), PALE, 1, ROOM) for p in row["context"]]
+    return ink.beside([engine, *context, ink.blank(PARTING, 1), *_choices(row, side)], GAP, middle=True)
+
+
+def _choices(row: Row, side: int) -> list[Picture]:
+    if not row["option_image"]:
+        return [ink.above([_word(row, i) for i in range(len(row["option_text"]))], 4)]
+    frames = [(GREEN, 6) if i == row["answer"] else (PALE, 1) for i in range(len(row["option_image"]))]
+    return [ink.framed(_sized(p, side), *frame, ROOM) for p, frame in zip(row["option_image"], frames, strict=True)]
+
+
+def _word(row: Row, i: int) -> Picture:
+    true = i == row["answer"]
+    said = ink.paragraph(f"{LETTERS[i]}  {row['option_text'][i]}", TRUE if true else BODY, WORDS - 80)
+    line = ink.beside([said, ink.tick(24) if true else ink.blank(24, 24)], 8, middle=True)
+    return ink.framed(ink.padded(line, 8), GREEN if true else PALE, 4 if true else 1, ROOM)
+
+
+def _sized(picture: Picture, side: int) -> Picture:
+    height = max(1, round(side * picture.height / picture.width))
+    return picture.resize((side, height), Image.Resampling.LANCZOS)
+
+
+# ---------------------------------------------------------------- why
+
+
+def _reasons(rows: list[Row]) -> Picture:
+    """Why the answer is the answer, once for all engines that measured the same."""
+    said: dict[str, list[str]] = {}
+    for row in rows:
+        said.setdefault(_reason(row), []).append(row["engine"])
+    lines = [ink.paragraph(f"{', '.join(engines)}:  {why}", BODY, _inside()) for why, engines in said.items()]
+    return ink.above(lines, 2)
+
+
+def _reason(row: Row) -> str:
+    parts = [f"{LETTERS[row['answer']]} is true ({row['answer_value']})"]
+    parts += [f"{m['name']} = {_measured(m['name'], m['value'])}" for m in row["measured"]]
+    if row["margin"] is not None:
+        parts.append(f"{row['margin']:.2g} times the margin asked for")
+    return "  ·  ".join(parts)
+
+
+def _measured(name: str, value: float) -> str:
+    """A measured value with the unit of the function that measured it."""
+    function = FUNCTIONS.get(name.partition("(")[0])
+    if function is not None and function.result == TRUTH:
+        return plain(bool(value))
+    unit = function.result.dimension.symbol if function is not None and isinstance(function.result, Quantity) else ""
+    return _human(value, unit)
