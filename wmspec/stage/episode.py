@@ -28,7 +28,7 @@ def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None =
     doc = Document({})
     doc.add("/World", "Xform")
     _physics(doc, spec, values)
-    for scope in ("Objects", "Looks", "PhysicsMaterials", "Cameras", "Lights"):
+    for scope in ("Objects", "Materials", "Cameras", "Lights"):
         doc.add(f"/World/{scope}", "Scope")
     actions = [t for t in spec.things if t.kind == "action" and not _left_out(t, change)]
     kinematic = {values.property(t.name, "object") for t in actions if t.verb == "glide"}
@@ -79,7 +79,6 @@ def _object(doc: Document, name: str, values: Values, kinematic: bool) -> None:
         body.set("physics:kinematicEnabled", "bool", True)
     shape = _shape(doc, name, values)
     _mass(shape, name, values, fixed)
-    _look(doc, name, shape, values)
     _material(doc, name, shape, values)
 
 
@@ -92,7 +91,7 @@ def _shape(doc: Document, name: str, values: Values) -> Prim:
     corner = (x / 2, y / 2, z / 2)
     if kind in ("box", "cube"):
         prim.set("size", "double", 1.0)
-        prim.set("xformOp:scale", "float3", (x, y, z), *form)
+        prim.set("xformOp:scale", "double3", (x, y, z), *form)
         prim.set("xformOpOrder", "token[]", ("xformOp:scale",), uniform=True)
         corner = (0.5, 0.5, 0.5)
     else:
@@ -111,9 +110,15 @@ def _mass(shape: Prim, name: str, values: Values, fixed: bool) -> None:
         shape.set("physics:density", "float", values.property(name, "density"), f"{name}.density")
 
 
-def _look(doc: Document, name: str, shape: Prim, values: Values) -> None:
-    path = f"/World/Looks/{name}"
-    doc.add(path, "Material").relations["outputs:surface"] = Relation((f"{path}/surface.outputs:surface",))
+def _material(doc: Document, name: str, shape: Prim, values: Values) -> None:
+    """One material for both looks and touch: importers that know a single binding find both there."""
+    path = f"/World/Materials/{name}"
+    material = doc.add(path, "Material", ("PhysicsMaterialAPI",))
+    material.relations["outputs:surface"] = Relation((f"{path}/surface.outputs:surface",))
+    friction = values.property(name, "friction")
+    material.set("physics:staticFriction", "float", friction, f"{name}.friction")
+    material.set("physics:dynamicFriction", "float", friction, f"{name}.friction")
+    material.set("physics:restitution", "float", values.property(name, "restitution"), f"{name}.restitution")
     surface = doc.add(f"{path}/surface", "Shader")
     surface.set("info:id", "token", "UsdPreviewSurface", uniform=True)
     color = tuple(_linear(c) for c in rgb(values.property(name, "color")))
@@ -122,16 +127,6 @@ def _look(doc: Document, name: str, shape: Prim, values: Values) -> None:
     surface.set("inputs:metallic", "float", values.property(name, "metallic"), f"{name}.metallic")
     surface.set("outputs:surface", "token", None)
     shape.relate("material:binding", path)
-
-
-def _material(doc: Document, name: str, shape: Prim, values: Values) -> None:
-    path = f"/World/PhysicsMaterials/{name}"
-    material = doc.add(path, "Material", ("PhysicsMaterialAPI",))
-    friction = values.property(name, "friction")
-    material.set("physics:staticFriction", "float", friction, f"{name}.friction")
-    material.set("physics:dynamicFriction", "float", friction, f"{name}.friction")
-    material.set("physics:restitution", "float", values.property(name, "restitution"), f"{name}.restitution")
-    shape.relate("material:binding:physics", path)
 
 
 def _linear(c: float) -> float:
