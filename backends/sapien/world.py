@@ -15,7 +15,7 @@ from wmspec.scene.transform import multiply
 with silence():
     import sapien
 
-CONTACT_OFFSET = 0.01  # m: pairs are watched from this distance on
+CONTACT_OFFSET = 1e-5  # m: from further off, friction may act before the impact and again in it, phase by phase
 FASTEST_SPIN = 1000.0  # rad/s, PhysX's default is 100
 ALONG_X = (sqrt(0.5), 0.0, -sqrt(0.5), 0.0)  # PhysX's capsules and cylinders lie along x
 BITS = 32
