@@ -117,9 +117,9 @@ def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
     try:
         with silence():
             if "MUJOCO_GL" in os.environ or display:
-                from mujoco.gl_context import GLContext  # noqa: PLC0415  (importing one chooses it)
+                from mujoco.gl_context import GLContext
             else:
-                from mujoco.egl import GLContext  # noqa: PLC0415
+                from mujoco.egl import GLContext
             gl = GLContext(width, height)
             gl.make_current()
             context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)

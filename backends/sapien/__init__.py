@@ -13,6 +13,6 @@ name = "sapien"
 
 def renderer(scene: Scene, width: int, height: int) -> Renderer:
     """Make a renderer of the scene's bodies and cameras; only this needs graphics, so only this imports them."""
-    from wmspec.backends.sapien import render  # noqa: PLC0415  (lazy: it opens graphics)
+    from wmspec.backends.sapien import render
 
     return render.renderer(scene, width, height)

@@ -33,13 +33,15 @@ def task_from(text: str) -> TaskSpec:
 
 
 _COLORS = st.lists(st.sampled_from(["red", "green", "blue", "yellow"]), min_size=2, max_size=3, unique=True)
-_SHAPES = st.lists(st.sampled_from(["sphere", "cube", "cylinder", "cone", "capsule"]), min_size=2, max_size=3, unique=True)
+_SHAPES = st.lists(
+    st.sampled_from(["sphere", "cube", "cylinder", "cone", "capsule"]), min_size=2, max_size=3, unique=True
+)
 _SIZES = st.lists(st.integers(4, 12), min_size=2, max_size=3, unique=True)
 
 
 @st.composite
 def random_spec(draw: st.DrawFn) -> TaskSpec:
-    """A task of one to three objects whose properties depend on random factors, directly, through `let`s or one another."""
+    """A task of one to three objects whose properties depend on random factors, directly or through others."""
     names = ["a", "b", "c"][: draw(st.integers(1, 3))]
     domains = {
         "tone": f"[{', '.join(draw(_COLORS))}]",

@@ -1,6 +1,6 @@
 """The corpus: every `.wms` file under tests/corpus beside the diagnostics it must give, one a line.
 
-To add a case, add a `.wms` file and run `UPDATE_CORPUS=1 pytest tests/language/test_corpus.py`; then read what it wrote.
+To add a case, add a `.wms` file, run `UPDATE_CORPUS=1 pytest tests/language/test_corpus.py` and read what it wrote.
 """
 
 import os

@@ -27,7 +27,7 @@ task t : custom {
 def test_the_design_is_the_allowed_product() -> None:
     design = Design(task_from(SPEC))
     assert len(design) == 3 * (3 * 3 - 3) * 2
-    seen = [tuple(i.factors.values()) + (i.block,) for i in design]
+    seen = [(*i.factors.values(), i.block) for i in design]
     assert len(set(seen)) == len(seen)
     assert all(i.factors["a"] != i.factors["c"] for i in design)
 
@@ -43,9 +43,8 @@ def test_index_and_assignment_are_inverse(spec: TaskSpec, seed: int) -> None:
 def test_a_huge_design_is_built_at_once() -> None:
     lines = "".join(f"  factor f{i} in 0 .. 9 by 1\n" for i in range(12))
     mass = " + ".join(f"f{i}" for i in range(12))
-    spec = task_from(
-        f"use tabletop\ntask t : custom {{\n{lines}  object x {{ mass: ({mass} + 1) * 1 g  on: table }}\n  observe front at [0 s]\n}}\n"
-    )
+    scene = f"  object x {{ mass: ({mass} + 1) * 1 g  on: table }}\n  observe front at [0 s]\n"
+    spec = task_from(f"use tabletop\ntask t : custom {{\n{lines}{scene}}}\n")
     design = Design(spec)
     assert len(design) == 10**12
     assert design[123_456_789_012].factors == {f"f{i}": float(d) for i, d in enumerate("123456789012")}
@@ -55,9 +54,12 @@ def test_a_huge_design_is_built_at_once() -> None:
 def test_nuisances_are_drawn_by_block_and_name_alone() -> None:
     """Adding, fixing or reordering factors, objects or nuisances leaves every other draw as it was."""
     plain = Design(task_from(SPEC), seed=7)
-    other = Design(task_from(SPEC.replace("factor a in [1, 2, 3]", "factor d in [1, 2]\n  nuisance k in 0 .. 1\n  factor a in [3]")
-                             .replace("  nuisance n in 0 .. 1\n  nuisance m in 0 .. 1\n", "  nuisance m in 0 .. 1\n  nuisance n in 0 .. 1\n")
-                             .replace("object x", "object y { mass: (d + k) * 1 kg  on: table at (30 cm, 0) }\n  object x")), seed=7)  # fmt: skip
+    changed = (
+        SPEC.replace("factor a in [1, 2, 3]", "factor d in [1, 2]\n  nuisance k in 0 .. 1\n  factor a in [3]")
+        .replace("nuisance n in 0 .. 1\n  nuisance m in 0 .. 1", "nuisance m in 0 .. 1\n  nuisance n in 0 .. 1")
+        .replace("object x", "object y { mass: (d + k) * 1 kg  on: table at (30 cm, 0) }\n  object x")
+    )
+    other = Design(task_from(changed), seed=7)
     for block in range(3):
         a, b = plain[block * plain.block_size], other[block * other.block_size]
         assert (a.nuisances["n"], a.nuisances["m"]) == (b.nuisances["n"], b.nuisances["m"])

@@ -1,4 +1,4 @@
-"""The law of one factor, held by diffing composed stages: nothing moves but what the spec makes depend on the change."""
+"""The law of one factor, by diffing stages: nothing moves but what the spec makes depend on the change."""
 
 from pathlib import Path
 

@@ -19,7 +19,7 @@ def answered(asked: Asked, other: Asked) -> int:
 
 
 def consensus(answers: dict[str, Asked | Rejected]) -> dict[str, Asked | Rejected]:
-    """The same question in several engines: kept where all engines ask it and pick the same option, else rejected in all."""
+    """The same question in several engines: kept where all ask it and pick the same option, else rejected in all."""
     first_rejected = next((r for r in answers.values() if isinstance(r, Rejected)), None)
     if first_rejected is not None:
         return {

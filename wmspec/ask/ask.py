@@ -143,13 +143,14 @@ def groups(instance: Instance) -> dict[str, str]:
 def _margin(margin: Margin, measured: Measured) -> float:
     """How far the margin's value is from turning, in multiples of what was asked for; rejects below one."""
     value, bound = evaluate(margin.value, measured), evaluate(margin.bound, measured)
-    if margin.ratio:
-        apart = abs(log(value)) / log(bound) if value > 0 and bound > 1 else 0.0
-    else:
-        apart = abs(value) / bound
+    apart = _times_apart(value, bound) if margin.ratio else abs(value) / bound
     if apart < 1:
         raise _Reject("margin", f"{value:.4g} where {bound:.4g} apart was asked for ({margin.place})")
     return float(apart)
+
+
+def _times_apart(ratio: float, factor: float) -> float:
+    return abs(log(ratio)) / log(factor) if ratio > 0 and factor > 1 else 0.0
 
 
 # ---------------------------------------------------------------- pictures
@@ -217,7 +218,7 @@ def _pictured(
 
 
 def _order(truth: int, n: int, position: int, design: Design, instance: Instance) -> list[int]:
-    """The options in a seeded order with the truth at `position` modulo `n`, so that over the design it is everywhere alike."""
+    """The options in a seeded order with the truth at `position` modulo `n`: over the design, everywhere alike."""
     key = (design.seed, design.spec.name, instance.index, "order")
     others = sorted((i for i in range(n) if i != truth), key=lambda i: bits(*key, i))
     others.insert(position % n, truth)
@@ -233,7 +234,9 @@ def _apart(poses: NDArray[np.float64], names: list[str], least: float) -> None:
     for i, j in combinations(range(len(names)), 2):
         gap = apart(poses[i], poses[j])
         if gap < least:
-            raise _Reject("alike", f"{names[i]} and {names[j]}: {gap * 100:.1f} cm apart, {least * 100:.1f} cm asked for")
+            raise _Reject(
+                "alike", f"{names[i]} and {names[j]}: {gap * 100:.1f} cm apart, {least * 100:.1f} cm asked for"
+            )
 
 
 def _look_different(frames: list[Frame], names: list[str]) -> None:

@@ -22,7 +22,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Change:
-    """What a counterfactual changed: its kind (action, state, without), the value's name, and what it was and became."""
+    """What a counterfactual changed: its kind (action, state, without), the value's name, what it was and became."""
 
     kind: str
     target: str
@@ -34,7 +34,7 @@ class Change:
 class Option:
     """One option: its `text` (a label) or its `picture`.
 
-    `kind` says what it is: the truth, a label that is not the answer, or a counterfactual, then with its name and change.
+    `kind` says what it is: the truth, a label that is not the answer, or a counterfactual with its name and change.
     """
 
     kind: Literal["truth", "label", "counterfactual"]

@@ -1,4 +1,4 @@
-"""The value of an expression of the IR. Operators are a table; names, properties and functions come from the environment."""
+"""The value of an expression. Operators are a table; names, properties and functions come from the environment."""
 
 from __future__ import annotations
 
@@ -13,11 +13,14 @@ from wmspec.errors import WmsError
 class Environment(Protocol):
     """Where an expression finds what it refers to."""
 
-    def ref(self, name: str) -> Any: ...
+    def ref(self, name: str) -> Any:
+        """A factor, nuisance or `let`."""
 
-    def property(self, owner: str, name: str) -> Any: ...
+    def property(self, owner: str, name: str) -> Any:
+        """A property of an object, camera or light, or an argument of an action."""
 
-    def call(self, function: str, arguments: tuple[Any, ...]) -> Any: ...
+    def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
+        """A function of arguments that have been evaluated."""
 
 
 def _divide(a: float, b: float) -> float:

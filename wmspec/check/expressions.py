@@ -99,7 +99,9 @@ class Expressions:
         """Report a value of the wrong kind."""
         names = " or ".join(_article(str(k)) for k in wanted)
         examples = [f"`{_example(k)}`" for k in wanted if _example(k)]
-        code = "WMS301" if isinstance(found, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector) else "WMS302"
+        code = (
+            "WMS301" if isinstance(found, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector) else "WMS302"
+        )
         help = f"write something like {' or '.join(examples)}" if examples else ""
         self.fail(code, f"{what} wants {names}, but this is {_article(str(found))}", span, help)
 
@@ -122,9 +124,13 @@ class Expressions:
         declared = self.scope.names.get(e.id)
         match declared:
             case s.Factor():
-                return Typed(ir.Ref(name=e.id), self.once(("factor", e.id), e.span, lambda: self._factor(declared)).kind)
+                return Typed(
+                    ir.Ref(name=e.id), self.once(("factor", e.id), e.span, lambda: self._factor(declared)).kind
+                )
             case s.Let():
-                return Typed(ir.Ref(name=e.id), self.once(("let", e.id), e.span, lambda: self.infer(declared.value)).kind)
+                return Typed(
+                    ir.Ref(name=e.id), self.once(("let", e.id), e.span, lambda: self.infer(declared.value)).kind
+                )
             case s.Block():
                 kinds: dict[str, Kind] = {"object": OBJECT, "camera": CAMERA}
                 if declared.kind not in kinds:
@@ -145,7 +151,9 @@ class Expressions:
             words += self.scope.blocks("object")
         if CAMERA in wanted:
             words += self.scope.blocks("camera")
-        return (words and suggestion(name, [*words, *self.scope.of(s.Factor, s.Let)])) or suggestion(name, self.scope.known())
+        return (words and suggestion(name, [*words, *self.scope.of(s.Factor, s.Let)])) or suggestion(
+            name, self.scope.known()
+        )
 
     def _factor(self, factor: s.Factor) -> Typed:
         return Typed(ir.Ref(name=factor.name.id), self.domain_of(factor))
@@ -182,7 +190,9 @@ class Expressions:
     def _member(self, e: s.Member) -> Typed:
         owner = self.infer(e.value)
         if owner.kind == ACTION and isinstance(owner.expr, ir.Value):
-            return Typed(ir.Property(owner=owner.expr, name=e.name.id), self.argument_kind(str(owner.expr.value), e.name))
+            return Typed(
+                ir.Property(owner=owner.expr, name=e.name.id), self.argument_kind(str(owner.expr.value), e.name)
+            )
         if owner.kind not in (OBJECT, CAMERA):
             self.fail("WMS203", f"{_article(str(owner.kind))} has no properties", e.name.span)
         table = PROPERTIES["object" if owner.kind == OBJECT else "camera"]
@@ -241,11 +251,16 @@ class Expressions:
         name = e.function.id
         function = FUNCTIONS[name]
         if function.measured and not self.measured:
-            self.fail("WMS303", f"`{name}` is measured on the executed episode; here the episode is still being described",
+            self.fail("WMS303", f"`{name}` is measured on the executed episode; here it is still being described",
                       e.span, "use it in `answer`, `ensure` or `margin`")  # fmt: skip
         if len(e.arguments) != len(function.parameters):
             wants = ", ".join(str(p) for p in function.parameters)
-            self.fail("WMS205", f"`{name}` takes {len(function.parameters)} argument(s), not {len(e.arguments)}", e.span, f"write `{name}({wants})`")
+            self.fail(
+                "WMS205",
+                f"`{name}` takes {len(function.parameters)} argument(s), not {len(e.arguments)}",
+                e.span,
+                f"write `{name}({wants})`",
+            )
         arguments = tuple(
             self.value(a.value, (p,), f"`{name}`").expr for a, p in zip(e.arguments, function.parameters, strict=True)
         )
@@ -279,7 +294,9 @@ class Expressions:
         left = self.infer(e.operands[0])
         right = self.infer(e.operands[1], (left.kind,))
         if _joined(left.kind, right.kind) is None:
-            self.misfit(e.operands[1].span, right.kind, (left.kind,), f"`{e.operator}`, after {_article(str(left.kind))},")
+            self.misfit(
+                e.operands[1].span, right.kind, (left.kind,), f"`{e.operator}`, after {_article(str(left.kind))},"
+            )
         if e.operator not in ("==", "!=") and not isinstance(left.kind, Quantity):
             self.fail("WMS302", f"`{e.operator}` compares quantities, not {left.kind}s", e.span, "use `==` or `!=`")
         return _operation(e.operator, [left, right], TRUTH)
@@ -289,7 +306,11 @@ class Expressions:
         kinds = []
         for operand, written in zip(operands, e.operands, strict=True):
             if not isinstance(operand.kind, Quantity):
-                self.fail("WMS302", f"`{e.operator}` wants quantities, but this is {_article(str(operand.kind))}", written.span)
+                self.fail(
+                    "WMS302",
+                    f"`{e.operator}` wants quantities, but this is {_article(str(operand.kind))}",
+                    written.span,
+                )
             kinds.append(operand.kind)
         dimensions = [NUMBER if k.dimension == ZERO and e.operator in "*/" else k.dimension for k in kinds]
         if len(operands) == 1:

@@ -1,4 +1,4 @@
-"""The typed intermediate representation of a checked spec: names resolved, units gone (everything is SI), JSON both ways."""
+"""The typed representation of a checked spec: names resolved, units gone (everything is SI), JSON both ways."""
 
 from __future__ import annotations
 

@@ -83,7 +83,9 @@ class _Task:
         settings = self.settings()
         questions = self.each(s.Question, self.question)
         if not observations and not self.report.failed:
-            self.report.add("WMS504", "nothing is observed", self.declaration.name.span, "add `observe CAMERA at TIMES`")
+            self.report.add(
+                "WMS504", "nothing is observed", self.declaration.name.span, "add `observe CAMERA at TIMES`"
+            )
         if self.report.failed:
             return None
         spec = ir.TaskSpec(
@@ -136,9 +138,13 @@ class _Task:
             self.check.fail("WMS401", f"`{name}` is a factor and so needs separate values", factor.domain.span,
                             "add `by STEP` or `in COUNT`; only a nuisance is drawn from a whole interval")  # fmt: skip
         values = self.values(typed.expr, factor)
-        domain = ir.Interval(low=float(values[0]), high=float(values[1])) if interval else ir.Choices(values=tuple(values))
+        domain = (
+            ir.Interval(low=float(values[0]), high=float(values[1])) if interval else ir.Choices(values=tuple(values))
+        )
         if isinstance(domain, ir.Interval) and domain.high < domain.low:
-            self.check.fail("WMS401", "this interval is empty: it goes up from its start to its end", factor.domain.span)
+            self.check.fail(
+                "WMS401", "this interval is empty: it goes up from its start to its end", factor.domain.span
+            )
         unit = kind.dimension.symbol if isinstance(kind, Quantity) and kind.dimension != ZERO else ""
         return ir.Factor(name=name, domain=domain, nuisance=factor.nuisance, unit=unit, place=place(factor.name.span))
 
@@ -190,7 +196,9 @@ class _Task:
         typed = self.setting("repeat")
         count = 1.0 if typed is None else constant(typed.expr)
         if count is None or count != int(count) or not 1 <= count <= 1_000_000:
-            self.report.add("WMS304", "`repeat` is a whole constant from 1 to 1000000", self._settings["repeat"].value.span)
+            self.report.add(
+                "WMS304", "`repeat` is a whole constant from 1 to 1000000", self._settings["repeat"].value.span
+            )
             return 1
         return int(count)
 
@@ -222,7 +230,9 @@ class _Task:
                 if slot.default is not None:
                     properties[name] = self.default(slot, block.name.span)
                 elif not slot.optional:
-                    self.report.add("WMS206", f"the {block.kind} `{block.name.id}` needs `{name}`: {slot.meaning}", block.name.span)
+                    self.report.add(
+                        "WMS206", f"the {block.kind} `{block.name.id}` needs `{name}`: {slot.meaning}", block.name.span
+                    )
         kind = block.kind
         assert kind in ("object", "camera", "light", "world")
         return ir.Thing(kind=kind, name=block.name.id, properties=properties, place=place(block.name.span))
@@ -273,7 +283,9 @@ class _Task:
                 self.check.subject = typed.expr
         self.check.subject = None
         properties |= self.timings(action, verb)
-        return ir.Thing(kind="action", name=action.name.id, verb=verb, properties=properties, place=place(action.name.span))
+        return ir.Thing(
+            kind="action", name=action.name.id, verb=verb, properties=properties, place=place(action.name.span)
+        )
 
     def arguments(self, call: s.Call, table: dict[str, Slot], verb: str) -> dict[str, s.Argument]:
         found: dict[str, s.Argument] = {}
@@ -281,7 +293,9 @@ class _Task:
         for i, argument in enumerate(call.arguments):
             name = argument.name.id if argument.name else names[i] if i < len(names) else ""
             if name not in table:
-                shown, span = (argument.name.id, argument.name.span) if argument.name else (argument.span.text, argument.span)
+                shown, span = (
+                    (argument.name.id, argument.name.span) if argument.name else (argument.span.text, argument.span)
+                )
                 self.report.add("WMS205", f"`{verb}` has no argument `{shown}`", span, suggestion(shown, table))
             elif name in found:
                 self.report.add("WMS205", f"`{name}` is given twice", argument.span, "remove one")
@@ -304,7 +318,9 @@ class _Task:
                 else:
                     duration = ir.Setting(value=typed.expr, place=where)
         if VERBS[verb].lasts and duration is None:
-            self.check.fail("WMS205", f"`{verb}` needs to know how long: `for TIME`", action.call.span, "add for instance `for 2 s`")
+            self.check.fail(
+                "WMS205", f"`{verb}` needs to know how long: `for TIME`", action.call.span, "add for instance `for 2 s`"
+            )
         if not VERBS[verb].lasts and duration is not None:
             self.check.fail("WMS205", f"`{verb}` happens at once and cannot last", action.call.span, "remove `for`")
         return {"start": start} | ({"duration": duration} if duration else {})
@@ -378,16 +394,27 @@ class _Task:
         answer = self.measuring(clause.value, (), "`answer`")
         if answer.kind == PICTURE:
             if "options" in clauses:
-                self.check.fail("WMS502", "the options of a picture question are its counterfactuals", clauses["options"][0].span, "remove `options`")
+                self.check.fail(
+                    "WMS502",
+                    "the options of a picture question are its counterfactuals",
+                    clauses["options"][0].span,
+                    "remove `options`",
+                )
             if not question.counterfactuals:
                 self.check.fail("WMS502", "a picture question needs counterfactuals to choose from", clause.span,
                                 "add `counterfactual NAME { ... }`")  # fmt: skip
             return answer.expr, None, "picture"
         if "options" not in clauses:
-            self.check.fail("WMS502", f"the answer is {_article(str(answer.kind))}, but there are no options", clause.span, "add `options [...]`")
+            self.check.fail(
+                "WMS502",
+                f"the answer is {_article(str(answer.kind))}, but there are no options",
+                clause.span,
+                "add `options [...]`",
+            )
         if question.counterfactuals:
-            self.check.fail("WMS502", "counterfactuals are the options of picture questions", question.counterfactuals[0].span,
-                            "answer with `frame(CAMERA, TIME)`")  # fmt: skip
+            span = question.counterfactuals[0].span
+            what = "counterfactuals are the options of picture questions"
+            self.check.fail("WMS502", what, span, "answer with `frame(CAMERA, TIME)`")
         options = self.check.value(clauses["options"][0].value, (List(answer.kind),), "`options`, like the answer,")
         if not isinstance(options.expr, ir.Items) or len(options.expr.items) < 2:
             self.check.fail("WMS502", "a question has two or more options", clauses["options"][0].value.span)
@@ -401,7 +428,9 @@ class _Task:
         assert clause.bound is not None
         value = self.measuring(clause.value, (), "`margin`")
         if not isinstance(value.kind, Quantity):
-            self.check.fail("WMS302", f"`margin` wants a quantity, but this is {_article(str(value.kind))}", clause.value.span)
+            self.check.fail(
+                "WMS302", f"`margin` wants a quantity, but this is {_article(str(value.kind))}", clause.value.span
+            )
         bound = self.check.value(clause.bound, (value.kind,), "`apart by`")
         ratio = value.kind.dimension == NUMBER
         if ratio and (factor := constant(bound.expr)) is not None and factor < 1:
@@ -418,16 +447,21 @@ class _Task:
         name = counterfactual.name.id
         if len(counterfactual.changes) != 1:
             many = len(counterfactual.changes)
-            self.check.fail("WMS503", f"a counterfactual changes exactly one thing, but `{name}` changes {many}", counterfactual.name.span,
-                            "make one counterfactual of each change" if many else "say what would be different")  # fmt: skip
+            what = f"a counterfactual changes exactly one thing, but `{name}` changes {many}"
+            remedy = "make one counterfactual of each change" if many else "say what would be different"
+            self.check.fail("WMS503", what, counterfactual.name.span, remedy)
         change = counterfactual.changes[0]
         where = place(change.span)
         if change.kind == "order":
-            self.check.fail("WMS405", "a change of order is not supported yet", change.span, "change the actions' `start`")
+            self.check.fail(
+                "WMS405", "a change of order is not supported yet", change.span, "change the actions' `start`"
+            )
         if change.kind == "without":
             target = self.check.value(change.target, (ACTION,), "`without`").expr
             assert isinstance(target, ir.Value)
-            return ir.Counterfactual(name=name, change="without", owner=str(target.value), property="", value=None, place=where)
+            return ir.Counterfactual(
+                name=name, change="without", owner=str(target.value), property="", value=None, place=where
+            )
         owner, prop, kinds, slot = self.target(change)
         assert change.value is not None
         typed = self.check.value(change.value, kinds, f"`{prop}`")
@@ -435,18 +469,30 @@ class _Task:
         if typed.expr == ir.Property(owner=ir.Value(value=owner), name=prop):
             self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
         assert change.kind in ("action", "state")
-        return ir.Counterfactual(name=name, change=change.kind, owner=owner, property=prop, value=typed.expr, place=where)
+        return ir.Counterfactual(
+            name=name, change=change.kind, owner=owner, property=prop, value=typed.expr, place=where
+        )
 
     def target(self, change: s.Change) -> tuple[str, str, tuple[Kind, ...], Slot]:
         target = change.target
         example = "push.speed" if change.kind == "action" else "ball.mass"
         if not isinstance(target, s.Member) or not isinstance(target.value, s.Name):
-            self.check.fail("WMS503", f"`{change.kind}` changes one named value", target.span, f"write something like `{example}`")
+            self.check.fail(
+                "WMS503", f"`{change.kind}` changes one named value", target.span, f"write something like `{example}`"
+            )
         owner = self.check.infer(target.value)
         is_action = owner.kind == ACTION
-        if not isinstance(owner.expr, ir.Value) or is_action != (change.kind == "action") or owner.kind not in (ACTION, OBJECT, CAMERA):
+        if (
+            not isinstance(owner.expr, ir.Value)
+            or is_action != (change.kind == "action")
+            or owner.kind not in (ACTION, OBJECT, CAMERA)
+        ):
             wanted = "an action" if change.kind == "action" else "an object or camera"
-            self.check.fail("WMS503", f"`{change.kind}` changes {wanted}, but this is {_article(str(owner.kind))}", target.value.span)
+            self.check.fail(
+                "WMS503",
+                f"`{change.kind}` changes {wanted}, but this is {_article(str(owner.kind))}",
+                target.value.span,
+            )
         name, prop = str(owner.expr.value), target.name.id
         if is_action:
             kinds: tuple[Kind, ...] = (self.check.argument_kind(name, target.name),)
@@ -494,8 +540,9 @@ class _Task:
         for statement in self.statements:
             if isinstance(statement, s.Factor) and statement.name.id not in used:
                 what = "nuisance" if statement.nuisance else "factor"
-                self.report.add("WMS403", f"nothing depends on the {what} `{statement.name.id}`", statement.name.span,
-                                "use it in an object, action or question, or remove it", severity="warning")  # fmt: skip
+                message = f"nothing depends on the {what} `{statement.name.id}`"
+                remedy = "use it in an object, action or question, or remove it"
+                self.report.add("WMS403", message, statement.name.span, remedy, severity="warning")
 
 
 def _effects(spec: ir.TaskSpec) -> Iterator[ir.Expr]:

@@ -135,6 +135,6 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
 
 
 def convert(value: float, scale: float) -> float:
-    """`value * scale`, correctly rounded where the scale is one over a whole number (35 cm is 0.35 m to the last bit)."""
+    """`value * scale`, rounded correctly where the scale is one over a whole number (35 cm is 0.35 m to the bit)."""
     inverse = round(1 / scale)
     return value / inverse if inverse > 1 and abs(inverse * scale - 1) < 1e-12 else value * scale

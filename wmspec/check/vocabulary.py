@@ -76,15 +76,15 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
     "object": {
         "shape": Slot((SHAPE,), "its form", "cube"),
         "size": Slot((A_LENGTH, POINT3), "edge or diameter and height; for a box, its three edges", "10 cm", above=0),
-        "radius": Slot((A_LENGTH,), "of a sphere, cylinder, cone or capsule, instead of half its size", optional=True, above=0),
+        "radius": Slot((A_LENGTH,), "of a round object, instead of half its size", optional=True, above=0),
         "height": Slot((A_LENGTH,), "of a cylinder, cone or capsule, instead of its size", optional=True, above=0),
         "color": Slot((COLOR,), "its colour", "gray"),
         "roughness": Slot((A_NUMBER,), "of its surface, 0 is a mirror", "0.6", least=0, most=1),
         "metallic": Slot((A_NUMBER,), "1 for bare metal", "0", least=0, most=1),
         "mass": Slot((Quantity(MASS),), "its mass, instead of its density", optional=True, above=0),
         "density": Slot((Quantity(DENSITY),), "its mass per volume", "600 kg/m^3", above=0),
-        "friction": Slot((A_NUMBER,), "friction coefficient; a touching pair has the geometric mean", "0.5", least=0, most=5),
-        "restitution": Slot((A_NUMBER,), "how much it bounces; a touching pair has the geometric mean", "0.1", least=0, most=1),
+        "friction": Slot((A_NUMBER,), "friction; a touching pair has the geometric mean", "0.5", least=0, most=5),
+        "restitution": Slot((A_NUMBER,), "bounciness; a touching pair has the geometric mean", "0.1", least=0, most=1),
         "on": Slot((OBJECT,), "what it rests on; `on: table at (x, y)` says where, from its middle", optional=True),
         "at": Slot((POINT2, POINT3), "where its middle is: (x, y) on what it rests on, else (x, y, z)", "(0 m, 0 m)"),
         "yaw": Slot((AN_ANGLE,), "how far it is turned about the vertical, anticlockwise from above", "0 deg"),
@@ -143,7 +143,7 @@ VERBS: dict[str, Verb] = {
 
 @dataclass(frozen=True)
 class Function:
-    """A function: parameters (a trailing List takes a list), result, and whether it is measured on the executed episode."""
+    """A function: its parameters, its result, and whether it is measured on the executed episode."""
 
     meaning: str
     parameters: tuple[Kind, ...]

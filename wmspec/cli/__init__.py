@@ -17,10 +17,10 @@ COMMANDS = ("check", "list", "compile", "run", "render", "generate", "view", "do
 class _Commands(click.Group):
     """Commands by file name; a user's mistake is told in a sentence and ends with exit code 2."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click calls it by name
         return list(COMMANDS)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         if cmd_name not in COMMANDS:
             return None
         module = importlib.import_module(f"wmspec.cli.{cmd_name}")

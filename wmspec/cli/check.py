@@ -23,7 +23,7 @@ def check_command(specs: tuple[Path, ...], as_json: bool) -> None:
     tasks = []
     for path in spec_files(specs):
         for spec in check(path, report):
-            tasks.append((spec.name, trial(spec, report)))
+            tasks += [(spec.name, trial(spec, report))]
     found = report.diagnostics
     if as_json:
         click.echo(json.dumps({"diagnostics": [d.record() for d in found], "tasks": dict(tasks)}, indent=2))

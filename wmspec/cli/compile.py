@@ -6,7 +6,15 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import instance_of, instance_option, make_folder, one_task, seed_option, spec_argument, write_text
+from wmspec.cli.common import (
+    instance_of,
+    instance_option,
+    make_folder,
+    one_task,
+    seed_option,
+    spec_argument,
+    write_text,
+)
 
 
 @click.command("compile")

@@ -18,7 +18,9 @@ from wmspec.errors import WmsError
 @specs_argument
 @click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="The folder of the dataset.")
 @click.option("--backend", "-b", default="all", show_default=True, help="Engines: names joined by commas, or all.")
-@click.option("--per-task", type=click.IntRange(1), help="How many instances of each task, drawn at random.  [default: all]")
+@click.option(
+    "--per-task", type=click.IntRange(1), help="How many instances of each task, drawn at random.  [default: all]"
+)
 @click.option("--size", default="256", show_default=True, help="Pixels of a picture: 256, or 320x240.")
 @seed_option
 @click.option(
@@ -29,7 +31,9 @@ from wmspec.errors import WmsError
     help="Keep a question only if all engines agree on it, or whatever they say.",
 )
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
-@click.option("--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take.")
+@click.option(
+    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take."
+)
 @click.option("--force", is_flag=True, help="Replace a different dataset in the folder.")
 def generate_command(
     specs: tuple[Path, ...],

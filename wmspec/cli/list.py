@@ -14,7 +14,7 @@ from wmspec.cli.common import json_option, load_tasks
 @click.argument("specs", nargs=-1, type=click.Path(path_type=Path))
 @json_option
 def list_command(specs: tuple[Path, ...], as_json: bool) -> None:
-    """List tasks with their dimensions, factors and numbers of instances. Without SPECS: those that come with wmspec."""
+    """List tasks with their dimensions, factors and numbers of instances. Without SPECS: those of wmspec."""
     from wmspec.check.ir import Choices
     from wmspec.design.design import Design
     from wmspec.parse.load import library_folder
@@ -47,5 +47,10 @@ def list_command(specs: tuple[Path, ...], as_json: bool) -> None:
     for row in found:
         factors = row["factors"]
         assert isinstance(factors, dict)
-        table.add_row(str(row["task"]), str(row["dimension"]), f"{row['instances']:,}", ", ".join(f"{n} ({c})" for n, c in factors.items()))
+        table.add_row(
+            str(row["task"]),
+            str(row["dimension"]),
+            f"{row['instances']:,}",
+            ", ".join(f"{n} ({c})" for n, c in factors.items()),
+        )
     Console(soft_wrap=False).print(table)

@@ -12,13 +12,17 @@ from wmspec.errors import WmsError
 
 @click.command("render")
 @click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE")
-@click.option("--backend", "-b", default="mujoco", show_default=True, help="Engines that execute: names joined by commas, or all.")
+@click.option(
+    "--backend", "-b", default="mujoco", show_default=True, help="Engines that execute: names joined by commas, or all."
+)
 @click.option("--renderer", "-r", default="", help="The engine that draws, if another than the one that executes.")
 @instance_option
 @seed_option
 @click.option("--size", default="256", show_default=True, help="Pixels: 256, or 320x240.")
 @click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="The folder to write to.")
-def render_command(source: Path, backend: str, renderer: str, instance: int, seed: int, size: str, output: Path) -> None:
+def render_command(
+    source: Path, backend: str, renderer: str, instance: int, seed: int, size: str, output: Path
+) -> None:
     """Draw what the cameras of an instance, or of a USD stage, observe: one PNG per camera and time."""
     from PIL import Image
 

@@ -20,7 +20,9 @@ STAGES = (".usd", ".usda", ".usdc", ".usdz")
 @click.option("--backend", "-b", default="mujoco", show_default=True, help="Engines: names joined by commas, or all.")
 @instance_option
 @seed_option
-@click.option("--for", "duration", default="", metavar="TIME", help="How long, such as 2s; for stages without an episode.")
+@click.option(
+    "--for", "duration", default="", metavar="TIME", help="How long, such as 2s; for stages without an episode."
+)
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Write the trace to this .npz file.")
 @json_option
 def run_command(
@@ -63,8 +65,9 @@ def load_scene(source: Path, instance: int, seed: int) -> Any:
 
 
 def _open(path: Path) -> Any:
-    import wmspec.scene.schema  # noqa: F401  importing it registers the schemas
     from pxr import Tf, Usd
+
+    import wmspec.scene.schema  # noqa: F401  importing it registers the schemas
 
     if not path.is_file():
         raise WmsError(f"{path}: there is no such file")
@@ -127,8 +130,11 @@ def _print(trace: Any, scene: Any) -> None:
     for name, end in summary["bodies"].items():
         x, y, z = (100 * v for v in end["position"])
         vx, vy, vz = (100 * v for v in end["velocity"])
-        click.echo(f"  {name:<16} ends at ({x:7.1f}, {y:7.1f}, {z:6.1f}) cm, moving at ({vx:6.1f}, {vy:6.1f}, {vz:6.1f}) cm/s")
+        click.echo(
+            f"  {name:<16} ends at ({x:7.1f}, {y:7.1f}, {z:6.1f}) cm, moving at ({vx:6.1f}, {vy:6.1f}, {vz:6.1f}) cm/s"
+        )
     static = {b.name for b in scene.bodies if b.motion == "static"}
     for contact in summary["contacts"]:
         if contact["first"] not in static:
-            click.echo(f"  {contact['first']} touches {contact['second']} from {contact['start']:.3f} s to {contact['stop']:.3f} s")
+            when = f"from {contact['start']:.3f} s to {contact['stop']:.3f} s"
+            click.echo(f"  {contact['first']} touches {contact['second']} {when}")

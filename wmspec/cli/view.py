@@ -11,8 +11,12 @@ from wmspec.errors import WmsError
 
 @click.command("view")
 @click.argument("dataset", type=click.Path(path_type=Path))
-@click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="The picture to write, a .png file.")
-@click.option("--per-task", type=click.IntRange(1, 50), default=3, show_default=True, help="How many instances of each task.")
+@click.option(
+    "--output", "-o", type=click.Path(path_type=Path), required=True, help="The picture to write, a .png file."
+)
+@click.option(
+    "--per-task", type=click.IntRange(1, 50), default=3, show_default=True, help="How many instances of each task."
+)
 def view_command(dataset: Path, output: Path, per_task: int) -> None:
     """Draw a contact sheet of a dataset: frames, options and answer, engine beside engine."""
     from wmspec.write.sheet import contact_sheet

@@ -103,7 +103,7 @@ class Design:
         return tuple(found)
 
     def sample(self, count: int) -> tuple[int, ...]:
-        """`count` different indices in a random order that depends on the seed alone; all of them if there are fewer."""
+        """`count` different indices in a random order that depends on the seed alone; all if there are fewer."""
         n = len(self)
         return tuple(permuted(i, n, self.seed, self.spec.name, "sample") for i in range(min(count, n)))
 
@@ -128,7 +128,9 @@ def _groups(spec: TaskSpec, factors: tuple[Factor, ...]) -> Iterator[_Group]:
     ties = [(r, depend.expression(r.condition) & {f.name for f in spec.factors}) for r in spec.requires]
     for require, tied in ties:
         if tied - names:
-            raise WmsError(f"{require.place}: `require` can depend on factors, not on the nuisance `{min(tied - names)}`")
+            raise WmsError(
+                f"{require.place}: `require` can depend on factors, not on the nuisance `{min(tied - names)}`"
+            )
     placed: set[str] = set()
     for factor in factors:
         if factor.name in placed:

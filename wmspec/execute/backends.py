@@ -32,12 +32,13 @@ def backend(name: str) -> Backend:
         return cast(Backend, entries[name].load())
     except ImportError as error:
         raise WmsError(
-            f"the engine of backend `{name}` cannot be imported ({error}); install it with `pip install 'wmspec[{name}]'`"
+            f"the engine of backend `{name}` cannot be imported ({error}); "
+            f"install it with `pip install 'wmspec[{name}]'`"
         ) from None
 
 
 def chosen(choice: str) -> tuple[str, ...]:
-    """The backends meant by `--backend`: names joined by commas, or `all` for every one whose engine can be imported."""
+    """The backends meant by `--backend`: names joined by commas, or `all` for those whose engine can be imported."""
     if choice != "all":
         wanted = tuple(dict.fromkeys(n.strip() for n in choice.split(",") if n.strip()))
         for name in wanted:

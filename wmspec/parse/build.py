@@ -187,10 +187,10 @@ class _Builder:
     def text(self, c: Any, span: Span) -> s.Text:
         return s.Text(re.sub(r"\\(.)", lambda m: _ESCAPES.get(m[1], m[1]), c[0][1:-1]), span)
 
-    def true(self, c: Any, span: Span) -> s.Truth:
+    def true(self, _: Any, span: Span) -> s.Truth:
         return s.Truth(True, span)
 
-    def false(self, c: Any, span: Span) -> s.Truth:
+    def false(self, _: Any, span: Span) -> s.Truth:
         return s.Truth(False, span)
 
     def name(self, c: Any, span: Span) -> s.Name:
@@ -199,7 +199,7 @@ class _Builder:
     at_name = name
     at_key = name
 
-    def reference(self, c: Any, span: Span) -> s.Name:
+    def reference(self, c: Any, _: Span) -> s.Name:
         name: s.Name = self(c[0])
         return name
 

@@ -49,7 +49,9 @@ def read_source(path: Path) -> Source:
     except OSError as error:
         raise WmsError(f"{path}: cannot be read: {error.strerror}") from None
     if len(text) > MAX_CHARACTERS:
-        raise WmsError(f"{path}: longer than {MAX_CHARACTERS:,} characters; a spec is written by hand: is this the right file?")
+        raise WmsError(
+            f"{path}: longer than {MAX_CHARACTERS:,} characters; a spec is written by hand: is this the right file?"
+        )
     return Source(str(path), text)
 
 
@@ -63,14 +65,22 @@ def _uses(file: File) -> Iterator[Use]:
         yield from (s for s in (item.body if isinstance(item, Task) else (item,)) if isinstance(s, Use))
 
 
-def _collect(file: File, folder: Path, report: Report, found: dict[Path, File], trail: tuple[tuple[Path, Span], ...]) -> None:
+def _collect(
+    file: File, folder: Path, report: Report, found: dict[Path, File], trail: tuple[tuple[Path, Span], ...]
+) -> None:
     for use in _uses(file):
         path = _find(use.name, folder, report)
         if path is None:
             continue
         if any(path == p for p, _ in trail):
             notes = tuple(Note("used from here", span) for _, span in trail)
-            report.add("WMS208", f"`{use.name.id}` uses itself in a circle", use.span, "move the shared part to a third library", notes)
+            report.add(
+                "WMS208",
+                f"`{use.name.id}` uses itself in a circle",
+                use.span,
+                "move the shared part to a third library",
+                notes,
+            )
         elif path not in found:
             library = parse(read_source(path), report)
             _collect(library, path.parent, report, found, (*trail, (path, use.span)))
@@ -83,5 +93,10 @@ def _find(name: Name, folder: Path, report: Report) -> Path | None:
         if (path := place / f"{name.id}.wms").is_file():
             return path.resolve()
     known = [p.stem for place in places for p in sorted(place.glob("*.wms"))]
-    report.add("WMS207", f"there is no library `{name.id}` next to the spec or in wmspec's own", name.span, suggestion(name.id, known))
+    report.add(
+        "WMS207",
+        f"there is no library `{name.id}` next to the spec or in wmspec's own",
+        name.span,
+        suggestion(name.id, known),
+    )
     return None

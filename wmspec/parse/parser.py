@@ -19,7 +19,18 @@ from wmspec.parse.syntax import Expr, File
 #: Words that begin a statement or clause: after a mistake, reading goes on at the next of them.
 STARTERS = frozenset(
     {"TASK", "USE", "FACTOR", "NUISANCE", "LET", "REQUIRE", "REPEAT", "OBJECT", "CAMERA", "LIGHT", "WORLD", "ACTION"}
-    | {"HORIZON", "OBSERVE", "QUESTION", "SETTING", "OPTIONS", "ANSWER", "MARGIN", "ENSURE", "DISTINCT", "COUNTERFACTUAL"}
+    | {
+        "HORIZON",
+        "OBSERVE",
+        "QUESTION",
+        "SETTING",
+        "OPTIONS",
+        "ANSWER",
+        "MARGIN",
+        "ENSURE",
+        "DISTINCT",
+        "COUNTERFACTUAL",
+    }
 )
 #: How a terminal is called in a message.
 SPOKEN = {

@@ -187,7 +187,7 @@ class Camera:
 
 @dataclass(frozen=True)
 class Light:
-    """The sun: unit `direction` (3,) in which the light travels; `diffuse` + `ambient` = 1 lights a facing white to white."""
+    """The sun: unit `direction` (3,) in which the light goes; `diffuse` + `ambient` = 1 lights a facing white fully."""
 
     direction: Array
     diffuse: float = 0.65
@@ -288,9 +288,13 @@ class Frame:
 class Renderer(Protocol):
     """Draws one scene, any number of times. Close it when done."""
 
-    def draw(self, shot: Shot, *, depth: bool = False) -> Frame: ...
+    def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
+        """Draw a picture of the shot."""
+        ...
 
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """Let go of everything."""
+        ...
 
 
 class Backend(Protocol):

@@ -15,7 +15,14 @@ from wmspec.stage.document import Document, Prim, Relation
 
 RATE = 240
 
-_PRIMS = {"box": "Cube", "cube": "Cube", "sphere": "Sphere", "cylinder": "Cylinder", "cone": "Cone", "capsule": "Capsule"}
+_PRIMS = {
+    "box": "Cube",
+    "cube": "Cube",
+    "sphere": "Sphere",
+    "cylinder": "Cylinder",
+    "cone": "Cone",
+    "capsule": "Capsule",
+}
 _FORM = ("shape", "size", "radius", "height")
 
 
@@ -130,7 +137,7 @@ def _material(doc: Document, name: str, shape: Prim, values: Values) -> None:
 
 
 def _linear(c: float) -> float:
-    """sRGB to linear light (IEC 61966-2-1)."""
+    """SRGB to linear light (IEC 61966-2-1)."""
     return c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
 
 
@@ -152,7 +159,9 @@ def _camera(doc: Document, name: str, values: Values) -> None:
     prim.set("clippingRange", "float2", (NEAR, FAR))
 
 
-def _looking(eye: tuple[float, ...], target: tuple[float, ...], values: Values, name: str) -> tuple[tuple[float, ...], ...]:
+def _looking(
+    eye: tuple[float, ...], target: tuple[float, ...], values: Values, name: str
+) -> tuple[tuple[float, ...], ...]:
     """USD's row-vector matrix of a camera at `eye` that looks at `target`, the horizon level."""
     forward = [t - e for e, t in zip(eye, target, strict=True)]
     length = math.hypot(*forward)

@@ -19,8 +19,8 @@ _VALUES: dict[str, Callable[[Any], Any]] = {
     "color3f": lambda v: Gf.Vec3f(*v),
     "quatd": lambda v: Gf.Quatd(*v),
     "matrix4d": lambda v: Gf.Matrix4d(*(x for row in v for x in row)),
-    "token[]": lambda v: Vt.TokenArray(v),
-    "double[]": lambda v: Vt.DoubleArray(v),
+    "token[]": Vt.TokenArray,
+    "double[]": Vt.DoubleArray,
     "float3[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
 }
 
@@ -81,7 +81,9 @@ def _define(layer: Sdf.Layer, path: str, prim: Prim) -> None:
 
 def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
     attributes = {n: a for n, a in after.attributes.items() if not _same(before.attributes.get(n), a)}
-    relations = {n: r for n, r in after.relations.items() if (b := before.relations.get(n)) is None or b.targets != r.targets}
+    relations = {
+        n: r for n, r in after.relations.items() if (b := before.relations.get(n)) is None or b.targets != r.targets
+    }
     lost = before.attributes.keys() - after.attributes.keys()
     retyped, reapplied = before.type != after.type, before.schemas != after.schemas
     if not (attributes or relations or lost or retyped or reapplied):

@@ -1,4 +1,4 @@
-"""Trying a spec out: the design and the scenes of a sample of instances and counterfactuals are built, nothing is executed."""
+"""Trying a spec out: the scenes of a sample of instances and counterfactuals are built, nothing is executed."""
 
 from __future__ import annotations
 

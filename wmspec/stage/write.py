@@ -1,4 +1,4 @@
-"""Stages on disk: `base.usda` per task, `000000.usda` per instance over it, `000000.NAME.usda` per counterfactual over that."""
+"""Stages on disk: `base.usda` per task, `000000.usda` per instance over it, `000000.NAME.usda` per counterfactual."""
 
 from __future__ import annotations
 
@@ -23,11 +23,15 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
     assigned = ", ".join(f"{k} = {v:g}" if isinstance(v, float) else f"{k} = {v}" for k, v in instance.values.items())
     layers = {
         "base.usda": base_layer(base, f"{spec.title}. Instance 0; the layers of other instances change it."),
-        f"{name}.usda": override_layer(base, truth, "./base.usda", f"{spec.name}, instance {instance.index}: {assigned}"),
+        f"{name}.usda": override_layer(
+            base, truth, "./base.usda", f"{spec.name}, instance {instance.index}: {assigned}"
+        ),
     }
     for question in spec.questions:
         for change in question.counterfactuals:
-            what = f"What if: {change.name}, a change of {change.owner}{'.' if change.property else ''}{change.property}"
+            what = (
+                f"What if: {change.name}, a change of {change.owner}{'.' if change.property else ''}{change.property}"
+            )
             altered = document(spec, instance, change)
             layers[f"{name}.{change.name}.usda"] = override_layer(truth, altered, f"./{name}.usda", what)
     return [_export(layer, folder / file) for file, layer in layers.items()]

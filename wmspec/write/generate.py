@@ -98,7 +98,9 @@ class _Asking:
             except FutureTimeout:
                 return self.failed(shard, index, "timeout", f"took longer than {self.effort.timeout:g} s, twice")
             except ProcessExpired as error:
-                return self.failed(shard, index, "crashed", f"the worker process died twice (exit code {error.exitcode})")
+                return self.failed(
+                    shard, index, "crashed", f"the worker process died twice (exit code {error.exitcode})"
+                )
 
     def failed(self, shard: Shard, index: int, reason: Reason, detail: str) -> Outcome:
         spec = shard.task.spec

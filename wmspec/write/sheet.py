@@ -172,9 +172,8 @@ class _Heading:
 
 
 def _heading(row: Row) -> _Heading:
-    context = tuple(
-        f"{t:.4g} s, {camera}" for camera, t in zip(row["context_camera"], row["context_time"], strict=True)
-    )
+    looks = zip(row["context_time"], row["context_camera"], strict=True)
+    context = tuple(f"{time:.3g} s, {camera}" for time, camera in looks)
     if not row["option_image"]:
         return _Heading(context, ())
     changes = [change or "" for change in row["option_change"]]
@@ -186,9 +185,8 @@ def _headings(heading: _Heading, side: int) -> Picture:
     shown = [ink.paragraph(said, SMALL, wide, centred=True) for said in heading.context]
     left = _over("what is shown", ink.beside(shown, GAP))
     options = [_option(LETTERS[i], option, wide) for i, option in enumerate(heading.options)]
-    right = _over(
-        "which picture is true?" if options else "which is true?", ink.beside(options or [ink.blank(WORDS, 1)], GAP)
-    )
+    asked = "which picture is true?" if options else "which is true?"
+    right = _over(asked, ink.beside(options or [ink.blank(WORDS, 1)], GAP))
     return ink.beside([ink.blank(ENGINE, 1), left, ink.blank(PARTING, 1), right], GAP)
 
 
@@ -200,11 +198,11 @@ def _option(letter: str, option: tuple[str, str, str], wide: int) -> Picture:
     kind, name, change = option
     if kind == "truth":
         head = ink.beside([ink.paragraph(letter, TRUE, ink.width_of(letter, TRUE)), ink.tick(22)], 8, middle=True)
-        said = "this happens"
+        said = ["this happens"]
     else:
         head = ink.paragraph(f"{letter}  {name}", NAME, wide)
-        said = change.replace("->", "→")
-    return ink.above([head, ink.paragraph(said, TINY, wide)], 2)
+        said = change.replace("->", "→").split(": ", 1)
+    return ink.above([head, *(ink.paragraph(line, TINY, wide) for line in said)], 2)
 
 
 # ---------------------------------------------------------------- the pictures
