@@ -1,0 +1,67 @@
+"""The contact sheet shows every engine, every option, and which of them is true."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import ImageColor, ImageFont
+
+from tests.dataset.made import make, plan
+from wmspec.errors import WmsError
+from wmspec.write import ink
+from wmspec.write.dataset import Dataset
+from wmspec.write.sheet import WIDTH, contact_sheet
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("dataset")
+    make(place, plan())
+    return place
+
+
+def share(sheet: ink.Picture, color: str) -> float:
+    return float((np.asarray(sheet) == ImageColor.getrgb(color)).all(axis=-1).mean())
+
+
+def test_the_sheet_is_wide_bright_and_full(folder: Path) -> None:
+    sheet = contact_sheet(folder, 2)
+    assert sheet.width == WIDTH
+    assert 0.3 < share(sheet, ink.PAPER) < 0.9
+    assert share(sheet, ink.GREEN) > 0.001
+    for sky in ("#dfe6ee", "#e6e6e6", "#e9e4dc"):  # one for each engine
+        assert share(sheet, sky) > 0.02
+
+
+def test_more_instances_make_a_longer_sheet(folder: Path) -> None:
+    one, two = contact_sheet(folder, 1, ["collide"]), contact_sheet(folder, 2, ["collide"])
+    assert one.height < two.height < contact_sheet(folder, 2).height
+
+
+def test_without_pictures_of_a_system_font_it_is_still_drawn(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(*_: object) -> None:
+        raise OSError("cannot open resource")
+
+    monkeypatch.setattr(ImageFont, "truetype", missing)
+    ink.font.cache_clear()
+    try:
+        assert share(contact_sheet(folder, 1), ink.BLACK) > 0.0005
+    finally:
+        ink.font.cache_clear()
+
+
+def test_a_word_that_is_too_long_is_broken() -> None:
+    style = ink.Style(20)
+    long = ink.paragraph("W" * 500, style, 300)
+    assert long.width == 300
+    assert long.height > 20 * style.height
+
+
+def test_what_is_not_a_finished_dataset_is_told(tmp_path: Path, folder: Path) -> None:
+    with Dataset.open(tmp_path, replace(plan(), seed=3)), pytest.raises(WmsError, match="no finished dataset"):
+        contact_sheet(tmp_path)
+    with pytest.raises(WmsError, match="no task `nothing`; it has collide, motion_speed"):
+        contact_sheet(folder, tasks=["nothing"])
