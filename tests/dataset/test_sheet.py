@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -41,9 +42,13 @@ def test_more_instances_make_a_longer_sheet(folder: Path) -> None:
     assert one.height < two.height < contact_sheet(folder, 2).height
 
 
-def test_without_pictures_of_a_system_font_it_is_still_drawn(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def missing(*_: object) -> None:
-        raise OSError("cannot open resource")
+def test_without_a_system_font_it_is_still_drawn(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = ImageFont.truetype
+
+    def missing(font: Any, *rest: Any, **more: Any) -> Any:
+        if isinstance(font, str):
+            raise OSError("cannot open resource")
+        return found(font, *rest, **more)
 
     monkeypatch.setattr(ImageFont, "truetype", missing)
     ink.font.cache_clear()
