@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from wmspec.ask.ask import apart
+from wmspec.ask.gates import apart
 from wmspec.ask.model import Asked, Rejected
 
 

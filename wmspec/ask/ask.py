@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from math import log
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.ask.gates import Reject, distinct, passed
 from wmspec.ask.measure import Measured
 from wmspec.ask.model import Asked, Change, Option, Picture, Reason, Rejected
 from wmspec.ask.say import question_text, say
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Counterfactual, Margin, Question, TaskSpec
+from wmspec.check.ir import Counterfactual, Question, TaskSpec
 from wmspec.design.design import Design, Instance
 from wmspec.design.draws import bits, permuted
 from wmspec.design.values import Values
@@ -30,13 +30,6 @@ from wmspec.stage.layers import compose
 LEAST_VISIBLE = 36 / 256**2
 #: Two option pictures in which fewer pixels than this show different bodies look alike.
 LEAST_DIFFERENT = 100 / 256**2
-
-
-class _Reject(Exception):
-    def __init__(self, reason: Reason, detail: str) -> None:
-        super().__init__(detail)
-        self.reason: Reason = reason
-        self.detail = detail
 
 
 @dataclass(frozen=True)
@@ -77,7 +70,7 @@ def ask(design: Design, index: int, crew: Crew) -> list[Asked | Rejected]:
     for q in range(len(spec.questions)):
         try:
             asked.append(_question(design, instance, q, run, crew))
-        except _Reject as reject:
+        except Reject as reject:
             asked.append(_rejected(spec, index, q, crew, reject.reason, reject.detail))
     return asked
 
@@ -96,10 +89,7 @@ def _question(design: Design, instance: Instance, q: int, run: _Run, crew: Crew)
     looks = [(o.camera, t) for o in spec.observations for t in evaluate(o.times, run.values)]
     times = [t for _, t in looks]
     measured = Measured(run.values, run.trace, (min(times), max(times)))
-    for ensure in question.ensures:
-        if not evaluate(ensure.condition, measured):
-            raise _Reject("ensure", ensure.text)
-    margins = [_margin(m, measured) for m in question.margins]
+    margin = passed(question, measured)
     answer = evaluate(question.answer, measured)
     context = tuple(_picture(run, camera, time, crew, f"at {time:g} s") for camera, time in looks)
     position = permuted(instance.index, len(design), design.seed, spec.name, q, "position")
@@ -126,7 +116,7 @@ def _question(design: Design, instance: Instance, q: int, run: _Run, crew: Crew)
         factors=instance.factors,
         nuisances=instance.nuisances,
         groups=groups(instance),
-        margin=min(margins) if margins else None,
+        margin=margin,
         measured=dict(sorted(measured.readings.items())),
         outcome=outcome,
     )
@@ -138,19 +128,6 @@ def groups(instance: Instance) -> dict[str, str]:
         factor: f"{bits(instance.block, *(f'{k}={v}' for k, v in instance.factors.items() if k != factor)):016x}"
         for factor in instance.factors
     }
-
-
-def _margin(margin: Margin, measured: Measured) -> float:
-    """How far the margin's value is from turning, in multiples of what was asked for; rejects below one."""
-    value, bound = evaluate(margin.value, measured), evaluate(margin.bound, measured)
-    apart = _times_apart(value, bound) if margin.ratio else abs(value) / bound
-    if apart < 1:
-        raise _Reject("margin", f"{value:.4g} where {bound:.4g} apart was asked for ({margin.place})")
-    return float(apart)
-
-
-def _times_apart(ratio: float, factor: float) -> float:
-    return abs(log(ratio)) / log(factor) if ratio > 0 and factor > 1 else 0.0
 
 
 # ---------------------------------------------------------------- pictures
@@ -167,7 +144,7 @@ def _picture(run: _Run, camera: str, time: float, crew: Crew, where: str) -> Pic
     for i in run.moving():
         seen = int((frame.ids == i).sum())
         if seen < least:
-            raise _Reject("unseen", f"{run.scene.bodies[i].name} {where}: {seen} of {frame.ids.size} pixels")
+            raise Reject("unseen", f"{run.scene.bodies[i].name} {where}: {seen} of {frame.ids.size} pixels")
     return Picture(camera, time, frame.rgb)
 
 
@@ -180,10 +157,10 @@ def _labelled(
     assert question.options is not None
     choices = list(evaluate(question.options, values))
     if answer not in choices:
-        raise _Reject("invalid", f"the answer {say(answer, question.sort, values)} is not among the options")
+        raise Reject("invalid", f"the answer {say(answer, question.sort, values)} is not among the options")
     texts = [say(c, question.sort, values) for c in choices]
     if len(set(texts)) < len(texts):
-        raise _Reject("alike", f"two options read the same: {', '.join(texts)}")
+        raise Reject("alike", f"two options read the same: {', '.join(texts)}")
     order = _order(choices.index(answer), len(choices), position, design, instance)
     options = tuple(Option("truth" if choices[i] == answer else "label", str(choices[i]), text=texts[i]) for i in order)
     return options, position % len(choices)
@@ -199,13 +176,13 @@ def _pictured(
         try:
             runs.append(_execute(design.spec, instance, counterfactual, crew))
         except EngineError as error:
-            raise _Reject("unstable", f"{counterfactual.name}: {error}") from None
+            raise Reject("unstable", f"{counterfactual.name}: {error}") from None
         except WmsError as error:
-            raise _Reject("invalid", f"{counterfactual.name}: {error}") from None
+            raise Reject("invalid", f"{counterfactual.name}: {error}") from None
     poses = np.stack([r.poses(time) for r in runs])
     names = ["truth", *(c.name for c in question.counterfactuals)]
     if question.distinct is not None:
-        _apart(poses, names, evaluate(question.distinct, run.values))
+        distinct(poses, names, evaluate(question.distinct, run.values))
     frames = [_draw(r, camera, time, crew) for r in runs]
     _look_different(frames, names)
     order = _order(0, len(runs), position, design, instance)
@@ -225,25 +202,11 @@ def _order(truth: int, n: int, position: int, design: Design, instance: Instance
     return others
 
 
-def apart(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    """How far (m) the body that differs most between two outcomes (n, 7) is from itself."""
-    return float(np.linalg.norm(a[:, :3] - b[:, :3], axis=1).max())
-
-
-def _apart(poses: NDArray[np.float64], names: list[str], least: float) -> None:
-    for i, j in combinations(range(len(names)), 2):
-        gap = apart(poses[i], poses[j])
-        if gap < least:
-            raise _Reject(
-                "alike", f"{names[i]} and {names[j]}: {gap * 100:.1f} cm apart, {least * 100:.1f} cm asked for"
-            )
-
-
 def _look_different(frames: list[Frame], names: list[str]) -> None:
     for i, j in combinations(range(len(names)), 2):
         share = float((frames[i].ids != frames[j].ids).mean())
         if share < LEAST_DIFFERENT:
-            raise _Reject("alike", f"{names[i]} and {names[j]}: {share:.3%} of the picture differs")
+            raise Reject("alike", f"{names[i]} and {names[j]}: {share:.3%} of the picture differs")
 
 
 def _change(change: Counterfactual, before: Values, after: Values) -> Change:
