@@ -210,12 +210,9 @@ def _look_different(frames: list[Frame], names: list[str]) -> None:
 
 
 def _change(change: Counterfactual, before: Values, after: Values) -> Change:
+    """What a counterfactual changed, in words."""
     if change.value is None:
         return Change(change.change, change.owner, "done", "left out")
-    old = before.property(change.owner, change.property) if before.has(change.owner, change.property) else "unset"
-    new = after.property(change.owner, change.property)
-    return Change(change.change, f"{change.owner}.{change.property}", _plain(old), _plain(new))
-
-
-def _plain(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    owner, name = change.owner, change.property
+    was = say(before.property(owner, name), change.sort, before) if before.has(owner, name) else "unset"
+    return Change(change.change, f"{owner}.{name}", was, say(after.property(owner, name), change.sort, after))

@@ -149,13 +149,17 @@ class Observation(Node):
 
 
 class Counterfactual(Node):
-    """What if one thing were different: `owner.name` becomes `value`; with `name` "" the action is left out."""
+    """What if one thing were different: `owner.property` becomes `value`, of the kind `sort`; or the action is left out.
+
+    A left out action has no `property`, `value` or `sort`.
+    """
 
     name: str
     change: Literal["action", "state", "without"]
     owner: str
     property: str
     value: Expr | None
+    sort: str
     place: Place
 
 

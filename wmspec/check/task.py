@@ -460,7 +460,7 @@ class _Task:
             target = self.check.value(change.target, (ACTION,), "`without`").expr
             assert isinstance(target, ir.Value)
             return ir.Counterfactual(
-                name=name, change="without", owner=str(target.value), property="", value=None, place=where
+                name=name, change="without", owner=str(target.value), property="", value=None, sort="", place=where
             )
         owner, prop, kinds, slot = self.target(change)
         assert change.value is not None
@@ -470,7 +470,13 @@ class _Task:
             self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
         assert change.kind in ("action", "state")
         return ir.Counterfactual(
-            name=name, change=change.kind, owner=owner, property=prop, value=typed.expr, place=where
+            name=name,
+            change=change.kind,
+            owner=owner,
+            property=prop,
+            value=typed.expr,
+            sort=str(typed.kind),
+            place=where,
         )
 
     def target(self, change: s.Change) -> tuple[str, str, tuple[Kind, ...], Slot]:

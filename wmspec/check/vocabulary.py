@@ -47,6 +47,7 @@ COLORS: dict[str, tuple[float, float, float]] = {
     "sand": (0.80, 0.76, 0.68),
     "slate": (0.46, 0.50, 0.54),
     "plaster": (0.74, 0.73, 0.71),
+    "chalk": (0.90, 0.89, 0.87),
     "mist": (0.86, 0.90, 0.95),
 }
 
@@ -89,6 +90,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "at": Slot((POINT2, POINT3), "where its middle is: (x, y) on what it rests on, else (x, y, z)", "(0 m, 0 m)"),
         "yaw": Slot((AN_ANGLE,), "how far it is turned about the vertical, anticlockwise from above", "0 deg"),
         "fixed": Slot((TRUTH,), "whether it can never move", "false"),
+        "solid": Slot((TRUTH,), "whether it can be touched; a mark on the floor cannot, and must be fixed", "true"),
     },
     "camera": {
         "at": Slot((POINT3,), "where it is"),

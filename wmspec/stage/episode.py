@@ -75,6 +75,8 @@ def _object(doc: Document, name: str, values: Values, kinematic: bool) -> None:
     fixed = values.property(name, "fixed")
     if fixed and kinematic:
         raise WmsError(f"{values.spec.thing(name).place}: `{name}` is fixed, so it cannot glide")
+    if not fixed and not values.property(name, "solid"):
+        raise WmsError(f"{values.spec.thing(name).place}: `{name}` cannot be touched, so it must be fixed")
     path = f"/World/Objects/{name}"
     body = doc.add(path, "Xform", () if fixed else ("PhysicsRigidBodyAPI",), (f"{name}.fixed",))
     placement = tuple(f"{name}.{p}" for p in PLACEMENT)
@@ -93,8 +95,9 @@ def _shape(doc: Document, name: str, values: Values) -> Prim:
     form = tuple(f"{name}.{p}" for p in _FORM)
     kind = values.property(name, "shape")
     x, y, z = values.extent(name)
-    schemas = ("PhysicsCollisionAPI", "PhysicsMassAPI", "MaterialBindingAPI")
-    prim = doc.add(f"/World/Objects/{name}/{kind}", _PRIMS[kind], schemas, form)
+    solid = ("PhysicsCollisionAPI", "PhysicsMassAPI") if values.property(name, "solid") else ()
+    schemas = (*solid, "MaterialBindingAPI")
+    prim = doc.add(f"/World/Objects/{name}/{kind}", _PRIMS[kind], schemas, (*form, f"{name}.solid"))
     corner = (x / 2, y / 2, z / 2)
     if kind in ("box", "cube"):
         prim.set("size", "double", 1.0)

@@ -1,0 +1,99 @@
+"""wmspec as a user types it."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from wmspec.parse.load import library_folder
+
+SPECS = library_folder().parent
+SPEED = SPECS / "perception/motion/speed.wms"
+COLLIDE = SPECS / "prediction/mechanistic/collide.wms"
+WMSPEC = Path(sys.executable).with_name("wmspec")
+
+
+def wmspec(*args: object, folder: Path, code: int = 0, **env: str) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(
+        [str(WMSPEC), *map(str, args)], cwd=folder, env=os.environ | env, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == code, done.stderr
+    assert "Traceback" not in done.stderr
+    return done
+
+
+def test_check_and_list_the_specs_that_come_with_it(tmp_path: Path) -> None:
+    assert "collide" in wmspec("check", SPECS, folder=tmp_path).stdout
+    listed = json.loads(wmspec("list", "--json", folder=tmp_path).stdout)
+    sizes = {row["task"]: row["instances"] for row in listed}
+    assert sizes["motion_speed"] >= 2304, "fewer than the paper's instances"
+    assert sizes["collide"] >= 1728, "fewer than the paper's instances"
+    assert all(len(row["factors"]) >= 4 for row in listed)
+
+
+def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
+    spec = tmp_path / "mistakes.wms"
+    spec.write_text((Path(__file__).parent.parent / "corpus/three_mistakes.wms").read_text())
+    told = wmspec("check", spec, folder=tmp_path, code=2).stderr
+    assert told.count("^^") >= 3
+    assert [line.split(":")[0] for line in told.splitlines() if line.startswith("error")] == [
+        "error[WMS203]",
+        "error[WMS301]",
+        "error[WMS201]",
+    ]
+    for remedy in ("did you mean `friction`?", "write something like `6 cm`", "did you mean `table`?"):
+        assert remedy in told
+    found = json.loads(wmspec("check", "--json", spec, folder=tmp_path, code=2).stdout)
+    assert len(found["diagnostics"]) == 3
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["check", "nowhere.wms"], "nowhere.wms: cannot be read"),
+        (["run", COLLIDE, "-i", "99999"], "has instances 0 to"),
+        (["run", COLLIDE, "-b", "mujocco"], "did you mean `mujoco`?"),
+        (["run", "nowhere.usda"], "there is no such file"),
+        (["render", COLLIDE, "--size", "7", "-o", "out"], "expected pixels such as 256"),
+        (["generate", COLLIDE, "-o", "/proc/nowhere"], "/proc"),
+        (["list", "."], "there is no .wms file"),
+    ],
+)
+def test_a_mistake_on_the_command_line_is_told_in_a_sentence(args: list[object], said: str, tmp_path: Path) -> None:
+    assert said in wmspec(*args, folder=tmp_path, code=2).stderr
+
+
+def test_compile_leaves_a_stage_and_an_mjcf_that_stand_alone(tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    wmspec("compile", COLLIDE, "--backend", "mujoco", "--instance", 0, "-o", "out", folder=tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(next((tmp_path / "out").rglob("*.xml"))))
+    assert {model.body(i).name for i in range(model.nbody)} >= {"ball", "victim", "floor"}
+    from pxr import Usd
+
+    stage = Usd.Stage.Open(str(tmp_path / "out/collide/000000.heavier.usda"))
+    heavier, truth = (
+        s.GetAttributeAtPath("/World/Objects/victim/cube.physics:mass").Get()
+        for s in (stage, Usd.Stage.Open(str(tmp_path / "out/collide/000000.usda")))
+    )
+    assert heavier == pytest.approx(16 * truth)
+
+
+def test_a_stage_on_disk_runs_like_its_spec(tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    wmspec("compile", COLLIDE, "--instance", 7, "-o", "out", folder=tmp_path)
+    run = ["run", "-b", "pybullet", "--json"]
+    there = wmspec(*run, "out/collide/000007.usda", folder=tmp_path).stdout
+    assert json.loads(there) == json.loads(wmspec(*run, COLLIDE, "-i", 7, folder=tmp_path).stdout)
+
+
+def test_pictures_are_written(tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    from PIL import Image
+
+    wmspec("render", SPEED, "-b", "pybullet", "--size", "96x64", "-o", "a folder/é", folder=tmp_path)
+    pictures = sorted((tmp_path / "a folder/é").glob("*.png"))
+    assert len(pictures) == 4
+    assert all(Image.open(p).size == (96, 64) for p in pictures)

@@ -1,0 +1,45 @@
+"""Datasets end to end: the engines agree, and the bytes depend on nothing but what was asked for."""
+
+import hashlib
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.endtoend.test_commands import COLLIDE, SPEED, wmspec
+
+
+def digests(folder: Path) -> dict[str, str]:
+    files = (p for p in folder.rglob("*") if p.is_file() and p.name != "lock")
+    return {str(p.relative_to(folder)): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
+
+
+def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
+    for engine in ("mujoco", "pybullet", "sapien"):
+        pytest.importorskip(engine)
+    args = ["generate", SPEED, COLLIDE, "-o", "out", "--per-task", 3, "--size", 128]
+    wmspec(*args, folder=tmp_path)
+    manifest = json.loads((tmp_path / "out/manifest.json").read_text())
+    import pyarrow.parquet as pq
+
+    for task in ("motion_speed", "collide"):
+        rows = pq.read_table(tmp_path / f"out/data/{task}").to_pylist()
+        assert rows, "nothing was kept"
+        for row in rows:
+            assert {a["answer"] for a in row["agreement"]} == {row["answer"]}
+            assert {a["engine"] for a in row["agreement"]} == {"mujoco", "pybullet", "sapien"}
+        rejected = [r for r in manifest["rejected"] if r["task"] == task]
+        assert len(rows) + len(rejected) == 9
+        assert all(r["reason"] for r in rejected)
+
+
+def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    args = ["generate", SPEED, COLLIDE, "--per-task", 3, "--backend", "pybullet", "--size", 64]
+    wmspec(*args, "-o", "one", "-j", 1, folder=tmp_path)
+    wmspec(*args, "-o", "two", "-j", 2, folder=tmp_path)
+    assert digests(tmp_path / "one") == digests(tmp_path / "two")
+    wmspec(*args, "-o", "one", folder=tmp_path)
+    assert digests(tmp_path / "one") == digests(tmp_path / "two"), "asking again changes nothing"
+    wmspec("view", "one", "-o", "sheet.png", folder=tmp_path)
+    assert (tmp_path / "sheet.png").stat().st_size > 10_000
