@@ -71,7 +71,8 @@ def _inside() -> int:
 def _title(said: dict[str, Any]) -> Picture:
     engines = ", ".join(said["engines"])
     agreed = "; only what all of them agree on" if said["consensus"] else ""
-    counted = f"{said['rows']:,} questions in {len(said['tasks'])} tasks, executed and drawn in {engines}{agreed}"
+    tasks = f"{len(said['tasks'])} {'task' if len(said['tasks']) == 1 else 'tasks'}"
+    counted = f"{said['rows']:,} questions in {tasks}, executed and drawn in {engines}{agreed}"
     return ink.above([ink.paragraph("wmspec", TITLE, _inside()), ink.paragraph(counted, SMALL, _inside())], 4)
 
 
