@@ -1,0 +1,153 @@
+"""The doctor finds what is broken, and names what mends it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+import wmspec
+from wmspec.cli import main
+from wmspec.errors import WmsError
+from wmspec.execute import doctor, probe, remedy, vulkan
+from wmspec.execute.doctor import Finding, examine, fit
+from wmspec.execute.probe import render
+from wmspec.execute.remedy import System
+from wmspec.scene.camera import look_at
+
+BOOKWORM = System(frozenset({"debian"}), "bookworm", root=True)
+TRIXIE = System(frozenset({"debian"}), "trixie", root=False)
+UBUNTU = System(frozenset({"ubuntu", "debian"}), "plucky", root=False)
+FEDORA = System(frozenset({"fedora"}), "", root=False)
+
+
+def only(monkeypatch: pytest.MonkeyPatch, *engines: str) -> None:
+    """Let the doctor look at some engines: drawing with all of them takes long."""
+    monkeypatch.setattr(doctor, "names", lambda: engines)
+
+
+def by_name(findings: tuple[Finding, ...]) -> dict[str, Finding]:
+    return {f.name: f for f in findings}
+
+
+def test_a_healthy_engine_executes_and_renders(monkeypatch: pytest.MonkeyPatch) -> None:
+    only(monkeypatch, "pybullet")
+    findings = examine()
+    assert fit(findings)
+    found = by_name(findings)
+    assert found["pybullet executes"].found.startswith("a cube fell 49")
+    assert "red cube" in found["pybullet renders"].found
+    assert all(f.ok == (f.remedy == "") for f in findings)
+
+
+def test_a_bad_mujoco_gl_is_to_be_unset(monkeypatch: pytest.MonkeyPatch) -> None:
+    only(monkeypatch, "mujoco")
+    monkeypatch.setenv("MUJOCO_GL", "bogus")
+    found = by_name(examine())
+    for name in ("mujoco executes", "mujoco renders"):  # with an unknown name MuJoCo cannot even be imported
+        assert not found[name].ok
+        assert "bogus" in found[name].found
+        assert found[name].remedy == "unset MUJOCO_GL"
+
+
+def test_drivers_pointed_nowhere_are_to_be_unset(monkeypatch: pytest.MonkeyPatch) -> None:
+    only(monkeypatch, "sapien")
+    monkeypatch.setenv("VK_DRIVER_FILES", "/nowhere.json")
+    findings = examine()
+    found = by_name(findings)
+    assert found["sapien executes"].ok
+    assert not fit(findings)
+    for name in ("Vulkan", "sapien renders"):
+        assert not found[name].ok
+        assert found[name].remedy == "unset VK_DRIVER_FILES"
+
+
+def test_a_trial_that_takes_too_long_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    only(monkeypatch, "pybullet")
+    found = by_name(examine(patience=0.01))
+    assert found["pybullet renders"].found == "no answer in 0 s"
+    assert "--force-reinstall" in found["pybullet renders"].remedy
+
+
+def test_a_crash_is_a_finding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "crashes.py").write_text("import os\nos.abort()\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    assert doctor._try("crashes", patience=60) == (False, "crashed (SIGABRT)")
+
+
+def test_an_engine_that_is_not_installed(tmp_path: Path) -> None:
+    """Every installed package but SAPIEN stands in a folder; an interpreter that sees only that runs the doctor."""
+    for folder in map(Path, sys.path):
+        if folder.name == "site-packages":
+            for entry in folder.iterdir():
+                if not entry.name.startswith("sapien") and not (tmp_path / entry.name).exists():
+                    (tmp_path / entry.name).symlink_to(entry)
+    code = (
+        "from wmspec.execute import doctor; doctor.names = lambda: ('sapien',)\n"
+        "from wmspec.cli import main; main(['doctor', '--json'])"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(Path(wmspec.__file__).parents[1])])}
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", code], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1, done.stderr
+    said: dict[str, Any] = json.loads(done.stdout)
+    (sapien,) = [f for f in said["findings"] if f["name"].startswith("sapien")]
+    assert sapien["found"] == "not installed"
+    assert sapien["remedy"].endswith("-m pip install 'wmspec[sapien]'")
+
+
+def test_the_command_prints_the_remedy_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    only(monkeypatch, "sapien")
+    monkeypatch.setenv("VK_DRIVER_FILES", "/nowhere.json")
+    result = CliRunner().invoke(main, ["doctor"])
+    assert result.exit_code == 1
+    assert result.output.count("unset VK_DRIVER_FILES") == 1
+    assert "to mend Vulkan, sapien renders:" in result.output
+
+
+def test_a_wrong_picture_is_not_taken_for_a_right_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    away = look_at((0.0, -0.6, 1.1), (0.0, -2.0, 1.1))
+    monkeypatch.setattr(probe, "look_at", lambda *_: away)
+    with pytest.raises(WmsError, match="does not show it"):
+        render("pybullet")
+
+
+@pytest.mark.parametrize(
+    ("system", "begins"),
+    [
+        (BOOKWORM, 'echo "deb $(apt-get indextargets'),
+        (TRIXIE, "sudo apt-get update && sudo apt-get install mesa-vulkan-drivers"),
+        (UBUNTU, "sudo apt-get update && sudo apt-get install mesa-vulkan-drivers"),
+        (FEDORA, "install Mesa 24.3 or newer"),
+    ],
+)
+def test_each_system_has_its_command(system: System, begins: str) -> None:
+    assert remedy.graphics(system).startswith(begins)
+
+
+def test_debian_12_takes_mesa_from_its_backports() -> None:
+    command = remedy.graphics(BOOKWORM)
+    assert "-t bookworm-backports mesa-vulkan-drivers" in command
+    assert "://" not in command, "the mirror is the machine's own"
+    assert subprocess.run(["bash", "-n", "-c", command], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("info", "draws"),
+    [
+        ("Mesa 22.3.6 (LLVM 15.0.6)", False),
+        ("Mesa 24.3.0 (LLVM 19)", True),
+        ("Mesa 25.0.7-2~bpo12+1", True),
+        ("", False),
+    ],
+)
+def test_lavapipe_draws_since_mesa_24_3(info: str, draws: bool) -> None:
+    assert vulkan.Device("llvmpipe", vulkan.LAVAPIPE, "llvmpipe", info).draws == draws
+    assert vulkan.Device("GPU", 4, "NVIDIA", "550.1").draws

@@ -1,0 +1,149 @@
+"""What works on this machine, and what mends the rest: nothing is guessed, everything is tried."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, requires, version
+from itertools import chain
+
+from wmspec.execute import probe, remedy, vulkan
+from wmspec.execute.backends import engine_version, names
+from wmspec.execute.remedy import System
+
+PATIENCE = 300.0  # seconds: SAPIEN compiles its shaders anew in every process, minutes on a busy machine
+OLDEST_PYTHON = (3, 11)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing looked at: whether it is well, what was found, and the command that mends it (empty if it is well)."""
+
+    name: str
+    ok: bool
+    found: str
+    remedy: str = ""
+
+
+def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
+    """Look at everything: Python, packages, graphics, and each engine by letting it execute and draw a cube.
+
+    No trial takes longer than `patience` (s). Never raises for what it finds.
+    """
+    system = remedy.this_system()
+    looks: list[Callable[[], Sequence[Finding]]] = [
+        lambda: [_python()],
+        lambda: [_packages()],
+        lambda: [_egl(system)],
+        lambda: [_vulkan(system, patience)],
+        *(_engine_look(engine, system, patience) for engine in names()),
+    ]
+    with ThreadPoolExecutor() as pool:
+        return tuple(chain.from_iterable(pool.map(lambda look: look(), looks)))
+
+
+def fit(findings: Sequence[Finding]) -> bool:
+    """Whether at least one engine both executes and renders."""
+    well = {f.name for f in findings if f.ok}
+    return any({f"{engine} executes", f"{engine} renders"} <= well for engine in names())
+
+
+def _python() -> Finding:
+    found = ".".join(map(str, sys.version_info[:3])) + f" at {sys.executable}"
+    ok = sys.version_info >= OLDEST_PYTHON
+    return Finding("Python", ok, found, "" if ok else "make a virtual environment with Python 3.11 or newer")
+
+
+def _packages() -> Finding:
+    """The core requirements that wmspec itself declares, and wmspec."""
+    try:
+        declared = [r for r in requires("wmspec") or () if "extra ==" not in r]
+    except PackageNotFoundError:
+        return Finding("packages", False, "wmspec itself is not installed", f"{sys.executable} -m pip install -e .")
+    lacking = [r for r in declared if not _satisfied(r)]
+    if lacking:
+        return Finding("packages", False, f"missing or too old: {', '.join(lacking)}", remedy.pip("wmspec"))
+    return Finding("packages", True, ", ".join(f"{n} {version(n)}" for n in ["wmspec", *map(_name, declared)]))
+
+
+def _name(requirement: str) -> str:
+    return re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
+
+
+def _satisfied(requirement: str) -> bool:
+    """Whether the requirement's package is installed, and at least as new as it says."""
+    try:
+        installed = version(_name(requirement))
+    except PackageNotFoundError:
+        return False
+    least = re.search(r">=\s*([\d.]+)", requirement)
+    return least is None or _numbers(installed) >= _numbers(least[1])
+
+
+def _numbers(text: str) -> tuple[int, ...]:
+    return tuple(int(n) for n in re.findall(r"\d+", text)[:3])
+
+
+# ---------------------------------------------------------------- graphics
+
+
+def _egl(system: System) -> Finding:
+    try:
+        ctypes.CDLL("libEGL.so.1")
+    except OSError as error:
+        return Finding("EGL", False, str(error), remedy.graphics(system))
+    return Finding("EGL", True, "libEGL.so.1")
+
+
+def _vulkan(system: System, patience: float) -> Finding:
+    ok, said = _try("wmspec.execute.vulkan", patience=patience)
+    devices = [vulkan.Device(**d) for d in json.loads(said)] if ok else []
+    if any(d.draws for d in devices):
+        return Finding("Vulkan", True, "; ".join(map(str, devices)))
+    if devices:
+        said = "too old for SAPIEN: " + "; ".join(map(str, devices))
+    return Finding("Vulkan", False, said if said != "[]" else "no device", remedy.drawing("sapien", system))
+
+
+# ---------------------------------------------------------------- engines
+
+
+def _engine_look(engine: str, system: System, patience: float) -> Callable[[], Sequence[Finding]]:
+    return lambda: _engine(engine, system, patience)
+
+
+def _engine(engine: str, system: System, patience: float) -> list[Finding]:
+    try:
+        installed = Finding(engine, True, engine_version(engine))
+    except PackageNotFoundError:
+        return [Finding(engine, False, "not installed", remedy.engine_package(engine, system))]
+    return [
+        installed,
+        _trial(engine, "execute", remedy.executing(engine, system), patience),
+        _trial(engine, "render", remedy.drawing(engine, system), patience),
+    ]
+
+
+def _trial(engine: str, trial: str, cure: str, patience: float) -> Finding:
+    ok, said = _try("wmspec.execute.probe", engine, trial, patience=patience)
+    return Finding(f"{engine} {trial}s", ok, said, "" if ok else cure)
+
+
+def _try(module: str, *arguments: str, patience: float) -> tuple[bool, str]:
+    """Run a module in a process of its own: whether it ended well, and its last words."""
+    command = [sys.executable, "-P", "-m", module, *arguments]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=patience, check=False)
+    except subprocess.TimeoutExpired:
+        return False, f"no answer in {patience:.0f} s"
+    if done.returncode < 0:
+        return False, f"crashed ({signal.Signals(-done.returncode).name})"
+    words = (done.stdout.strip() or done.stderr.strip()).splitlines() or ["nothing was said"]
+    return done.returncode == 0, words[-1].removeprefix(probe.FOUND).removeprefix(probe.FAILED)

@@ -1,0 +1,82 @@
+"""Does an engine work here? `python -m wmspec.execute.probe ENGINE execute|render` tries it; its last line tells.
+
+A process of its own, because a broken graphics driver may take the whole process down.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+
+import numpy as np
+
+from wmspec.errors import WmsError
+from wmspec.execute.backends import backend
+from wmspec.scene.camera import look_at
+from wmspec.scene.inertia import inertia
+from wmspec.scene.model import Body, Box, Camera, Geom, Light, Pose, Scene, Shot, Surface
+from wmspec.scene.transform import identity
+
+GRAVITY = 9.81
+SIZE = 64
+FOUND, FAILED = "found: ", "failed: "
+
+
+def falling_cube() -> Scene:
+    """A red cube in free fall for a tenth of a second, with a camera that looks at where it starts."""
+    shape = Box(np.full(3, 0.05))
+    cube = Body(
+        name="cube",
+        path="/World/cube",
+        motion="dynamic",
+        pose=Pose(np.array([0.0, 0.0, 1.0]), identity().orientation),
+        geoms=(Geom("shape", shape, identity(), Surface((0.9, 0.1, 0.1))),),
+        inertia=inertia([(shape, identity(), 1.0)]),
+        linear_velocity=np.zeros(3),
+        angular_velocity=np.zeros(3),
+    )
+    camera = Camera("eye", look_at((0.0, -0.6, 1.1), (0.0, 0.0, 1.0)), math.radians(40), 0.05, 5.0)
+    down = np.array([0.0, 0.0, -1.0])
+    return Scene("probe", GRAVITY * down, (cube,), (), (camera,), Light(down), (1.0, 1.0, 1.0), (), 0.1)
+
+
+def execute(engine: str) -> str:
+    """Let the cube fall. Raises WmsError unless it falls g t² / 2, to 3 %: more than any integrator errs."""
+    trace = backend(engine).execute(falling_cube())
+    time = float(trace.time[-1])
+    fallen = float(trace.position[0, 0, 2] - trace.position[-1, 0, 2])
+    expected = GRAVITY * time**2 / 2
+    if not (time > 0.05 and abs(fallen / expected - 1) < 0.03):
+        raise WmsError(f"a cube fell {1e3 * fallen:.1f} mm in {time:.2f} s; it should be {1e3 * expected:.1f} mm")
+    return f"a cube fell {1e3 * fallen:.1f} mm in {time:.2f} s"
+
+
+def render(engine: str) -> str:
+    """Draw the cube. Raises WmsError unless it is seen, and red, in the middle of the picture."""
+    scene = falling_cube()
+    renderer = backend(engine).renderer(scene, SIZE, SIZE)
+    frame = renderer.draw(Shot("eye", tuple(b.pose for b in scene.bodies)))
+    renderer.close()
+    red, green, _ = (int(c) for c in frame.rgb[SIZE // 2, SIZE // 2])
+    if frame.ids[SIZE // 2, SIZE // 2] != 0 or red < green + 50:
+        raise WmsError("the picture of a red cube does not show it")
+    return f"a red cube of {int((frame.ids == 0).sum())} px"
+
+
+TRIALS: dict[str, Callable[[str], str]] = {"execute": execute, "render": render}
+
+
+def main(engine: str, trial: str) -> int:
+    """Print what was found, or what failed; the exit code is 0 or 1."""
+    try:
+        said, code = FOUND + TRIALS[trial](engine), 0
+    except Exception as error:  # noqa: BLE001  whatever an engine raises is what we came to hear
+        kind = "" if isinstance(error, WmsError) else f"{type(error).__name__}: "
+        said, code = FAILED + kind + " ".join(str(error).split()), 1
+    print("\n" + said, flush=True)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
