@@ -39,7 +39,7 @@ def _margin(margin: Margin, measured: Measured) -> float:
     value, bound = evaluate(margin.value, measured), evaluate(margin.bound, measured)
     apart = _times_apart(value, bound) if margin.ratio else abs(value) / bound
     if apart < 1:
-        raise Reject("margin", f"{value:.4g} where {bound:.4g} apart was asked for ({margin.place})")
+        raise Reject("margin", f"{value:.4g} where {bound:.4g} apart was asked for")
     return float(apart)
 
 

@@ -149,7 +149,7 @@ class Observation(Node):
 
 
 class Counterfactual(Node):
-    """What if one thing were different: `owner.property` becomes `value`, of the kind `sort`; or the action is left out.
+    """What if one thing were different: `owner.property` becomes `value`, of kind `sort`; or the action is left out.
 
     A left out action has no `property`, `value` or `sort`.
     """

@@ -87,14 +87,17 @@ def generate_command(
 
 
 def _texts(tasks: list[tuple[Path, Any]]) -> dict[str, str]:
+    """The specs and what they use, by file name, with as much of the path as tells two files apart."""
     from wmspec.parse.diagnostics import Report
     from wmspec.parse.load import load
 
     texts: dict[str, str] = {}
-    for path, _ in tasks:
+    paths = sorted({path.resolve() for path, _ in tasks})
+    for path in paths:
+        parts = next(n for n in range(1, 99) if [p.parts[-n:] for p in paths].count(path.parts[-n:]) == 1)
         program = load(path, Report())
-        for source in (program.source, *(file.span.source for file in program.libraries)):
-            texts[Path(source.name).name] = source.text
+        texts["/".join(path.parts[-parts:])] = program.source.text
+        texts |= {file.span.source.name: file.span.source.text for file in program.libraries}
     return texts
 
 

@@ -52,7 +52,19 @@ def read_source(path: Path) -> Source:
         raise WmsError(
             f"{path}: longer than {MAX_CHARACTERS:,} characters; a spec is written by hand: is this the right file?"
         )
-    return Source(str(path), text)
+    return Source(shown(path), text)
+
+
+def shown(path: Path) -> str:
+    """How a path is told: as it was given, but the libraries that come with wmspec as `<library>/tabletop.wms`."""
+    if path.parent == library_folder().resolve():
+        return f"<library>/{path.name}"
+    return str(path)
+
+
+def located(name: str) -> Path:
+    """The file that was told as `name`."""
+    return library_folder() / name.removeprefix("<library>/") if name.startswith("<library>/") else Path(name)
 
 
 def library_folder() -> Path:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 from wmspec.check.ir import TaskSpec
 from wmspec.design.design import Design
 from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Report
-from wmspec.parse.load import read_source
+from wmspec.parse.load import located, read_source
 from wmspec.parse.source import Source, Span
 from wmspec.stage.episode import document
 
@@ -44,7 +43,7 @@ def _report(message: str, code: str, report: Report) -> None:
         span = Span(Source("<spec>", " "), 0, 0)
         report.add(code, message, span)
         return
-    source = read_source(Path(match[1]))
+    source = read_source(located(match[1]))
     lines = source.text.split("\n")
     start = sum(len(line) + 1 for line in lines[: int(match[2]) - 1]) + int(match[3]) - 1
     word = re.match(r"[^\n]*", source.text[start:])
