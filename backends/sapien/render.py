@@ -1,28 +1,35 @@
-"""The parity look in SAPIEN's rasteriser (Vulkan; without a GPU on Mesa's lavapipe)."""
+"""The parity look in SAPIEN's rasteriser (Vulkan; without a GPU on Mesa's lavapipe).
+
+SAPIEN draws with the shaders of a folder, and ours do no more than the look needs: `shaders/color` draws matte surfaces
+with shadows at four samples a pixel, `shaders/ids` draws distances and the numbers of bodies at the pixels' centres.
+SAPIEN's own compile for seconds at every start, light with every kind of lamp, and take a hundred texels a shadow.
+"""
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmspec.errors import WmsError
 from wmspec.scene.camera import find
 from wmspec.scene.color import texture
 from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
-from wmspec.scene.picture import check, fill, halve, quantize
+from wmspec.scene.picture import check, over
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
 from wmspec.scene.tessellate import tessellate
-from wmspec.scene.transform import multiply, quaternion
+from wmspec.scene.transform import identity, multiply, quaternion
 
 with silence():
     import sapien
 
-SHADOW_MAP = 2048
-GAMMA = 2.2  # of SAPIEN's own output, which we undo
+SHADERS = Path(__file__).parent / "shaders"
+SHADOW_MAP = 1024
+SAMPLES = 4
 TURN = quaternion(np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]))
 """SAPIEN's camera looks along +x with +z up; this turns it into USD's."""
 
@@ -43,36 +50,31 @@ class Renderer:
         self._owner = np.full(max((body.per_scene_id for body in self._bodies), default=0) + 1, -1, np.int16)
         self._owner[[body.per_scene_id for body in self._bodies]] = np.arange(len(self._bodies))
         self._sun = _lights(self._world, scene)
-        self._cameras = {
-            (camera.name, scale): _camera(self._world, camera, scale * width, scale * height)
-            for camera in scene.cameras
-            for scale in (1, 2)
-        }
+        self._eyes: dict[str, tuple[Any, Any]] = {}
+        self._size = (width, height)
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
         check(self._scene, shot)
-        self._place(shot)
         camera = find(self._scene, shot.camera)
-        fine, coarse = self._cameras[camera.name, 2], self._cameras[camera.name, 1]
-        fine.take_picture()
-        color = 255 * fine.get_picture("Color")[..., :3].clip(0, 1) ** np.float32(GAMMA)
-        rgb = halve(fill(color, self._ids(fine), self._scene.background))
-        coarse.take_picture()
-        ids = self._ids(coarse)
-        distance = np.where(ids >= 0, -coarse.get_picture("Position")[..., 2], np.float32(0)) if depth else None
-        return Frame(quantize(rgb), ids, distance)
+        if camera.name not in self._eyes:
+            self._eyes[camera.name] = _eyes(self._world, camera, *self._size)
+        self._place(shot, camera)
+        color, shape = self._eyes[camera.name]
+        color.take_picture()
+        shape.take_picture()  # before the first is waited for
+        rgb, seen = over(color.get_picture("Picture"), self._scene.background), shape.get_picture("Seen")
+        return Frame(rgb, self._ids(seen[..., 1]), seen[..., 0].copy() if depth else None)
 
     def close(self) -> None:
         """Free the scene; the renderer can't be used any more."""
-        self._cameras.clear()
+        self._eyes.clear()
         self._bodies.clear()
         self._sun = self._world = None
 
-    def _place(self, shot: Shot) -> None:
+    def _place(self, shot: Shot, camera: Camera) -> None:
         for body, pose in zip(self._bodies, shot.poses, strict=True):
             body.set_pose(_pose(pose))
-        camera = find(self._scene, shot.camera)
         region = self._casters.region(camera, shot)
         turn = sapien.math.shortest_rotation([1, 0, 0], self._scene.light.direction.tolist())
         self._sun.pose = sapien.Pose(region.center, turn)
@@ -84,27 +86,28 @@ class Renderer:
         self._world.add_entity(lamp)
         self._world.update_render()
 
-    def _ids(self, camera: Any) -> Any:
-        marks = camera.get_picture("Segmentation")[..., 1]
-        return np.where(marks > 0, self._owner[np.minimum(marks, len(self._owner) - 1)], np.int16(-1))
+    def _ids(self, marks: NDArray[np.float32]) -> NDArray[np.int16]:
+        """The scene's body behind every entity's number; 0 is the background."""
+        bodies: NDArray[np.int16] = self._owner[marks.astype(np.intp)]
+        return bodies
 
 
 @lru_cache(maxsize=1)
 def _sentinel() -> Any:
-    """A scene that is never closed: while one lives, SAPIEN keeps its compiled shaders (seconds of work)."""
+    """A scene that is never closed: while one lives, SAPIEN keeps its compiled shaders."""
     try:
         with silence():
-            sapien.render.set_camera_shader_dir("default")
             world = _world()
-            eye = world.add_camera("eye", 16, 16, 1.0, 0.1, 10.0)
+            eyes = _eyes(world, Camera("eye", identity(), 1.0, 0.1, 10.0), 16, 16)
             world.update_render()
-            eye.take_picture()
+            for eye in eyes:
+                eye.take_picture()
     except Exception as error:  # SAPIEN raises RuntimeError, whatever is wrong
         raise WmsError(
             f"SAPIEN can't draw: no Vulkan device that it can use ({error}); without a GPU it needs Mesa 24.3 or newer "
             "(Debian: mesa-vulkan-drivers, from backports on Debian 12), see 'wmspec doctor'"
         ) from error
-    return world, eye
+    return world, eyes
 
 
 def _world() -> Any:
@@ -115,22 +118,32 @@ def _pose(pose: Pose) -> Any:
     return sapien.Pose(pose.position, pose.orientation)
 
 
-def _camera(world: Any, camera: Camera, width: int, height: int) -> Any:
-    eye = world.add_camera(camera.name, width, height, camera.fovy, camera.near, camera.far)
+def _eyes(world: Any, camera: Camera, width: int, height: int) -> tuple[Any, Any]:
+    """The same camera twice: one for colours, one for ids and distances."""
+    sapien.render.set_picture_format("Picture", "r8g8b8a8unorm")
+    color = _eye(world, camera, (width, height), "color", SAMPLES)
+    return color, _eye(world, camera, (width, height), "ids", 1)
+
+
+def _eye(world: Any, camera: Camera, size: tuple[int, int], shaders: str, samples: int) -> Any:
+    """A camera that draws with the shaders of a folder; SAPIEN takes them from what is set when it's made."""
+    before = sapien.render.get_camera_shader_dir(), sapien.render.get_msaa()
+    sapien.render.set_camera_shader_dir(str(SHADERS / shaders))
+    sapien.render.set_msaa(samples)
+    eye = world.add_camera(camera.name, *size, camera.fovy, camera.near, camera.far)
+    sapien.render.set_camera_shader_dir(before[0])
+    sapien.render.set_msaa(before[1])
     eye.entity.set_pose(sapien.Pose(camera.pose.position, multiply(camera.pose.orientation, TURN)))
     return eye
 
 
 def _lights(world: Any, scene: Scene) -> Any:
-    """The ambient light and the sun, once without shadows and once with, which is returned."""
+    """The sun's light that shadows spare, and that which they take away, which is returned."""
     light = scene.light
-    # A facing white surface reflects 1 / pi of the light that falls on it, and SAPIEN counts that in.
-    strength = math.pi * light.diffuse
+    direction = light.direction.tolist()
     world.set_ambient_light([light.ambient] * 3)
-    world.add_directional_light(light.direction.tolist(), [strength * (1 - SHADE)] * 3)
-    return world.add_directional_light(
-        light.direction.tolist(), [strength * SHADE] * 3, shadow=True, shadow_map_size=SHADOW_MAP
-    )
+    world.add_directional_light(direction, [light.diffuse * (1 - SHADE)] * 3)
+    return world.add_directional_light(direction, [light.diffuse * SHADE] * 3, shadow=True, shadow_map_size=SHADOW_MAP)
 
 
 def _body(world: Any, geoms: list[Geom]) -> Any:
@@ -155,9 +168,8 @@ def _shape(geom: Geom) -> Any:
 
 
 def _material(geom: Geom) -> Any:
-    """Colours are passed as if they were linear: light is then added up in sRGB, as the other engines do."""
+    """A matte material; colours are passed as they are: our shaders add up light in sRGB."""
     material = sapien.render.RenderMaterial()
-    material.roughness, material.metallic, material.specular = 1.0, 0.0, 0.0
     material.base_color = [*geom.surface.color, 1.0]
     if geom.surface.texture is not None:
         image = np.dstack(

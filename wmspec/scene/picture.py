@@ -26,6 +26,13 @@ def fill(rgb: Image, ids: NDArray[np.int16], color: tuple[float, float, float]) 
     return np.where((ids < 0)[..., None], sky, rgb)
 
 
+def over(rgba: NDArray[np.uint8], color: tuple[float, float, float]) -> NDArray[np.uint8]:
+    """A picture (h, w, 4), where alpha is the share of a pixel that isn't background, on `color` (sRGB, 0..1)."""
+    behind = np.rint(np.outer(255 - np.arange(256), color)).astype(np.uint8)
+    rgb: NDArray[np.uint8] = rgba[..., :3] + behind[rgba[..., 3]]
+    return rgb
+
+
 def halve(image: Image) -> Image:
     """The mean of every 2 x 2 pixels: (2 h, 2 w, ...) to (h, w, ...)."""
     rows: Image = image[0::2] + image[1::2]
