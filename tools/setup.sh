@@ -126,13 +126,15 @@ set_up_venv() {
 # pip's own words go to a log; what failed is told from it.
 pip_install() { "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check "$@" 2>>"$LOG"; }
 
-# PyBullet has wheels for few Pythons. It is compiled with NumPy in sight, or its pictures come back as tuples.
+# PyBullet has wheels for few Pythons. It is compiled with NumPy in sight, or its pictures come back as tuples;
+# GCC 14 takes its pointers for errors where older compilers warn.
 compile_pybullet() {
     local headers
     headers=$("$VENV/bin/python" -c 'import sysconfig; print(sysconfig.get_path("include"))')
     if ! have g++ || [[ ! -e $headers/Python.h ]]; then apt_install g++ python3-dev || return 1; fi
     say "compiling PyBullet: some minutes"
-    pip_install 'setuptools>=70.1' numpy && pip_install --no-build-isolation -e '.[pybullet]'
+    pip_install 'setuptools>=70.1' numpy &&
+        CFLAGS=-Wno-incompatible-pointer-types pip_install --no-build-isolation -e '.[pybullet]'
 }
 
 install_engine() {

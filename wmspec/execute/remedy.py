@@ -44,12 +44,13 @@ def pip(requirement: str, *options: str) -> str:
 def engine_package(engine: str, system: System) -> str:
     """The command that installs an engine. PyBullet has wheels up to Python 3.11 and is compiled on newer ones;
 
-    NumPy must be in sight then, or its pictures come back as tuples.
+    NumPy must be in sight then, or its pictures come back as tuples, and GCC 14 takes its pointers for errors.
     """
     if engine != "pybullet" or sys.version_info < (3, 12):
         return pip(f"wmspec[{engine}]")
     compiler = f"{_apt(system)} g++ python3-dev" if system.ids & FAMILY else "install a C++ compiler"
-    return f"{compiler} && {pip('setuptools>=70.1')} && {pip('wmspec[pybullet]', '--no-build-isolation')}"
+    build = f"CFLAGS=-Wno-incompatible-pointer-types {pip('wmspec[pybullet]', '--no-build-isolation')}"
+    return f"{compiler} && {pip('setuptools>=70.1')} && {build}"
 
 
 def graphics(system: System) -> str:
