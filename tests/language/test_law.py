@@ -69,5 +69,5 @@ def test_a_property_that_moves_by_itself_is_a_violation() -> None:
     spec = task_of(SPECS[0])
     design = Design(spec)
     before, after = document(spec, design[0]), document(spec, design[design.neighbours(0, "ratio")[0]])
-    after.prims["/World/Objects/right"].set("physics:mass", "float", 3.0, "right.mass")
-    assert violations(Dependencies(spec), before, after, "ratio") == ("/World/Objects/right.physics:mass",)
+    after.prims["/World/Objects/near"].set("physics:mass", "float", 3.0, "near.mass")
+    assert violations(Dependencies(spec), before, after, "ratio") == ("/World/Objects/near.physics:mass",)

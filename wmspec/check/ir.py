@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 class Node(BaseModel):
     """Base of all parts: immutable, compared by value, closed."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 class Place(Node):

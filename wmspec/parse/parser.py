@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 from lark import Lark, Token, Tree
@@ -15,6 +14,7 @@ from wmspec.parse.build import build_expression, build_file
 from wmspec.parse.diagnostics import Report
 from wmspec.parse.source import Source, Span
 from wmspec.parse.syntax import Expr, File
+from wmspec.parse.tables import lark_parser
 
 #: Words that begin a statement or clause: after a mistake, reading goes on at the next of them.
 STARTERS = frozenset(
@@ -66,10 +66,14 @@ def parse_expression(span: Span, report: Report) -> Expr | None:
     return build_expression(span.source, tree, report) if tree else None
 
 
+def words(text: str) -> list[Token]:
+    """The tokens of a text with the comments among them, in order, each with its place (`start_pos`, `end_pos`)."""
+    return [token for token in _lark().lex(text, dont_ignore=True) if token.type != "WHITE"]
+
+
 @cache
 def _lark() -> Lark:
-    grammar = files("wmspec").joinpath("grammar/wms.lark").read_text(encoding="utf-8")
-    return Lark(grammar, parser="lalr", lexer="basic", start=["start", "expr"], propagate_positions=True)
+    return lark_parser()
 
 
 def _run(source: Source, start: str, where: Span, report: Report) -> Tree[Token] | None:

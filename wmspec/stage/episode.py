@@ -10,7 +10,7 @@ from wmspec.design.depend import PLACEMENT
 from wmspec.design.design import Instance
 from wmspec.design.values import Values, rgb
 from wmspec.errors import WmsError
-from wmspec.scene.schema import FORMAT_VERSION
+from wmspec.scene.version import FORMAT_VERSION
 from wmspec.stage.document import Document, Prim, Relation
 
 RATE = 240

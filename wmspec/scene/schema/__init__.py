@@ -8,7 +8,6 @@ from pathlib import Path
 
 from pxr import Plug
 
-FORMAT_VERSION = 1
-"""The `wms:formatVersion` of the stages that this version reads and writes."""
+from wmspec.scene.version import FORMAT_VERSION as FORMAT_VERSION
 
 Plug.Registry().RegisterPlugins(str(Path(__file__).parent))
