@@ -21,7 +21,7 @@ from wmspec.scene.tessellate import tessellate
 with silence():
     import mujoco
 
-SHADOW_MAP = 2048
+SHADOW_MAP = 1024
 BIAS = 1.0
 """How many texels of the shadow map a shadow begins behind its caster, see `Renderer._aim`."""
 SAMPLES = 4
@@ -50,10 +50,9 @@ class Renderer:
         self._gl.make_current()
         self._place(shot)
         self._aim(find(self._scene, shot.camera), shot)
-        rgb, _ = self._render(ids=False)
-        marks, distance = self._render(ids=True)
-        ids = self._bodies(marks)
-        return Frame(rgb, ids, np.where(ids >= 0, distance, np.float32(0)) if depth else None)
+        rgb = self._render(ids=False)
+        ids = self._bodies(self._render(ids=True))
+        return Frame(rgb, ids, np.where(ids >= 0, self._distance(), np.float32(0)) if depth else None)
 
     def close(self) -> None:
         """Free the graphics context; the renderer can't be used any more."""
@@ -85,20 +84,24 @@ class Renderer:
         every = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(self._model, self._data, mujoco.MjvOption(), None, eye, every, self._view)
 
-    def _render(self, ids: bool) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """Bytes (h, w, 3) and distances (h, w) in metres along the view axis, the first row on top."""
+    def _render(self, ids: bool) -> NDArray[np.uint8]:
+        """Bytes (h, w, 3), the first row on top: colours, or what numbers the geometries."""
         self._view.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = ids
         self._view.flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = ids
         rgb = np.empty((self._rect.height, self._rect.width, 3), np.uint8)
-        z = np.empty((self._rect.height, self._rect.width), np.float32)
         mujoco.mjr_render(self._rect, self._view, self._context)
-        mujoco.mjr_readPixels(rgb, z, self._rect, self._context)
-        return np.ascontiguousarray(rgb[::-1]), self._metres(z[::-1])
+        mujoco.mjr_readPixels(rgb, None, self._rect, self._context)
+        return np.ascontiguousarray(rgb[::-1])
 
-    def _metres(self, z: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Undo OpenGL's projection: the reversed depth is 1 at the near plane and 0 at the far plane."""
+    def _distance(self) -> NDArray[np.float32]:
+        """Metres (h, w) along the view axis in what was rendered last.
+
+        This undoes OpenGL's projection: the reversed depth is 1 at the near plane and 0 at the far plane.
+        """
+        z = np.empty((self._rect.height, self._rect.width), np.float32)
+        mujoco.mjr_readPixels(None, z, self._rect, self._context)
         near, far = float(self._model.vis.map.znear), float(self._model.vis.map.zfar)
-        return (far * near / (near + z.astype(np.float64) * (far - near))).astype(np.float32)
+        return (far * near / (near + z[::-1].astype(np.float64) * (far - near))).astype(np.float32)
 
     def _bodies(self, marks: NDArray[np.uint8]) -> NDArray[np.int16]:
         """The scene's body behind every id colour (0 is the background, n + 1 the n-th drawn geometry)."""
