@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
 from wmspec.cli.common import load_tasks, parse_size, seed_option, specs_argument
+from wmspec.cli.progress import progress_bar
 from wmspec.errors import WmsError
 
 
@@ -77,7 +76,7 @@ def generate_command(
             click.echo(notice, err=True)
         total = sum(len(shard.indices) for shard in dataset.pending())
         try:
-            with _progress(total) as progress:
+            with progress_bar(total, "generating") as progress:
                 generate(dataset, Effort(workers or os.cpu_count() or 1, timeout), progress)
         except KeyboardInterrupt:
             click.echo("\nstopped; give the same command again to go on", err=True)
@@ -103,27 +102,3 @@ def _texts(tasks: list[tuple[Path, Any]]) -> dict[str, str]:
 
 def _indices(design: Any, per_task: int | None) -> tuple[int, ...]:
     return tuple(sorted(design.sample(per_task))) if per_task else tuple(range(len(design)))
-
-
-@contextmanager
-def _progress(total: int) -> Iterator[Callable[[str, int], None]]:
-    """A progress bar on a terminal; elsewhere a line every tenth of the way."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    done = 0
-    if not console.is_terminal:
-
-        def line(task: str, count: int) -> None:
-            nonlocal done
-            before, done = done, done + count
-            if total and before * 10 // total != done * 10 // total:
-                console.print(f"{done} of {total} instances ({task})", highlight=False)
-
-        yield line
-        return
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console) as bar:
-        shown = bar.add_task("generating", total=total)
-        yield lambda task, count: bar.update(shown, description=task, advance=count)

@@ -1,0 +1,30 @@
+"""How far a long command has come, on standard error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def progress_bar(total: int, doing: str) -> Iterator[Callable[[str, int], None]]:
+    """A progress bar on a terminal; elsewhere a line every tenth of the way."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    done = 0
+    if not console.is_terminal:
+
+        def line(task: str, count: int) -> None:
+            nonlocal done
+            before, done = done, done + count
+            if total and before * 10 // total != done * 10 // total:
+                console.print(f"{done} of {total} instances ({task})", highlight=False)
+
+        yield line
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console) as bar:
+        shown = bar.add_task(doing, total=total)
+        yield lambda task, count: bar.update(shown, description=task, advance=count)

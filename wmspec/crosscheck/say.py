@@ -1,0 +1,67 @@
+"""What was found, in sentences for a person."""
+
+from __future__ import annotations
+
+from math import degrees
+
+from wmspec.crosscheck.model import Cause, Checked, Comparison, Failure, Verdict
+
+
+def failure(found: Failure) -> str:
+    """Why an instance was not executed."""
+    return ", ".join(part for part in (found.engine, found.run) if part) + f": {found.reason}"
+
+
+def dispute(verdict: Verdict) -> str:
+    """How and why an answer differs."""
+    why = cause(verdict.cause) if verdict.cause else "the trajectories agree within tolerance: ask for a larger margin"
+    gate = "".join(f"; {e} would not ask it ({r})" for e, r in zip(verdict.engines, verdict.rejected, strict=True) if r)
+    return f"question {verdict.question + 1}, {' and '.join(verdict.engines)}: {verdict.detail}{gate}; {why}"
+
+
+def parting(comparison: Comparison) -> str:
+    """How and why an episode is out of tolerance."""
+    parts = [
+        f"{g.body} up to {g.position * 100:.1f} cm ({g.allowed * 100:.1f} cm allowed) and {degrees(g.angle):.0f} deg apart"
+        for g in comparison.gaps
+        if g.began is not None
+    ]
+    parts += [
+        f"{e.first} and {e.second} touch {_when(e.times, comparison.engines)}"
+        for e in comparison.events
+        if not e.within
+    ]
+    parts += [
+        f"{r.body} ends at rest in one alone ({r.speeds[0] * 100:.1f} and {r.speeds[1] * 100:.1f} cm/s)"
+        for r in comparison.rests
+    ]
+    why = f"; {cause(comparison.cause)}" if comparison.cause else ""
+    return f"{comparison.run}, {' and '.join(comparison.engines)}: {', '.join(parts)}{why}"
+
+
+def cause(found: Cause) -> str:
+    """Where it began and what decides it."""
+    where = f"`{found.body}` parts at {found.began:.3f} s" + ("" if found.run == "truth" else f" in `{found.run}`")
+    if found.mass is None or found.touched is None:
+        return f"{where}: {found.hint}"
+    masses = " and ".join(f"{m * 1000:.4g} g" if m else "fixed" for m in found.mass)
+    return (
+        f"{where}, after touching `{found.other}` at {found.touched:.3f} s "
+        f"(mass {masses}, friction {found.friction:.3g}, restitution {found.restitution:.3g}): {found.hint}"
+    )
+
+
+def complaints(checked: Checked, strict: bool) -> list[str]:
+    """Everything for which an instance does not pass; nothing if it does."""
+    if checked.passes(strict):
+        return []
+    said = [failure(f) for f in checked.failures] + [dispute(v) for v in checked.disputed]
+    if strict or not checked.verdicts:
+        said += [parting(c) for c in checked.parted]
+    return said
+
+
+def _when(times: tuple[float | None, float | None], engines: tuple[str, str]) -> str:
+    return ", ".join(
+        f"at {t:.3f} s in {e}" if t is not None else f"never in {e}" for t, e in zip(times, engines, strict=True)
+    )

@@ -1,0 +1,73 @@
+"""Many instances of many tasks, checked in worker processes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import combinations
+
+from wmspec.check.ir import TaskSpec
+from wmspec.crosscheck.check import check
+from wmspec.crosscheck.model import Checked, Failure, Pair
+from wmspec.crosscheck.tolerance import Tolerances
+from wmspec.design.design import Design
+from wmspec.execute.pool import Effort, Lost, in_order
+from wmspec.execute.trace import Executor
+
+
+@dataclass(frozen=True)
+class Job:
+    """How every instance is checked: `tasks` are `TaskSpec`s as JSON, by name."""
+
+    tasks: tuple[tuple[str, str], ...]
+    seed: int
+    engines: tuple[str, ...]
+    tolerances: Tolerances
+
+
+def pairs(engines: Sequence[str]) -> list[Pair]:
+    """Every pair of engines, in order."""
+    return list(combinations(engines, 2))
+
+
+def sweep(
+    specs: Sequence[TaskSpec],
+    sample: int,
+    job: Job,
+    effort: Effort,
+    progress: Callable[[str, int], None],
+) -> tuple[Checked, ...]:
+    """`sample` random instances of every task, in the order of the tasks and of their indices.
+
+    `progress` is told the task and the number of its instances that were finished.
+    """
+    designs = {spec.name: Design(spec, job.seed) for spec in specs}
+    todo = [(name, index) for name, design in designs.items() for index in sorted(design.sample(sample))]
+    checked = []
+    outcomes = in_order(work, ((job, name, index) for name, index in todo), effort)
+    for (name, index), outcome in zip(todo, outcomes, strict=True):
+        checked.append(_lost(designs[name], index, outcome) if isinstance(outcome, Lost) else outcome)
+        progress(name, 1)
+    return tuple(checked)
+
+
+def work(job: Job, task: str, index: int) -> Checked:
+    """Check an instance, in a worker process."""
+    return check(_design(job, task), index, _executors(job.engines), job.tolerances)
+
+
+@cache
+def _design(job: Job, task: str) -> Design:
+    return Design(TaskSpec.model_validate_json(dict(job.tasks)[task]), job.seed)
+
+
+@cache
+def _executors(engines: tuple[str, ...]) -> tuple[Executor, ...]:
+    return tuple(Executor(engine) for engine in engines)
+
+
+def _lost(design: Design, index: int, lost: Lost) -> Checked:
+    instance = design[index]
+    failures = (Failure("", "", lost.reason),)
+    return Checked(design.spec.name, index, instance.factors, instance.nuisances, failures=failures)

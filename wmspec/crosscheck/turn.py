@@ -1,0 +1,28 @@
+"""How far a body is turned, as far as that can be seen: a ball shows nothing, a cylinder only where its axis points."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.scene.model import Body, Capsule, Cone, Cylinder, Sphere
+from wmspec.scene.transform import rotate
+
+Array = NDArray[np.float64]
+
+
+def turned(body: Body, a: Array, b: Array) -> Array:
+    """The visible angle (T,) in radians between two orientations (T, 4) of a body."""
+    shapes = [g.shape for g in body.geoms]
+    if len(shapes) == 1 and isinstance(shapes[0], Sphere):
+        return np.zeros(len(a))
+    if len(shapes) == 1 and isinstance(shapes[0], Cylinder | Cone | Capsule):
+        axis = rotate(body.geoms[0].pose.orientation, np.array([0.0, 0.0, 1.0]))
+        return _between(rotate(a, axis), rotate(b, axis))
+    return 2 * _between(a, b * np.where((a * b).sum(axis=1, keepdims=True) < 0, -1.0, 1.0))
+
+
+def _between(a: Array, b: Array) -> Array:
+    """The angle (T,) between unit vectors (T, n), exact for small ones too (Kahan, "Mangled angles", 2006)."""
+    angle: Array = 2 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+    return angle
