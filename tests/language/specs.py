@@ -40,7 +40,7 @@ _SIZES = st.lists(st.integers(4, 12), min_size=2, max_size=3, unique=True)
 
 
 @st.composite
-def random_spec(draw: st.DrawFn) -> TaskSpec:
+def random_text(draw: st.DrawFn) -> str:
     """A task of one to three objects whose properties depend on random factors, directly or through others."""
     names = ["a", "b", "c"][: draw(st.integers(1, 3))]
     domains = {
@@ -67,4 +67,9 @@ def random_spec(draw: st.DrawFn) -> TaskSpec:
     direction = draw(st.sampled_from(["turn", "30 deg", f"toward({other})" if other != "a" else "0 deg"]))
     lines.append(f"  action go = launch(a, direction: {direction}, speed: pace) at 0.1 s")
     lines.append("  observe front at 0 s .. 1 s in 3 frames")
-    return task_from("use tabletop\ntask random : custom {\n" + "\n".join(lines) + "\n}\n")
+    return "use tabletop\ntask random : custom {\n" + "\n".join(lines) + "\n}\n"
+
+
+def random_spec() -> st.SearchStrategy[TaskSpec]:
+    """The same, checked."""
+    return random_text().map(task_from)

@@ -11,7 +11,7 @@ import click
 from wmspec import __version__
 from wmspec.errors import WmsError
 
-COMMANDS = ("check", "list", "compile", "run", "render", "generate", "crosscheck", "view", "doctor")
+COMMANDS = ("check", "fmt", "list", "compile", "run", "render", "generate", "crosscheck", "view", "doctor")
 
 
 class _Commands(click.Group):

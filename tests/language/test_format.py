@@ -1,0 +1,153 @@
+"""The formatter: it settles at once, keeps every comment and never changes what a spec means."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.language.specs import SPECS, random_text
+from wmspec.check.task import check_program
+from wmspec.cli import main
+from wmspec.parse.diagnostics import Report, SpecError
+from wmspec.parse.format import WIDTH, format_spec
+from wmspec.parse.load import library_folder, load_source
+from wmspec.parse.source import Source
+
+CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
+SHIPPED = [*SPECS, *sorted(library_folder().glob("*.wms"))]
+_WORD = re.compile(r'"""[\s\S]*?"""|"(?:\\.|[^"\\\n])*"|#[^\n]*|[\w.]+|[^\s\w]')
+
+
+def formatted(text: str) -> str:
+    return format_spec(Source("test.wms", text))
+
+
+def parses(text: str) -> bool:
+    try:
+        formatted(text)
+    except SpecError:
+        return False
+    return True
+
+
+def without_places(value: Any) -> Any:
+    """The IR as plain values, without where things stood and how conditions were spaced."""
+    if isinstance(value, dict):
+        return {
+            k: re.sub(r"\s+", "", v) if k == "text" and isinstance(v, str) else without_places(v)
+            for k, v in value.items()
+            if k != "place"
+        }
+    return [without_places(v) for v in value] if isinstance(value, list | tuple) else value
+
+
+def meaning(text: str, folder: Path = Path()) -> list[Any]:
+    report = Report()
+    tasks = check_program(load_source(Source("test.wms", text), folder, report), report)
+    return [without_places(task.model_dump()) for task in tasks]
+
+
+@st.composite
+def respaced(draw: st.DrawFn, text: str) -> str:
+    """The same words with other spaces, line breaks and comments between them."""
+    out = ""
+    for line in text.split("\n"):
+        for part in re.split(r"( +)", line):
+            if part.strip() or '"' in line or "#" in line:
+                out += part
+            else:
+                out += draw(st.sampled_from([part, " ", "   "]))
+        out += draw(st.sampled_from(["\n", "\n", "\n\n\n", "  # why\n", "\n# own\n"])) if '"' not in line else "\n"
+    return out
+
+
+def comments(text: str) -> list[str]:
+    return [w.rstrip() for w in _WORD.findall(text) if w.startswith("#")]
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda p: p.stem)
+def test_the_shipped_specs_are_formatted(path: Path) -> None:
+    assert format_spec(Source(str(path), path.read_text())) == path.read_text()
+
+
+@pytest.mark.parametrize("path", [p for p in CORPUS if parses(p.read_text())], ids=lambda p: p.stem)
+def test_the_corpus(path: Path) -> None:
+    text = path.read_text()
+    once = formatted(text)
+    assert formatted(once) == once
+    assert meaning(once, path.parent) == meaning(text, path.parent)
+
+
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
+def test_random_specs_keep_their_meaning_and_comments(data: st.DataObject) -> None:
+    text = data.draw(st.one_of(random_text(), st.sampled_from([p.read_text() for p in SPECS])))
+    spaced = data.draw(respaced(text))
+    once = formatted(spaced)
+    assert formatted(once) == once
+    assert comments(once) == comments(spaced)
+    assert meaning(once) == meaning(text)
+
+
+def test_without_spaces_at_the_end_of_lines_and_with_one_at_the_end_of_the_file() -> None:
+    text = formatted("use tabletop   # x   \n\n\n\ntask  t:custom{observe front at[0s]}")
+    assert text == "use tabletop  # x\n\ntask t : custom {\n  observe front at [0 s]\n}\n"
+    assert formatted("") == ""
+
+
+def test_a_block_stays_on_one_line_if_it_was_and_fits() -> None:
+    assert formatted("object a {shape:cube color:red}") == "object a { shape: cube  color: red }\n"
+    assert formatted("object a {shape:cube\ncolor:red}") == "object a {\n  shape: cube\n  color: red\n}\n"
+    assert (
+        formatted("object a {shape:cube size:6cm\ncolor:red}")
+        == "object a {\n  shape: cube  size: 6 cm\n  color: red\n}\n"
+    )
+    long = "object a {" + " ".join(f"property_{i}: {i}" for i in range(12)) + "}"
+    assert all(len(line) <= WIDTH for line in formatted(long).splitlines())
+    assert len(formatted(long).splitlines()) == 14
+
+
+def test_signs_differences_and_calls() -> None:
+    assert (
+        formatted("let a=-x-3cm*(-2+ f( 1,2 ))\nlet bb=[1,-2]  m/s")
+        == "let a  = -x - 3 cm * (-2 + f(1, 2))\nlet bb = [1, -2] m/s\n"
+    )
+
+
+def test_a_line_break_within_a_list_is_kept() -> None:
+    assert formatted("factor a in [\n1, # one\n 2 ]") == "factor a in [\n  1,  # one\n  2]\n"
+
+
+# ---------------------------------------------------------------- the command
+
+
+def test_files_are_formatted_in_place(tmp_path: Path) -> None:
+    file = tmp_path / "a.wms"
+    file.write_text("use   tabletop")
+    run = CliRunner().invoke
+    assert run(main, ["fmt", "--check", str(file)]).exit_code == 1
+    shown = run(main, ["fmt", "--diff", str(file)])
+    assert (shown.exit_code, "+use tabletop" in shown.output) == (0, True)
+    assert file.read_text() == "use   tabletop"
+    assert run(main, ["fmt", str(tmp_path)]).exit_code == 0
+    assert file.read_text() == "use tabletop\n"
+    assert run(main, ["fmt", "--check", str(file)]).exit_code == 0
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_standard_input_goes_to_standard_output() -> None:
+    result = CliRunner().invoke(main, ["fmt", "-"], input="use   tabletop")
+    assert (result.exit_code, result.output) == (0, "use tabletop\n")
+
+
+def test_a_file_with_mistakes_is_left_alone(tmp_path: Path) -> None:
+    file = tmp_path / "a.wms"
+    file.write_text("task {")
+    result = CliRunner().invoke(main, ["fmt", str(file)])
+    assert result.exit_code == 2
+    assert "WMS101" in result.output
+    assert file.read_text() == "task {"

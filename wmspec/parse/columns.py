@@ -1,0 +1,98 @@
+"""Lines set in columns: a cell is as wide as the widest of its neighbours above and below that are of the same sort."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A piece of a line: its text, its sort, and the space before it if it is not the first."""
+
+    text: str
+    sort: str
+    gap: str = " "
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line: its indent, its cells, the comment that ends it, and whether a blank line comes before it."""
+
+    indent: int
+    cells: tuple[Cell, ...]
+    comment: str = ""
+    blank: bool = False
+
+    def follows(self, other: Line, cells: int) -> bool:
+        """Whether the first so many cells of this line stand under those of the other, the line before."""
+        mine, theirs = ([c.sort for c in line.cells[:cells]] for line in (self, other))
+        return (
+            mine == theirs and len(mine) == cells and bool(mine[0]) and not self.blank and self.indent == other.indent
+        )
+
+
+def in_columns(lines: Iterable[Line], width: int) -> str:
+    """The text of the lines. Where columns would make a line longer than `width`, its run of lines goes without."""
+    rows = list(lines)
+    texts = [text for run in _runs(rows, 1) for text in _aligned(run, width)]
+    texts = _commented(rows, texts)
+    return "".join(("\n" if row.blank else "") + text + "\n" for row, text in zip(rows, texts, strict=True))
+
+
+def _runs(rows: list[Line], cells: int) -> list[list[Line]]:
+    runs: list[list[Line]] = []
+    for i, row in enumerate(rows):
+        if i and row.follows(rows[i - 1], cells):
+            runs[-1].append(row)
+        else:
+            runs.append([row])
+    return runs
+
+
+def _aligned(run: list[Line], width: int) -> list[str]:
+    plain = [_text(row, {}) for row in run]
+    widths: list[dict[int, int]] = [{} for _ in run]
+    for cell in range(max(len(row.cells) for row in run) - 1):
+        done = 0
+        for part in _runs(run, cell + 2):
+            wanted = max(len(row.cells[cell].text) if cell < len(row.cells) else 0 for row in part)
+            for i in range(done, done + len(part)):
+                widths[i][cell] = wanted
+            done += len(part)
+    padded = [_text(row, w) for row, w in zip(run, widths, strict=True)]
+    grown = any(len(p) > width >= len(q) for p, q in zip(padded, plain, strict=True))
+    return plain if grown else padded
+
+
+def _text(row: Line, widths: dict[int, int]) -> str:
+    text = " " * row.indent
+    for i, cell in enumerate(row.cells):
+        last = i == len(row.cells) - 1
+        text += (cell.gap if i else "") + (cell.text if last else cell.text.ljust(widths.get(i, 0)))
+    return text
+
+
+def _commented(rows: list[Line], texts: list[str]) -> list[str]:
+    """The texts with their comments, which stand under one another on lines that follow one another."""
+    found: list[str] = []
+    column = 0
+    for i, row in enumerate(rows):
+        if not row.comment or not row.cells:
+            found.append(texts[i] + row.comment)
+            continue
+        if not (i and _ends_in_comment(rows[i - 1]) and not row.blank):
+            column = max(map(len, _commented_run(rows, texts, i)))
+        found.append(f"{texts[i].ljust(column)}  {row.comment}")
+    return found
+
+
+def _ends_in_comment(row: Line) -> bool:
+    return bool(row.comment and row.cells)
+
+
+def _commented_run(rows: list[Line], texts: list[str], first: int) -> list[str]:
+    last = first + 1
+    while last < len(rows) and _ends_in_comment(rows[last]) and not rows[last].blank:
+        last += 1
+    return texts[first:last]
