@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import degrees
 
-from wmspec.crosscheck.model import Cause, Checked, Comparison, Failure, Verdict
+from wmspec.crosscheck.model import Cause, Checked, Comparison, Failure, Gap, Verdict
 
 
 def failure(found: Failure) -> str:
@@ -21,11 +21,7 @@ def dispute(verdict: Verdict) -> str:
 
 def parting(comparison: Comparison) -> str:
     """How and why an episode is out of tolerance."""
-    parts = [
-        f"{g.body} up to {g.position * 100:.1f} cm ({g.allowed * 100:.1f} cm allowed) and {degrees(g.angle):.0f} deg apart"
-        for g in comparison.gaps
-        if g.began is not None
-    ]
+    parts = [_apart(g) for g in comparison.gaps if g.began is not None]
     parts += [
         f"{e.first} and {e.second} touch {_when(e.times, comparison.engines)}"
         for e in comparison.events
@@ -59,6 +55,11 @@ def complaints(checked: Checked, strict: bool) -> list[str]:
     if strict or not checked.verdicts:
         said += [parting(c) for c in checked.parted]
     return said
+
+
+def _apart(gap: Gap) -> str:
+    allowed = f"{gap.allowed * 100:.1f} cm allowed"
+    return f"{gap.body} up to {gap.position * 100:.1f} cm ({allowed}) and {degrees(gap.angle):.0f} deg apart"
 
 
 def _when(times: tuple[float | None, float | None], engines: tuple[str, str]) -> str:
