@@ -14,9 +14,9 @@ _UNITS = {
     "length": ("cm", 100.0),
     "mass": ("g", 1000.0),
     "time": ("s", 1.0),
-    "angle": ("degrees", 180 / math.pi),
+    "angle": ("°", 180 / math.pi),
     "speed": ("cm/s", 100.0),
-    "angular speed": ("degrees/s", 180 / math.pi),
+    "angular speed": ("°/s", 180 / math.pi),
     "acceleration": ("m/s²", 1.0),
     "plain number": ("", 1.0),
 }
