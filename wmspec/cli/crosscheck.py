@@ -80,8 +80,11 @@ def crosscheck_command(
         raise WmsError(f"a crosscheck needs two engines, and there is only {engines[0]}; try `wmspec doctor`")
     tasks = [spec for _, spec in load_tasks(specs)]
     job = Job(tuple((t.name, t.model_dump_json()) for t in tasks), seed, engines, tolerances(settings))
-    with progress_bar(sum(_count(t, seed, sample) for t in tasks), "crosschecking") as progress:
-        checked = sweep(tasks, sample, job, Effort(workers or os.cpu_count() or 1, timeout), progress)
+    try:
+        with progress_bar(sum(_count(t, seed, sample) for t in tasks), "crosschecking") as progress:
+            checked = sweep(tasks, sample, job, Effort(workers or os.cpu_count() or 1, timeout), progress)
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
     if junit_file:
         write_text(Path(junit_file), junit(job, checked, strict))
     if json_file:

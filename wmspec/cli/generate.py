@@ -53,8 +53,9 @@ def generate_command(
     from wmspec import __version__
     from wmspec.design.design import Design
     from wmspec.execute.backends import chosen, engine_version
+    from wmspec.execute.pool import Effort
     from wmspec.write.dataset import Dataset
-    from wmspec.write.generate import Effort, generate
+    from wmspec.write.generate import generate
     from wmspec.write.plan import Plan, Task
 
     tasks = load_tasks(specs)

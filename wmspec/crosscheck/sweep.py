@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
@@ -45,10 +46,10 @@ def sweep(
     designs = {spec.name: Design(spec, job.seed) for spec in specs}
     todo = [(name, index) for name, design in designs.items() for index in sorted(design.sample(sample))]
     checked = []
-    outcomes = in_order(work, ((job, name, index) for name, index in todo), effort)
-    for (name, index), outcome in zip(todo, outcomes, strict=True):
-        checked.append(_lost(designs[name], index, outcome) if isinstance(outcome, Lost) else outcome)
-        progress(name, 1)
+    with closing(in_order(work, ((job, name, index) for name, index in todo), effort)) as outcomes:
+        for (name, index), outcome in zip(todo, outcomes, strict=True):
+            checked.append(_lost(designs[name], index, outcome) if isinstance(outcome, Lost) else outcome)
+            progress(name, 1)
     return tuple(checked)
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
-from typing import Any, TypeVar, cast
+from typing import Any, Literal, TypeVar, cast
 
 from pebble import ProcessExpired, ProcessPool
 
@@ -30,11 +30,17 @@ class Effort:
 class Lost:
     """A piece of work that failed twice, and how."""
 
+    kind: Literal["timeout", "crashed"]
     reason: str
 
 
-def in_order(work: Callable[..., T], pieces: Iterable[tuple[Any, ...]], effort: Effort) -> Iterator[T | Lost]:
-    """`work(*piece)` for every piece, in order, with only as many under way as keep the workers busy."""
+def in_order(
+    work: Callable[..., T], pieces: Iterable[tuple[Any, ...]], effort: Effort
+) -> Generator[T | Lost, None, None]:
+    """`work(*piece)` for every piece, in order, with only as many under way as keep the workers busy.
+
+    Close it to stop them.
+    """
     with _pool(effort.workers) as pool:
 
         def schedule(piece: tuple[Any, ...]) -> Any:
@@ -48,9 +54,9 @@ def in_order(work: Callable[..., T], pieces: Iterable[tuple[Any, ...]], effort: 
             try:
                 return cast(T, schedule(piece).result())
             except FutureTimeout:
-                return Lost(f"took longer than {effort.timeout:g} s, twice")
+                return Lost("timeout", f"took longer than {effort.timeout:g} s, twice")
             except ProcessExpired as error:
-                return Lost(f"the worker process died twice (exit code {error.exitcode})")
+                return Lost("crashed", f"the worker process died twice (exit code {error.exitcode})")
 
         under_way: deque[tuple[tuple[Any, ...], Any]] = deque()
         for piece in pieces:
