@@ -1,0 +1,29 @@
+"""A worker that dies or hangs costs its own piece of work and nothing else."""
+
+import os
+import time
+
+from wmspec.execute.pool import Effort, Lost, in_order
+
+
+def square(i: int) -> int:
+    if i == 2:
+        os._exit(7)
+    if i == 3:
+        time.sleep(60)
+    return i * i
+
+
+def test_results_are_in_order_and_what_is_lost_is_told() -> None:
+    found = list(in_order(square, ((i,) for i in range(6)), Effort(workers=2, timeout=3)))
+    assert [f for f in found if not isinstance(f, Lost)] == [0, 1, 16, 25]
+    assert found[2] == Lost("crashed", "the worker process died twice (exit code 7)")
+    assert found[3] == Lost("timeout", "took longer than 3 s, twice")
+
+
+def test_a_pool_that_is_closed_stops_its_work() -> None:
+    results = in_order(square, ((i,) for i in (1, 3)), Effort(workers=2, timeout=60))
+    assert next(results) == 1
+    started = time.monotonic()
+    results.close()
+    assert time.monotonic() - started < 20
