@@ -16,23 +16,10 @@ INDENT = 2
 
 _TIGHT_BEFORE = {"COMMA", "COLON", "DOT", "RPAR", "RSQB", "LIST_UNIT"}
 _TIGHT_AFTER = {"LPAR", "LSQB", "DOT"}
+_SOFT = {"SETTING", "AT", "LIGHT", "CAMERA", "WORLD", "OPTIONS", "ANSWER", "MARGIN", "DISTINCT", "STATE", "ORDER"}
+_ATOMS = {"NAME", "NUMBER", "QUANTITY", "STRING", "TRUE", "FALSE", "RPAR", "RSQB", "LIST_UNIT"}
 #: What a value may end with: a `-` after it is a difference, after anything else it is a sign.
-_VALUE_ENDS = {"NAME", "NUMBER", "QUANTITY", "STRING", "TRUE", "FALSE", "RPAR", "RSQB", "LIST_UNIT", "SETTING"} | {
-    *(
-        "LIGHT",
-        "CAMERA",
-        "WORLD",
-        "OPTIONS",
-        "ANSWER",
-        "MARGIN",
-        "DISTINCT",
-        "STATE",
-        "ORDER",
-        "REPEAT",
-        "HORIZON",
-        "AT",
-    )
-}
+_VALUE_ENDS = _ATOMS | _SOFT | {"REPEAT", "HORIZON"}
 
 Part = s.Statement | s.Task | s.Clause | s.Counterfactual
 
@@ -43,7 +30,7 @@ def start(token: Token) -> int:
 
 
 def spelled(token: Token) -> str:
-    """A token as it is to be written: a quantity with one space before its unit, a comment without spaces at its end."""
+    """A token as it is to be written: one space between number and unit, none at the end of a comment."""
     match token.type:
         case "QUANTITY":
             number = len(token) - len(token.lstrip("0123456789."))
@@ -127,8 +114,18 @@ class Layout:
                     self._headings.add(colon)
                 self._body(x.span, x.name.span.end, x.body)
             case s.Question():
-                clauses = sorted((*x.clauses, *x.counterfactuals), key=lambda part: part.span.start)
-                self._body(x.span, x.text.span.end, clauses)
+                clauses: list[s.Clause | s.Counterfactual] = [*x.clauses, *x.counterfactuals]
+                self._body(x.span, x.text.span.end, sorted(clauses, key=lambda part: part.span.start))
+            case s.Block():
+                self._block(x.span, [(p.name.id, p.span) for p in x.properties])
+            case s.Counterfactual():
+                self._block(x.span, [(c.kind, c.span) for c in x.changes])
+                self._changes(x.changes)
+            case _:
+                self._line(x)
+
+    def _line(self, x: Part) -> None:
+        match x:
             case s.Factor() | s.Let():
                 self.cells[x.name.span.start] = "name"
                 self.cells[self._after(x.name.span.start)] = "="
@@ -138,14 +135,12 @@ class Layout:
                 self.cells[self._after(x.camera.span.start)] = "at"
             case s.Setting() | s.Clause():
                 self.cells[self._after(x.span.start)] = "value"
-            case s.Block():
-                self._block(x.span, [(p.name.id, p.span) for p in x.properties])
-            case s.Counterfactual():
-                self._block(x.span, [(c.kind, c.span) for c in x.changes])
-                for change in x.changes:
-                    if change.kind in ("action", "state") and change.value is not None:
-                        self.cells[change.target.span.start] = "target"
-                        self.cells[change.value.span.start] = "value"
+
+    def _changes(self, changes: Iterable[s.Change]) -> None:
+        for change in changes:
+            if change.kind in ("action", "state") and change.value is not None:
+                self.cells[change.target.span.start] = "target"
+                self.cells[change.value.span.start] = "value"
 
     def _action(self, action: s.Action) -> None:
         self.cells[self._after(action.name.span.start)] = "="

@@ -1,4 +1,4 @@
-"""The parsing tables of the grammar: made by Lark once, then kept in the user's cache, where loading them takes a tenth."""
+"""The parsing tables of the grammar: made by Lark once, then kept in the user's cache."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def lark_parser() -> Lark:
 
 
 def _cache_file(text: str) -> Path:
-    root = os.environ.get("XDG_CACHE_HOME") or Path(os.path.expanduser("~"), ".cache")
+    root = os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()
     made_for = hashlib.sha256("\0".join((text, lark.__version__, sys.version)).encode()).hexdigest()
     return Path(root, "wmspec", f"grammar-{made_for[:16]}.tables")
 
