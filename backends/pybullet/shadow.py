@@ -11,10 +11,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.scene.camera import look_at, unproject, view_matrix
+from wmspec.scene.camera import look_at, rays
 from wmspec.scene.model import Array, Camera
 from wmspec.scene.picture import Image
 from wmspec.scene.shadow import Region
+from wmspec.scene.transform import rotation
 
 ANGLE = math.radians(1.0)
 """The sun's map is seen under this angle from far away: its rays are nearly parallel."""
@@ -34,19 +35,38 @@ class Sun:
         self._half = region.half
 
     def occlusion(self, camera: Camera, depth: NDArray[np.float32], seen: NDArray[np.float32]) -> Image:
-        """Which of the points seen by `camera` lie in shadow: 1.0 or 0.0 (h, w).
+        """How much of the points seen by `camera` lies in shadow (h, w): 0..1, smooth over a texel of the map.
 
-        `depth` (h, w) of the camera and `seen` (n, n) of the sun are along their view axes in metres.
+        `depth` (h, w) of the camera and `seen` (n, n) of the sun are along their view axes in metres; a depth of 0 is
+        background, and not in shadow.
         """
-        side = len(seen)
-        view = view_matrix(self.camera.pose).astype(np.float64)
-        points = unproject(camera, depth) @ view[:3, :3].T + view[:3, 3]
-        away = -points[..., 2]
-        focal = side / (2 * math.tan(ANGLE / 2))
-        with np.errstate(all="ignore"):
-            column = np.floor(side / 2 + focal * points[..., 0] / away).astype(np.int64)
-            row = np.floor(side / 2 - focal * points[..., 1] / away).astype(np.int64)
-        inside = (column >= 0) & (column < side) & (row >= 0) & (row < side) & (depth > 0)
-        nearest = seen[np.where(inside, row, 0), np.where(inside, column, 0)]
-        behind = away - nearest > BIAS * 2 * self._half / side
-        return (inside & behind).astype(np.float32)
+        right, up, back = self._points(camera, depth)
+        focal = np.float32(len(seen) / (2 * math.tan(ANGLE / 2)))
+        middle, bias = np.float32(len(seen) / 2), np.float32(BIAS * 2 * self._half / len(seen))
+        behind = _behind(middle - focal * right / back, middle + focal * up / back, -back - bias, seen)
+        return np.where(depth > 0, behind, np.float32(0))
+
+    def _points(self, camera: Camera, depth: NDArray[np.float32]) -> list[Image]:
+        """The points seen by `camera` along the sun's right, up and backwards, (h, w) each, in metres."""
+        axes = rotation(self.camera.pose.orientation)
+        turn = (rotation(camera.pose.orientation).T @ axes).astype(np.float32)
+        move = ((camera.pose.position - self.camera.pose.position) @ axes).astype(np.float32)
+        x, y = (side.astype(np.float32) for side in rays(camera, depth.shape[1], depth.shape[0]))
+        return [depth * (x * a + (y * b - c)[:, None]) + d for (a, b, c), d in zip(turn.T, move, strict=True)]
+
+
+def _behind(x: Image, y: Image, away: Image, seen: NDArray[np.float32]) -> Image:
+    """Of the four texels (of n, n) around each place `x`, `y` (h, w) of the map, the share that is nearer than `away`.
+
+    They count by their distance ("percentage closer filtering": Reeves et al., SIGGRAPH 1987); none is outside.
+    """
+    side = np.float32(len(seen))
+    x, y = np.clip(x + np.float32(0.5), 0, side), np.clip(y + np.float32(0.5), 0, side)
+    column, row = x.astype(np.intp), y.astype(np.intp)
+    right, down = x - column.astype(np.float32), y - row.astype(np.float32)
+    wide = len(seen) + 2
+    texels, first = np.pad(seen, 1, constant_values=np.inf).ravel(), row * wide + column
+    upper = (texels[first] < away) * (1 - right) + (texels[first + 1] < away) * right
+    lower = (texels[first + wide] < away) * (1 - right) + (texels[first + wide + 1] < away) * right
+    share: Image = upper * (1 - down) + lower * down
+    return share

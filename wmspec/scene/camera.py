@@ -70,12 +70,18 @@ def project(camera: Camera, points: ArrayLike, width: int, height: int) -> tuple
     return np.stack([x, y], axis=1), depth
 
 
+def rays(camera: Camera, width: int, height: int) -> tuple[Array, Array]:
+    """Where the centres of the pixels lie at a depth of 1 m: to the right (width,) and up (height,), in metres."""
+    focal = height / (2 * math.tan(camera.fovy / 2))
+    x: Array = (np.arange(width, dtype=np.float64) + 0.5 - width / 2) / focal
+    y: Array = (height / 2 - np.arange(height, dtype=np.float64) - 0.5) / focal
+    return x, y
+
+
 def unproject(camera: Camera, depth: NDArray[np.float32]) -> Array:
     """The points of the world (h, w, 3) seen at the centres of the pixels, from `depth` (h, w) along the view axis."""
     height, width = depth.shape
-    focal = height / (2 * math.tan(camera.fovy / 2))
-    x = (np.arange(width) + 0.5 - width / 2) / focal
-    y = (height / 2 - np.arange(height) - 0.5) / focal
+    x, y = rays(camera, width, height)
     local = np.stack(np.broadcast_arrays(x[None, :], y[:, None], -1.0), axis=-1) * depth[..., None]
     turned: Array = local.astype(np.float64) @ rotation(camera.pose.orientation).T
     return turned + camera.pose.position

@@ -20,12 +20,6 @@ def check(scene: Scene, shot: Shot) -> None:
 Image = NDArray[np.float32]
 
 
-def fill(rgb: Image, ids: NDArray[np.int16], color: tuple[float, float, float]) -> Image:
-    """`rgb` (h, w, 3), values 0..255, with `color` (sRGB, 0..1) wherever `ids` (h, w) show the background."""
-    sky = np.rint(255 * np.asarray(color)).astype(np.float32)
-    return np.where((ids < 0)[..., None], sky, rgb)
-
-
 def over(rgba: NDArray[np.uint8], color: tuple[float, float, float]) -> NDArray[np.uint8]:
     """A picture (h, w, 4), where alpha is the share of a pixel that isn't background, on `color` (sRGB, 0..1)."""
     behind = np.rint(np.outer(255 - np.arange(256), color)).astype(np.uint8)
@@ -33,11 +27,11 @@ def over(rgba: NDArray[np.uint8], color: tuple[float, float, float]) -> NDArray[
     return rgb
 
 
-def halve(image: Image) -> Image:
+def halve(image: NDArray[np.uint8] | NDArray[np.bool_]) -> Image:
     """The mean of every 2 x 2 pixels: (2 h, 2 w, ...) to (h, w, ...)."""
-    rows: Image = image[0::2] + image[1::2]
-    total: Image = rows[:, 0::2] + rows[:, 1::2]
-    return total / np.float32(4)
+    rows = np.add(image[0::2], image[1::2], dtype=np.uint16)
+    mean: Image = (rows[:, 0::2] + rows[:, 1::2]).astype(np.float32) / np.float32(4)
+    return mean
 
 
 def quantize(rgb: Image) -> NDArray[np.uint8]:

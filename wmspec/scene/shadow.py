@@ -44,6 +44,10 @@ class Casters:
 
         self._moves = np.array([body.motion != "static" for body in scene.bodies], dtype=bool)
 
+    def size(self, body: int) -> float:
+        """The radius of the sphere around a body's origin that holds it (m)."""
+        return float(self._radius[body])
+
     def region(self, camera: Camera, shot: Shot) -> Region:
         """The column to draw the shadows of a shot in."""
         at = np.array([pose.position for pose in shot.poses]).reshape(-1, 3)
