@@ -20,6 +20,7 @@ from wmspec.check.kinds import (
     Quantity,
     Vector,
     Word,
+    article,
 )
 from wmspec.check.scope import Scope
 from wmspec.check.units import NUMBER, Dimension
@@ -97,13 +98,13 @@ class Expressions:
 
     def misfit(self, span: Span, found: Kind, wanted: tuple[Kind, ...], what: str) -> NoReturn:
         """Report a value of the wrong kind."""
-        names = " or ".join(_article(str(k)) for k in wanted)
+        names = " or ".join(article(str(k)) for k in wanted)
         examples = [f"`{_example(k)}`" for k in wanted if _example(k)]
         code = (
             "WMS301" if isinstance(found, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector) else "WMS302"
         )
         help = f"write something like {' or '.join(examples)}" if examples else ""
-        self.fail(code, f"{what} wants {names}, but this is {_article(str(found))}", span, help)
+        self.fail(code, f"{what} wants {names}, but this is {article(str(found))}", span, help)
 
     # ------------------------------------------------------------ atoms
 
@@ -194,9 +195,9 @@ class Expressions:
                 ir.Property(owner=owner.expr, name=e.name.id), self.argument_kind(str(owner.expr.value), e.name)
             )
         if owner.kind not in (OBJECT, CAMERA):
-            self.fail("WMS203", f"{_article(str(owner.kind))} has no properties", e.name.span)
+            self.fail("WMS203", f"{article(str(owner.kind))} has no properties", e.name.span)
         table = PROPERTIES["object" if owner.kind == OBJECT else "camera"]
-        slot = self.slot(table, e.name, f"{_article(str(owner.kind))}")
+        slot = self.slot(table, e.name, f"{article(str(owner.kind))}")
         return Typed(ir.Property(owner=owner.expr, name=e.name.id), self._property_kind(owner.expr, e.name, slot))
 
     def slot(self, table: dict[str, Slot], name: s.Name, owner: str) -> Slot:
@@ -295,7 +296,7 @@ class Expressions:
         right = self.infer(e.operands[1], (left.kind,))
         if _joined(left.kind, right.kind) is None:
             self.misfit(
-                e.operands[1].span, right.kind, (left.kind,), f"`{e.operator}`, after {_article(str(left.kind))},"
+                e.operands[1].span, right.kind, (left.kind,), f"`{e.operator}`, after {article(str(left.kind))},"
             )
         if e.operator not in ("==", "!=") and not isinstance(left.kind, Quantity):
             self.fail("WMS302", f"`{e.operator}` compares quantities, not {left.kind}s", e.span, "use `==` or `!=`")
@@ -308,7 +309,7 @@ class Expressions:
             if not isinstance(operand.kind, Quantity):
                 self.fail(
                     "WMS302",
-                    f"`{e.operator}` wants quantities, but this is {_article(str(operand.kind))}",
+                    f"`{e.operator}` wants quantities, but this is {article(str(operand.kind))}",
                     written.span,
                 )
             kinds.append(operand.kind)
@@ -321,7 +322,7 @@ class Expressions:
             return _operation("/", operands, Quantity(dimensions[0] / dimensions[1]))
         kind = _joined(*kinds)
         if kind is None:
-            self.misfit(e.operands[1].span, kinds[1], (kinds[0],), f"`{e.operator}`, after {_article(str(kinds[0]))},")
+            self.misfit(e.operands[1].span, kinds[1], (kinds[0],), f"`{e.operator}`, after {article(str(kinds[0]))},")
         return _operation(e.operator, operands, kind)
 
     # ------------------------------------------------------------ lists, tuples, ranges
@@ -442,10 +443,6 @@ def _points(start: ir.Expr, stop: ir.Expr, count: int) -> ir.Items:
     shares = (ir.Value(value=i / (count - 1)) for i in range(count))
     steps = (ir.Operation(operator="*", operands=(span, share)) for share in shares)
     return ir.Items(items=tuple(ir.Operation(operator="+", operands=(start, step)) for step in steps))
-
-
-def _article(noun: str) -> str:
-    return f"{'an' if noun[0] in 'aeio' else 'a'} {noun}"
 
 
 def _example(kind: Kind) -> str:

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from wmspec.parse.source import Span
+
 
 class Node(BaseModel):
     """Base of all parts: immutable, compared by value, closed."""
@@ -21,6 +23,11 @@ class Place(Node):
     column: int
     start: int
     end: int
+
+    @classmethod
+    def of(cls, span: Span) -> Place:
+        """A span as the IR keeps it."""
+        return cls(file=span.source.name, line=span.line, column=span.column, start=span.start, end=span.end)
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.column}"

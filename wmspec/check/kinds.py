@@ -76,3 +76,8 @@ AN_ANGLE = Quantity(ANGLE)
 POINT2 = Vector(LENGTH, 2)
 POINT3 = Vector(LENGTH, 3)
 TRIPLE = Vector(NUMBER, 3)
+
+
+def article(noun: str) -> str:
+    """The noun with `a` or `an`, for messages."""
+    return f"{'an' if noun[0] in 'aeio' else 'a'} {noun}"

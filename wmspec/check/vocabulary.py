@@ -72,6 +72,16 @@ class Slot:
     least: float | None = None
     most: float | None = None
 
+    def fault(self, value: float) -> str:
+        """What a value must be and is not, such as `more than 0`; empty if it is within bounds."""
+        if self.above is not None and value <= self.above:
+            return f"more than {self.above:g}"
+        if self.least is not None and value < self.least:
+            return f"at least {self.least:g}"
+        if self.most is not None and value > self.most:
+            return f"at most {self.most:g}"
+        return ""
+
 
 PROPERTIES: dict[str, dict[str, Slot]] = {
     "object": {

@@ -8,7 +8,6 @@ from typing import Any
 
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, TaskSpec
-from wmspec.check.task import out_of_bounds
 from wmspec.check.vocabulary import COLORS, PROPERTIES, VERBS, Slot
 from wmspec.errors import WmsError
 
@@ -88,7 +87,7 @@ class Values:
         table = VERBS[thing.verb].arguments if thing.kind == "action" else PROPERTIES[thing.kind]
         slot = table.get(name, Slot((), "", least=0))
         for number in value if isinstance(value, tuple) and name == "size" else (value,):
-            if isinstance(number, float) and (reason := out_of_bounds(number, slot)):
+            if isinstance(number, float) and (reason := slot.fault(number)):
                 raise WmsError(f"{place}: `{name}` of `{owner}` is {number:g} here; it must be {reason}")
             if isinstance(number, float) and not math.isfinite(number):
                 raise WmsError(f"{place}: `{name}` of `{owner}` is not finite")
