@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Prepares a checkout: system packages (as root, on Debian and its children), then .venv with wmspec and its engines.
 # Without root, or on another system, it prints the commands and goes on with what is there. Quick when all is done.
+# `setup.sh --system` does the first half only: for root, when a user without root does the second.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -91,8 +92,9 @@ set_up_system() {
         complain "the graphics libraries are incomplete or older than Mesa $MESA; please run:  sudo tools/setup.sh --system"
     else
         say "installing the graphics libraries"
-        apt_install "${GL_PACKAGES[@]}" && install_mesa && mesa_is_new ||
+        if ! { apt_install "${GL_PACKAGES[@]}" && install_mesa && mesa_is_new; }; then
             complain "Mesa >= $MESA could not be installed: SAPIEN will not draw; \`wmspec doctor\` says more"
+        fi
     fi
 }
 
@@ -158,7 +160,10 @@ fingerprint() { { cat pyproject.toml tools/setup.sh; "$VENV/bin/python" --versio
 
 main() {
     set_up_system
-    if [[ ${1:-} == --system ]]; then return; fi
+    if [[ ${1:-} == --system ]]; then
+        find_python >/dev/null || apt_install python3 python3-venv
+        return
+    fi
     if [[ -e $STAMP && $(cat "$STAMP") == "$(fingerprint)" && -x $VENV/bin/wmspec ]]; then return; fi
     set_up_venv
     set_up_packages
