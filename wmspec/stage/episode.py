@@ -253,4 +253,4 @@ def _rolling(action: Thing, target: str, values: Values) -> tuple[float, float, 
         raise WmsError(f"{action.place}: `{target}` is not a sphere, so it cannot set off rolling")
     angle, speed = values.property(action.name, "direction"), values.property(action.name, "speed")
     rate = speed / (values.extent(target)[0] / 2)
-    return (-math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
+    return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
