@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NoReturn
@@ -110,6 +111,8 @@ class Expressions:
 
     def _number(self, value: float, unit: str | None, span: Span) -> Typed:
         scale, dimension = self.unit(unit, span) if unit else (1.0, NUMBER)
+        if not math.isfinite(value * scale):
+            self.fail("WMS304", "this number is too large", span)
         if value == 0 and unit is None:
             dimension = ZERO
         return Typed(ir.Value(value=units.convert(value, scale)), Quantity(dimension))
@@ -431,7 +434,8 @@ def constant(expr: ir.Expr) -> float | None:
             x, y = constant(a), constant(b)
             if x is None or y is None or (operator == "/" and y == 0):
                 return None
-            return {"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[operator]
+            result = {"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[operator]
+            return result if math.isfinite(result) else None
     return None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -226,3 +226,9 @@ class TaskSpec(Node):
     def thing(self, name: str) -> Thing:
         """The object, camera, light, action or world of that name."""
         return next(t for t in self.things if t.name == name)
+
+
+def task_schema() -> dict[str, Any]:
+    """The JSON schema (draft 2020-12) of a `TaskSpec` as JSON."""
+    schema = TaskSpec.model_json_schema(mode="serialization")
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -11,7 +11,20 @@ import click
 from wmspec import __version__
 from wmspec.errors import WmsError
 
-COMMANDS = ("check", "fmt", "list", "compile", "run", "render", "generate", "crosscheck", "view", "doctor")
+COMMANDS = (
+    "check",
+    "fmt",
+    "explain",
+    "list",
+    "compile",
+    "schema",
+    "run",
+    "render",
+    "generate",
+    "crosscheck",
+    "view",
+    "doctor",
+)
 
 
 class _Commands(click.Group):

@@ -3,18 +3,31 @@
 from __future__ import annotations
 
 import json
+import os
+import re
+import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import json_option, spec_files, specs_argument
+from wmspec.cli.common import spec_files, specs_argument
+
+if TYPE_CHECKING:
+    from wmspec.parse.diagnostics import Report
+
+_COLORS = {"error": "red", "warning": "yellow", "note": "cyan", "help": "green"}
 
 
 @click.command("check")
 @specs_argument
-@json_option
-def check_command(specs: tuple[Path, ...], as_json: bool) -> None:
-    """Check specs: names, units, kinds, the design, and a sample of scenes. Exits with 2 if there is a mistake."""
+@click.option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", show_default=True)
+@click.option("--json", "form", flag_value="json", help="The same as --format json.")
+def check_command(specs: tuple[Path, ...], form: str) -> None:
+    """Check specs: names, units, kinds, the design, and a sample of scenes. Exits with 2 if there is a mistake.
+
+    Text is coloured on a terminal, unless NO_COLOR is set. SARIF is what code hosts show beside the lines.
+    """
     from wmspec.check.task import check
     from wmspec.parse.diagnostics import Report
     from wmspec.stage.trial import trial
@@ -24,19 +37,50 @@ def check_command(specs: tuple[Path, ...], as_json: bool) -> None:
     for path in spec_files(specs):
         for spec in check(path, report):
             tasks += [(spec.name, trial(spec, report))]
-    found = report.diagnostics
-    if as_json:
-        click.echo(json.dumps({"diagnostics": [d.record() for d in found], "tasks": dict(tasks)}, indent=2))
+    if form == "json":
+        records = [d.record() for d in report.diagnostics]
+        click.echo(json.dumps({"diagnostics": records, "tasks": dict(tasks)}, indent=2))
+    elif form == "sarif":
+        from wmspec.cli.sarif import sarif
+
+        click.echo(json.dumps(sarif(report.diagnostics), indent=2))
     else:
-        for diagnostic in found:
-            click.echo(diagnostic.render() + "\n", err=True)
-        if not report.failed:
-            for name, count in tasks:
-                click.echo(f"{name}: {count:,} instances, no mistakes")
-            if not tasks:
-                click.echo("no tasks here, and no mistakes")
-        else:
-            errors = sum(d.severity == "error" for d in found)
-            click.echo(f"{errors} mistake{'s' * (errors != 1)}", err=True)
+        _tell(report, tasks)
     if report.failed:
         raise SystemExit(2)
+
+
+def _tell(report: Report, tasks: list[tuple[str, int]]) -> None:
+    """Diagnostics to standard error, the tasks without mistakes to standard output."""
+    for diagnostic in report.diagnostics:
+        text = diagnostic.render()
+        click.echo((_coloured(text) if _in_colour() else text) + "\n", err=True)
+    if report.failed:
+        errors = [d for d in report.diagnostics if d.severity == "error"]
+        codes = sorted({d.code for d in errors})
+        more = f"`wmspec explain {codes[0]}` tells more"
+        click.echo(f"{len(errors)} mistake{'s' * (len(errors) != 1)}; {more}", err=True)
+        return
+    for name, count in tasks:
+        click.echo(f"{name}: {count:,} instances, no mistakes")
+    if not tasks:
+        click.echo("no tasks here, and no mistakes")
+
+
+def _in_colour() -> bool:
+    """On a terminal, unless the user asked for none (https://no-color.org)."""
+    return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
+
+
+def _coloured(text: str) -> str:
+    lines = []
+    for line in text.split("\n"):
+        head = re.match(r"(error|warning)\[WMS\d+\]|note|help", line)
+        if head and line[head.end() : head.end() + 1] == ":":
+            color = _COLORS[head[1] or head[0]]
+            lines.append(click.style(head[0], fg=color, bold=True) + line[head.end() :])
+        elif re.fullmatch(r" *\| +\^+", line):
+            lines.append(click.style(line, fg="red"))
+        else:
+            lines.append(line)
+    return "\n".join(lines)

@@ -15,6 +15,7 @@ from wmspec.cli.common import (
     spec_argument,
     write_text,
 )
+from wmspec.errors import WmsError
 
 
 @click.command("compile")
@@ -22,8 +23,9 @@ from wmspec.cli.common import (
 @click.option("--backend", "-b", default="", help="Engines to write native files for: names joined by commas, or all.")
 @instance_option
 @seed_option
-@click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="The folder to write to.")
-def compile_command(spec: Path, backend: str, instance: int, seed: int, output: Path) -> None:
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="The folder to write to.")
+@click.option("--ir", is_flag=True, help="Write no files; print the checked task as JSON (see `wmspec schema`).")
+def compile_command(spec: Path, backend: str, instance: int, seed: int, output: Path | None, ir: bool) -> None:
     """Write an instance as USD and in an engine's own form.
 
     The stage is a base layer for the task with a layer over it for the instance, and one for each counterfactual over
@@ -38,6 +40,11 @@ def compile_command(spec: Path, backend: str, instance: int, seed: int, output: 
     from wmspec.stage.write import write_stages
 
     task = one_task(spec)
+    if ir:
+        click.echo(task.model_dump_json(indent=2))
+        return
+    if output is None:
+        raise WmsError("say where to write: `--output FOLDER`, or `--ir` to print the checked task")
     design = Design(task, seed)
     chosen_instance = instance_of(design, instance)
     folder = make_folder(output / task.name)

@@ -1,0 +1,65 @@
+"""What `wmspec check` prints: for people, for programs, for code hosts."""
+
+import json
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlparse
+
+import pytest
+from click.testing import CliRunner
+
+from wmspec.cli import check, main
+from wmspec.parse.diagnostics import CODES
+
+CORPUS = Path(__file__).parents[1] / "corpus"
+
+
+def run(*args: object, **more: Any) -> Any:
+    return CliRunner().invoke(main, ["check", *map(str, args)], **more)
+
+
+def test_json_has_a_shorthand() -> None:
+    path = CORPUS / "three_mistakes.wms"
+    long, short = run(path, "--format", "json"), run(path, "--json")
+    assert long.output == short.output
+    assert [d["code"] for d in json.loads(long.output)["diagnostics"]] == ["WMS203", "WMS301", "WMS201"]
+    assert long.exit_code == 2
+
+
+@pytest.mark.parametrize("name", sorted(p.name for p in CORPUS.glob("*.wms")))
+def test_sarif_keeps_the_rules_of_its_schema(name: str) -> None:
+    """The required properties, closed sets and bounds of the SARIF 2.1.0 schema for what we write."""
+    log = json.loads(run(CORPUS / name, "--format", "sarif").stdout)
+    assert set(log) == {"$schema", "version", "runs"}
+    assert log["version"] == "2.1.0"
+    (sarif_run,) = log["runs"]
+    assert set(sarif_run) == {"tool", "columnKind", "results"}
+    rules = sarif_run["tool"]["driver"]["rules"]
+    assert [r["id"] for r in rules] == list(CODES)
+    expected = (CORPUS / name).with_suffix(".expected").read_text().splitlines()
+    assert len(sarif_run["results"]) == sum(line.startswith(("error", "warning")) for line in expected)
+    for result in sarif_run["results"]:
+        assert rules[result["ruleIndex"]]["id"] == result["ruleId"]
+        assert result["level"] in {"none", "note", "warning", "error"}
+        assert result["message"]["text"]
+        for location in [*result["locations"], *result.get("relatedLocations", [])]:
+            place = location["physicalLocation"]
+            assert urlparse(place["artifactLocation"]["uri"]).path.endswith(".wms")
+            region = place["region"]
+            assert region["startLine"] >= 1
+            assert (region["endLine"], region["endColumn"]) >= (region["startLine"], region["startColumn"])
+
+
+def test_colours_are_for_terminals_that_want_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    path = CORPUS / "three_mistakes.wms"
+    assert "\x1b[" not in run(path, color=True).stderr
+    monkeypatch.setattr(check, "_in_colour", lambda: True)
+    assert "\x1b[31m\x1b[1merror[WMS203]\x1b[0m: " in run(path, color=True).stderr
+
+
+def test_no_color_is_respected(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert not check._in_colour()
+    monkeypatch.setenv("NO_COLOR", "")
+    assert check._in_colour()

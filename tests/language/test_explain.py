@@ -1,0 +1,51 @@
+"""Every code has a page whose wrong example gives that code and nothing else, and whose right one gives nothing."""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from wmspec.check.task import check
+from wmspec.cli import main
+from wmspec.parse.diagnostics import CODES, Report
+from wmspec.parse.pages import Example, page
+from wmspec.stage.trial import trial
+
+FOLDER = Path(__file__).parents[2] / "wmspec/parse/codes"
+
+
+def codes(example: Example, folder: Path) -> set[str]:
+    folder.mkdir()
+    for name, text in (example.libraries | {"spec.wms": example.text}).items():
+        (folder / name).write_text(text)
+    report = Report()
+    for spec in check(folder / "spec.wms", report):
+        trial(spec, report)
+    return {d.code for d in report.diagnostics}
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_examples_do_what_they_say(code: str, tmp_path: Path) -> None:
+    shown = page(code)
+    assert shown.title == CODES[code]
+    assert shown.markdown.startswith(f"# {code}: ")
+    assert "## How to mend it" in shown.markdown
+    assert codes(shown.wrong, tmp_path / "wrong") == {code}
+    assert codes(shown.right, tmp_path / "right") == set()
+
+
+def test_there_is_no_page_without_a_code() -> None:
+    assert {file.stem for file in FOLDER.iterdir()} == set(CODES)
+
+
+def test_the_command_shows_one_page_or_lists_all() -> None:
+    run = CliRunner().invoke
+    assert "unknown property" in run(main, ["explain", "wms203"]).output
+    assert "unknown property" in run(main, ["explain", "203"]).output
+    assert all(code in run(main, ["explain"]).output for code in CODES)
+
+
+def test_an_unknown_code_is_answered_with_a_suggestion() -> None:
+    result = CliRunner().invoke(main, ["explain", "WMS2003"])
+    assert result.exit_code == 2
+    assert "did you mean `WMS203`?" in result.output

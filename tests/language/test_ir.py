@@ -1,0 +1,53 @@
+"""The IR: JSON and back without loss, by a published schema, and made in Python as well as from text."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+
+from tests.language.specs import SPECS, random_spec, task_of
+from wmspec.check.ir import TaskSpec, task_schema
+from wmspec.check.task import check_program
+from wmspec.cli import main
+from wmspec.parse.diagnostics import Report
+from wmspec.parse.load import load_source
+from wmspec.parse.source import Source
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
+def test_shipped_specs_survive_json(path: Path) -> None:
+    printed = CliRunner().invoke(main, ["compile", str(path), "--ir"]).output
+    assert TaskSpec.model_validate_json(printed) == task_of(path)
+
+
+@settings(max_examples=30, deadline=None)
+@given(spec=random_spec())
+def test_random_specs_survive_json(spec: TaskSpec) -> None:
+    assert TaskSpec.model_validate_json(spec.model_dump_json()) == spec
+
+
+def test_the_published_schema_is_current() -> None:
+    """If it is not: `wmspec schema > docs/schema.json`."""
+    assert json.loads((DOCS / "schema.json").read_text()) == task_schema()
+    assert json.loads(CliRunner().invoke(main, ["schema"]).output) == task_schema()
+
+
+def test_every_part_of_the_schema_is_closed() -> None:
+    parts = [task_schema(), *task_schema()["$defs"].values()]
+    assert all(part["additionalProperties"] is False for part in parts if part.get("type") == "object")
+
+
+@pytest.mark.parametrize("value", ["1e999", "1e300 * 1e300", "[1e999, 1]", "9e307 km"])
+def test_no_number_is_infinite(value: str) -> None:
+    text = f"use tabletop\ntask t : custom {{ let a = {value} observe front at [0 s] }}"
+    report = Report()
+    tasks = check_program(load_source(Source("test.wms", text), Path(), report), report)
+    for task in tasks:
+        assert TaskSpec.model_validate_json(task.model_dump_json()) == task
+    assert all(d.code == "WMS304" for d in report.diagnostics)
+    assert math.isinf(float("1e999"))

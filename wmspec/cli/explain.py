@@ -1,0 +1,37 @@
+"""`wmspec explain`: what a code means and how to mend it."""
+
+from __future__ import annotations
+
+import click
+
+from wmspec.errors import WmsError, suggestion
+
+
+@click.command("explain")
+@click.argument("code", required=False)
+def explain_command(code: str | None) -> None:
+    """Explain a diagnostic's CODE, such as WMS203, with an example. Without CODE: list all."""
+    from wmspec.parse.diagnostics import CODES
+    from wmspec.parse.pages import page
+
+    if code is None:
+        for known, meaning in CODES.items():
+            click.echo(f"{click.style(known, bold=True)}  {meaning}")
+        return
+    wanted = code.upper() if code.upper().startswith("WMS") else f"WMS{code}"
+    if wanted not in CODES:
+        hint = suggestion(wanted, CODES)
+        raise WmsError(f"there is no code `{code}`; {hint + ' ' if hint else ''}`wmspec explain` lists all")
+    _show(page(wanted).markdown)
+
+
+def _show(markdown: str) -> None:
+    """Markdown as it is, or, on a terminal, with headings and examples set off."""
+    fenced = False
+    for line in markdown.splitlines():
+        if line.startswith("```"):
+            fenced = not fenced
+        elif line.startswith("#"):
+            click.secho(line.lstrip("# "), bold=True, underline=line.startswith("# "))
+        else:
+            click.echo(f"    {line}".rstrip() if fenced else line)

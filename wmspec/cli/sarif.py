@@ -1,0 +1,58 @@
+"""Diagnostics as SARIF 2.1.0, which code hosts and editors show beside the lines (OASIS standard, 27 March 2020)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from wmspec import __version__
+from wmspec.parse.diagnostics import CODES, Diagnostic
+from wmspec.parse.source import Span
+
+SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+
+
+def sarif(diagnostics: Iterable[Diagnostic]) -> dict[str, Any]:
+    """A SARIF log with one run, whose rules are all codes of the language."""
+    rules = [
+        {"id": code, "shortDescription": {"text": meaning}, "help": {"text": f"wmspec explain {code}"}}
+        for code, meaning in CODES.items()
+    ]
+    driver = {"name": "wmspec", "semanticVersion": __version__, "rules": rules}
+    run = {
+        "tool": {"driver": driver},
+        "columnKind": "unicodeCodePoints",
+        "results": [_result(diagnostic) for diagnostic in diagnostics],
+    }
+    return {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
+
+
+def _result(diagnostic: Diagnostic) -> dict[str, Any]:
+    help = f" (help: {diagnostic.help})" if diagnostic.help else ""
+    result: dict[str, Any] = {
+        "ruleId": diagnostic.code,
+        "ruleIndex": list(CODES).index(diagnostic.code),
+        "level": diagnostic.severity,
+        "message": {"text": diagnostic.message + help},
+        "locations": [_location(diagnostic.span)],
+    }
+    if diagnostic.notes:
+        result["relatedLocations"] = [
+            {"id": i, "message": {"text": note.message}, **_location(note.span)}
+            for i, note in enumerate(diagnostic.notes)
+        ]
+    return result
+
+
+def _location(span: Span) -> dict[str, Any]:
+    line, column = span.source.position(span.end)
+    region = {"startLine": span.line, "startColumn": span.column, "endLine": line, "endColumn": column}
+    return {"physicalLocation": {"artifactLocation": {"uri": _uri(span.source.name)}, "region": region}}
+
+
+def _uri(name: str) -> str:
+    """A path as a URI: relative to where the command ran, or with a scheme."""
+    path = Path(name)
+    return path.as_uri() if path.is_absolute() else quote(path.as_posix())

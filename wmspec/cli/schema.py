@@ -1,0 +1,15 @@
+"""`wmspec schema`: the shape of the intermediate representation."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+
+@click.command("schema")
+def schema_command() -> None:
+    """Print the JSON schema of a checked task, which is what `wmspec compile --ir` prints."""
+    from wmspec.check.ir import task_schema
+
+    click.echo(json.dumps(task_schema(), indent=2))
