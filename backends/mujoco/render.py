@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,7 @@ class Renderer:
         """Draw the bodies where the shot places them."""
         check(self._scene, shot)
         self._gl.make_current()
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         self._place(shot)
         self._aim(find(self._scene, shot.camera), shot)
         rgb = self._render(ids=False)
@@ -55,10 +57,9 @@ class Renderer:
         return Frame(rgb, ids, np.where(ids >= 0, self._distance(), np.float32(0)) if depth else None)
 
     def close(self) -> None:
-        """Free the graphics context; the renderer can't be used any more."""
+        """Free what the graphics context holds of the scene; the renderer can't be used any more."""
         self._gl.make_current()
         self._context.free()
-        self._gl.free()
 
     def _place(self, shot: Shot) -> None:
         for i, pose in enumerate(shot.poses):
@@ -115,25 +116,30 @@ class Renderer:
 
 
 def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
-    """An OpenGL context and the model's data in it: by EGL, unless MUJOCO_GL is set or there is a display."""
-    display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    """An OpenGL context and the model's data in it."""
     try:
+        gl = _opengl(width, height)
+        gl.make_current()
         with silence():
-            if "MUJOCO_GL" in os.environ or display:
-                from mujoco.gl_context import GLContext
-            else:
-                from mujoco.egl import GLContext
-            gl = GLContext(width, height)
-            gl.make_current()
             context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
     except Exception as error:  # every back end has its own
         raise WmsError(
             f"MuJoCo can't draw: no OpenGL ({error}); set MUJOCO_GL=egl and install Mesa's EGL "
             "(Debian: libegl1 libgl1-mesa-dri), see 'wmspec doctor'"
         ) from error
-    mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, context)
     context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
     return gl, context
+
+
+@cache
+def _opengl(width: int, height: int) -> Any:
+    """An OpenGL context, kept for all renderers: by EGL, unless MUJOCO_GL is set or there is a display."""
+    with silence():
+        if "MUJOCO_GL" in os.environ or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+            from mujoco.gl_context import GLContext
+        else:
+            from mujoco.egl import GLContext
+        return GLContext(width, height)
 
 
 def _spec(scene: Scene, width: int, height: int) -> Any:

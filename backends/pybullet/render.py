@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.backends.pybullet.layer import Layer
 from wmspec.backends.pybullet.lists import lists
 from wmspec.backends.pybullet.shadow import Sun
 from wmspec.backends.pybullet.sides import sides
@@ -31,8 +31,8 @@ TEXELS = 1.5
 WHITE = 255
 """TinyRenderer's own background."""
 
-NOWHERE = Pose(np.array([0.0, 0.0, 1e6]), np.array([1.0, 0.0, 0.0, 0.0]))
-"""Where ground waits while shadows are drawn: it casts none, but would take most of the time."""
+NOWHERE = [0.0, 0.0, 1e6]
+"""Where bodies wait that aren't to be drawn: to draw them would take most of the time."""
 
 
 def renderer(scene: Scene, width: int, height: int) -> Renderer:
@@ -63,41 +63,56 @@ class Renderer:
         self._owner = np.full(pybullet.getNumBodies(self._client) + 1, -1, np.int16)
         for piece in self._pieces:
             self._owner[list(piece.numbers)] = piece.body
+        self._moves = np.array([body.motion != "static" for body in scene.bodies], dtype=bool)
+        self._still: dict[str, tuple[bytes, Layer, Layer]] = {}
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
         check(self._scene, shot)
-        camera, light = find(self._scene, shot.camera), self._scene.light
-        self._place(shot.poses, camera)
-        lit = self._smooth(camera)
-        image = self._draw(camera, self._size, light.ambient, 0.0)
-        ids, distance = self._owner[image[4]], _metres(image[3], camera)
+        camera = find(self._scene, shot.camera)
+        fine, coarse = self._layers(camera, shot)
+        lit, dark = self._smooth(fine), coarse.rgba[..., :3] + np.float32(0.5)
+        ids, distance = self._owner[coarse.numbers], _metres(coarse.depth, camera)
         distance[ids < 0] = 0
-        direct = np.maximum(lit - image[2][..., :3] - np.float32(0.5), 0)
         shaded = np.float32(SHADE) * self._occlusion(camera, shot, distance)
-        return Frame(quantize(lit - shaded[..., None] * direct), ids, distance if depth else None)
+        rgb = quantize(lit - shaded[..., None] * np.maximum(lit - dark, 0))
+        return Frame(rgb, ids, distance if depth else None)
 
     def close(self) -> None:
         """Free the client; the renderer can't be used any more."""
         pybullet.disconnect(self._client)
 
-    def _place(self, poses: Sequence[Pose], camera: Camera) -> None:
-        """Put the sides that face the camera where they belong, and all others out of sight."""
+    def _layers(self, camera: Camera, shot: Shot) -> tuple[Layer, Layer]:
+        """The shot at twice the size, and at its size in the ambient light alone; neither with shadows."""
+        resting = [pose for pose, moves in zip(shot.poses, self._moves, strict=True) if not moves]
+        still = b"".join(pose.position.tobytes() + pose.orientation.tobytes() for pose in resting)
+        if camera.name not in self._still or self._still[camera.name][0] != still:
+            self._still[camera.name] = (still, *self._pair(camera, shot.poses, ~self._moves))
+        _, fine, coarse = self._still[camera.name]
+        moving = self._pair(camera, shot.poses, self._moves)
+        return moving[0].over(fine), moving[1].over(coarse)
+
+    def _pair(self, camera: Camera, poses: Sequence[Pose], shown: NDArray[np.bool_]) -> tuple[Layer, Layer]:
+        (width, height), light = self._size, self._scene.light
+        self._place(poses, camera, shown)
+        fine = self._draw(camera, (2 * width, 2 * height), light.ambient, light.diffuse)
+        return fine, self._draw(camera, (width, height), light.ambient, 0.0)
+
+    def _place(self, poses: Sequence[Pose], camera: Camera, shown: NDArray[np.bool_]) -> None:
+        """Put the sides of the bodies `shown` that face the camera where they belong, and all others out of sight."""
         for piece in self._pieces:
             pose = compose(poses[piece.body], piece.pose)
+            w, *turn = pose.orientation.tolist()
             eye = np.append(apply(inverse(pose), camera.pose.position), 1.0)
             for number, faces in zip(piece.numbers, piece.planes @ eye > 0, strict=True):
-                x, y, z = (pose if faces else NOWHERE).position.tolist()
-                w, *turn = pose.orientation.tolist()
-                pybullet.resetBasePositionAndOrientation(number, [x, y, z], [*turn, w], self._client)
+                place = pose.position.tolist() if shown[piece.body] and faces else NOWHERE
+                pybullet.resetBasePositionAndOrientation(number, place, [*turn, w], self._client)
 
-    def _smooth(self, camera: Camera) -> Image:
-        """Colours 0..255 (h, w, 3) without shadows, the mean of four for every pixel, on the scene's background."""
-        width, height = self._size
-        image = self._draw(camera, (2 * width, 2 * height), self._scene.light.ambient, self._scene.light.diffuse)
-        empty, sky = halve(image[4] < 0), np.rint(255 * np.asarray(self._scene.background)).astype(np.float32)
+    def _smooth(self, fine: Layer) -> Image:
+        """Colours 0..255 (h, w, 3), the mean of four for every pixel, on the scene's background."""
+        empty, sky = halve(fine.numbers < 0), np.rint(255 * np.asarray(self._scene.background)).astype(np.float32)
         # TinyRenderer cuts the fraction of a byte off: half a byte is missing on average.
-        mean: Image = halve(image[2])[..., :3] + np.float32(0.5)
+        mean: Image = halve(fine.rgba)[..., :3] + np.float32(0.5)
         mean += empty[..., None] * (sky - np.float32(WHITE + 0.5))
         return mean
 
@@ -105,21 +120,19 @@ class Renderer:
         """How much of each point of a picture, at `depth` (h, w), lies in shadow: 0..1."""
         region = self._casters.region(camera, shot)
         sun, side = Sun(region, self._scene.light.direction), round(TEXELS * max(self._size))
-        casters = [pose if casts else NOWHERE for pose, casts in zip(shot.poses, region.casts, strict=True)]
-        self._place(casters, sun.camera)
-        image = self._draw(sun.camera, (side, side), 1.0, 0.0)
-        seen = _metres(image[3], sun.camera)
-        seen[image[4] < 0] = np.inf
+        self._place(shot.poses, sun.camera, region.casts)
+        sight = self._draw(sun.camera, (side, side), 1.0, 0.0)
+        seen = np.where(sight.numbers < 0, np.float32(np.inf), _metres(sight.depth, sun.camera))
         return sun.occlusion(camera, depth, seen)
 
-    def _draw(self, camera: Camera, size: tuple[int, int], ambient: float, diffuse: float) -> Any:
-        """What PyBullet gives: at 2 colours (h, w, 4), at 3 depths 0..1, at 4 the numbers of its bodies (h, w)."""
+    def _draw(self, camera: Camera, size: tuple[int, int], ambient: float, diffuse: float) -> Layer:
+        """Draw what has been placed."""
         width, height = size
         projection = projection_matrix(camera, width / height)
         # TinyRenderer samples the corners of the pixels, not their centres.
         projection[0, 2] += 1 / width
         projection[1, 2] += 1 / height
-        return pybullet.getCameraImage(
+        image = pybullet.getCameraImage(
             width,
             height,
             view_matrix(camera.pose).T.ravel().tolist(),
@@ -134,6 +147,7 @@ class Renderer:
             renderer=pybullet.ER_TINY_RENDERER,
             physicsClientId=self._client,
         )
+        return Layer(*image[2:])
 
 
 def _metres(z: NDArray[np.float32], camera: Camera) -> NDArray[np.float32]:

@@ -1,0 +1,27 @@
+"""Pictures with depth, which can be laid over one another: what stands still need not be drawn for every shot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What TinyRenderer draws: `rgba` (h, w, 4), `depth` (h, w) 0..1, and PyBullet's `numbers` (h, w), -1 for none."""
+
+    rgba: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    numbers: NDArray[np.int32]
+
+    def over(self, other: Layer) -> Layer:
+        """The nearer of both at every pixel: the same as if both had been drawn at once."""
+        near = (self.numbers >= 0) & (self.depth < other.depth)
+        whole = np.where(near, self.rgba.view(np.uint32)[..., 0], other.rgba.view(np.uint32)[..., 0])
+        return Layer(
+            whole[..., None].view(np.uint8),
+            np.where(near, self.depth, other.depth),
+            np.where(near, self.numbers, other.numbers),
+        )
