@@ -382,10 +382,11 @@ class Expressions:
             self.fail("WMS304", "a range with steps has constant ends", e.span, "use `a .. b in 5`")
         if by <= 0 or b < a:
             self.fail("WMS401", "this range is empty: it goes up from its start to its end", e.span)
-        count = int((b - a) / by + 1e-9) + 1
-        if count > 10_000:
+        steps = (b - a) / by + 1e-9
+        if not steps < 10_000:
+            count = f"{int(steps) + 1}" if math.isfinite(steps) else "endlessly many"
             self.fail("WMS401", f"this range has {count} values; 10000 are the most", e.span, "take a larger step")
-        return ir.Items(items=tuple(ir.Value(value=round(a + i * by, 12)) for i in range(count)))
+        return ir.Items(items=tuple(ir.Value(value=round(a + i * by, 12)) for i in range(int(steps) + 1)))
 
 
 # ---------------------------------------------------------------- kinds

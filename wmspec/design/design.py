@@ -16,8 +16,8 @@ from wmspec.design.draws import bits, permuted, uniform
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
 
-#: The most combinations of factors tied together by `require` that are tried one by one.
-MOST_TRIED = 2_000_000
+#: The most combinations of factors tied together by `require`s that are tried, for all of these: about a second.
+MOST_TRIED = 200_000
 
 Setting = bool | float | str
 
@@ -155,9 +155,9 @@ def _closure(members: set[str], ties: list[frozenset[str]]) -> set[str]:
 def _allowed(spec: TaskSpec, group: tuple[Factor, ...], requires: list[Require]) -> _Group:
     names = tuple(f.name for f in group)
     size = prod(len(_choices(f)) for f in group)
-    if requires and size > MOST_TRIED:
+    if (tries := size * len(requires)) > MOST_TRIED:
         raise WmsError(
-            f"{requires[0].place}: this `require` ties {', '.join(names)} together, {size:,} combinations to try, "
+            f"{requires[0].place}: this `require` ties {', '.join(names)} together, {tries:,} combinations to try, "
             f"and {MOST_TRIED:,} are the most; split it into conditions on fewer factors"
         )
     rows = tuple(row for row in product(*(_choices(f) for f in group)) if _holds(spec, names, row, requires))

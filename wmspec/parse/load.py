@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -102,8 +103,9 @@ def _collect(
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
     places = (folder, library_folder())
     for place in places:
-        if (path := place / f"{name.id}.wms").is_file():
-            return path.resolve()
+        with suppress(OSError):  # a name longer than file names can be
+            if (path := place / f"{name.id}.wms").is_file():
+                return path.resolve()
     known = [p.stem for place in places for p in sorted(place.glob("*.wms"))]
     report.add(
         "WMS207",
