@@ -34,8 +34,9 @@ def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
 
 
 def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
-    pytest.importorskip("pybullet")
-    args = ["generate", SPEED, COLLIDE, "--per-task", 3, "--backend", "pybullet", "--size", 64]
+    for engine in ("mujoco", "pybullet", "sapien"):
+        pytest.importorskip(engine)
+    args = ["generate", SPEED, COLLIDE, "--per-task", 2, "--size", 64]
     wmspec(*args, "-o", "one", "-j", 1, folder=tmp_path)
     wmspec(*args, "-o", "two", "-j", 2, folder=tmp_path)
     assert digests(tmp_path / "one") == digests(tmp_path / "two")
