@@ -146,8 +146,7 @@ class _Task:
         typed = self.setting("horizon")
         if typed is not None:
             return typed.expr
-        times = tuple(t for o in observations if isinstance(o.times, ir.Items) for t in o.times.items)
-        return ir.Call(function="max", arguments=times)
+        return ir.Call(function="max", arguments=tuple(o.times for o in observations))
 
     # ------------------------------------------------------------ observations
 
@@ -156,6 +155,10 @@ class _Task:
         times = self.check.value(observe.times, (List(A_TIME), A_TIME), "`at`")
         expr = times.expr if isinstance(times.kind, List) else ir.Items(items=(times.expr,))
         assert isinstance(camera.expr, ir.Value)
+        if expr == ir.Items(items=()):
+            self.check.fail(
+                "WMS504", "there is no time here at which to look", observe.times.span, "write `[0 s, 1 s]`"
+            )
         return ir.Observation(camera=str(camera.expr.value), times=expr, place=ir.Place.of(observe.span))
 
     # ------------------------------------------------------------ what has no effect

@@ -70,7 +70,7 @@ class Values:
             case "rgb", parts:
                 return "rgb:" + ",".join(f"{min(max(p, 0.0), 1.0):.6g}" for p in parts)
             case "max", times:
-                return max(times)
+                return max((t for time in times for t in (time if isinstance(time, tuple) else (time,))), default=0.0)
         raise AssertionError(function)
 
     def _value(self, owner: str, name: str) -> Any:
