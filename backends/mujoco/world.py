@@ -22,6 +22,8 @@ class World:
         joints = model.body_jntadr[1:]  # body 0 is the world
         self.qpos = np.where(joints < 0, -1, model.jnt_qposadr[joints] if model.njnt else -1)
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
+        self.warned = self.data.warning.number  # a view
+        self.pairs: dict[bytes, set[tuple[int, int]]] = {}
         for body, (linear, angular) in damping.items():
             at = self.qvel[body]
             model.dof_damping[at : at + 3] = linear * model.body_mass[body + 1]
@@ -43,8 +45,8 @@ class World:
     def step(self) -> None:
         """Advance. On a warning MuJoCo would silently start over: that is an error here."""
         mujoco.mj_step(self.model, self.data)
-        if self.data.warning.number.any():
-            raise FloatingPointError(f"MuJoCo's warnings are {self.data.warning.number} at {self.data.time:.4f} s")
+        if self.warned.any():
+            raise FloatingPointError(f"MuJoCo's warnings are {self.warned} at {self.data.time:.4f} s")
 
     def state(self, body: int) -> Any:
         """Position, quaternion, linear and angular velocity of a body in world axes, (13,)."""
@@ -53,8 +55,12 @@ class World:
         return np.concatenate([pose, speed[:3], rotate(pose[3:], speed[3:])])
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies in contact in the last step."""
+        """The pairs of bodies in contact in the last step; mostly the same geometries as in the step before."""
         if not self.data.ncon:
             return set()
-        bodies = np.sort(self.model.geom_bodyid[self.data.contact.geom] - 1, axis=1)
-        return set(map(tuple, bodies.tolist()))
+        geoms = self.data.contact.geom
+        key = geoms.tobytes()
+        if key not in self.pairs:
+            bodies = np.sort(self.model.geom_bodyid[geoms] - 1, axis=1)
+            self.pairs[key] = set(map(tuple, bodies.tolist()))
+        return self.pairs[key]

@@ -9,11 +9,12 @@ from typing import Any
 
 from wmspec.scene.episode import TOUCH, Episode, Kick, Recording, Track, mounted, observe, play
 from wmspec.scene.model import Scene
-from wmspec.scene.transform import conjugate, multiply, rotate
+from wmspec.scene.transform import conjugate, cross, multiply, rotate
 
 _COMMON: tuple[Callable[..., Any], ...] = (
     conjugate,
     multiply,
+    cross,
     rotate,
     Kick,
     Track,

@@ -32,8 +32,14 @@ def rotate(q: Array, v: Array) -> Array:
     """The vectors `v` (..., 3) turned by the unit quaternions `q` (..., 4)."""
     q, v = np.asarray(q, float), np.asarray(v, float)
     w, u = q[..., :1], q[..., 1:]
-    t = 2.0 * np.cross(u, v)
-    return v + w * t + np.cross(u, t)
+    t = 2.0 * cross(u, v)
+    return v + w * t + cross(u, t)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """The cross products of `a` (..., 3) and `b` (..., 3): as numpy's to the bit, but fast for a few."""
+    after, before = (1, 2, 0), (2, 0, 1)
+    return a.take(after, -1) * b.take(before, -1) - a.take(before, -1) * b.take(after, -1)
 
 
 def rotation(q: Array) -> Array:
