@@ -170,3 +170,16 @@ def test_mistakes_are_explained(engine: str, table: Scene, renderer: Any) -> Non
     lost = scene(body("a", "static", (0, 0, 0), Sphere(0.1), Surface(texture="lost.png")), cameras=table.cameras)
     with pytest.raises(WmsError, match=r"lost\.png"):
         renderer(engine, lost, 64, 64)
+
+
+def test_sapiens_own_shaders_still_work_beside_ours(table: Scene, renderer: Any) -> None:
+    sapien = pytest.importorskip("sapien")
+    renderer("sapien", table, 128, 128).draw(still(table, "front"))
+    before = sapien.render.get_camera_shader_dir()
+    sapien.render.set_camera_shader_dir("minimal")
+    world = sapien.Scene([sapien.render.RenderSystem()])
+    eye = world.add_camera("own", 16, 16, 1.0, 0.1, 10.0)
+    world.update_render()
+    eye.take_picture()
+    assert eye.get_picture("Color").shape == (16, 16, 4)
+    sapien.render.set_camera_shader_dir(before)

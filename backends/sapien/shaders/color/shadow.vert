@@ -11,10 +11,7 @@ layout(set = 0, binding = 0) uniform LightBuffer {
 } light;
 
 #include "../object.glsl"
-
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec2 uv;
+#include "../vertex.glsl"
 
 void main() {
   gl_Position = light.projectionMatrix * light.viewMatrix * transform.modelMatrix * vec4(position, 1);

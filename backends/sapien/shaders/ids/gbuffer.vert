@@ -3,10 +3,7 @@
 
 #include "../camera.glsl"
 #include "../object.glsl"
-
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec2 uv;
+#include "../vertex.glsl"
 
 layout(location = 0) out float away;
 layout(location = 1) out flat uint number;
