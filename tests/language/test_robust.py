@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -57,3 +58,17 @@ def test_random_text(text: str) -> None:
 )
 def test_random_words(words: list[str]) -> None:
     survive(" ".join(words))
+
+
+@pytest.mark.slow
+@settings(max_examples=3000, deadline=None)
+@given(data=st.data())
+def test_heavily_mutated_specs(data: st.DataObject) -> None:
+    """The same for longer; `benchmarks/fuzz.py` goes on from here, with limits of time and memory."""
+    text = data.draw(st.sampled_from(TEXTS))
+    for _ in range(data.draw(st.integers(1, 12))):
+        i = data.draw(st.integers(0, len(text)))
+        j = min(len(text), i + data.draw(st.integers(0, 60)))
+        middle = data.draw(st.one_of(FRAGMENTS, st.text(max_size=20), st.just(text[i:j] * 3)))
+        text = text[:i] + middle + text[j:]
+    survive(text)
