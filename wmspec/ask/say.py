@@ -30,7 +30,7 @@ def say(value: Any, sort: str, values: Values) -> str:
         return "yes" if value else "no"
     if isinstance(value, float):
         unit, scale = _UNITS.get(sort, ("", 1.0))
-        return f"{value * scale:.4g} {unit}".strip()
+        return f"{value * scale:.4g}{'' if unit.startswith('°') else ' '}{unit}".strip()
     return str(value)
 
 
