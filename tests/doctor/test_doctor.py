@@ -125,7 +125,7 @@ def test_each_system_has_its_command(system: System, begins: str) -> None:
 def test_debian_12_takes_mesa_from_its_backports() -> None:
     command = remedy.graphics(BOOKWORM)
     assert "-t bookworm-backports mesa-vulkan-drivers" in command
-    assert "://" not in command, "the mirror is the machine's own"
+    assert "://" not in command, "the address is the system's own"
     assert subprocess.run(["bash", "-n", "-c", command], check=False).returncode == 0
 
 

@@ -60,7 +60,7 @@ def graphics(system: System) -> str:
     backports = DEBIAN_WITH_OLD_MESA.get(system.codename)
     if backports is None:
         return f"{_apt(system)} {PACKAGES}"
-    # The address is asked of apt: whatever mirror the system has for itself.
+    # The address is asked of apt: the one that the system has for itself.
     ask = f"apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Release: {system.codename}'"
     entry = f'echo "deb $({ask} | head -1) {backports} main"'
     add = f"{system.sudo}tee /etc/apt/sources.list.d/{backports}.list"
