@@ -2,7 +2,8 @@
 
 A map that is seen along the sun needs to cover only what *casts*; whatever lies behind in the same column receives
 the shadow, and everything beside it is lit. So it is fitted to the bodies of the shot, and ground is left out: a
-static body so large, or so near the camera, that the camera is inside its bounding sphere.
+static body so large, or so near the camera, that the camera is inside its bounding sphere. So are marks: static
+decoration thinner than 5 mm, whose shadow nobody sees but which may be long.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class Casters:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._radius = np.array([_radius(body) for body in scene.bodies])
+        self._radius = np.array([0.0 if _is_mark(body) else _radius(body) for body in scene.bodies])
         self._axes = rotation(look_at(-scene.light.direction, np.zeros(3)).orientation)
 
         self._moves = np.array([body.motion != "static" for body in scene.bodies], dtype=bool)
@@ -66,6 +67,13 @@ class Casters:
         center: Array = self._axes @ middle
         reach = 2 * max(half, thick) + float(np.linalg.norm(camera.pose.position - center))
         return Region(center, 1.02 * half, reach, casts)
+
+
+def _is_mark(body: Body) -> bool:
+    """Whether a body is static decoration of a few millimetres, such as a line on the floor."""
+    shown = [geom for geom in body.geoms if geom.visible]
+    thin = all(np.ptp(tessellate(geom.shape).points, axis=0).min() < 0.005 for geom in shown)
+    return body.motion == "static" and thin and not any(geom.collides for geom in body.geoms)
 
 
 def _radius(body: Body) -> float:
