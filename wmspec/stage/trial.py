@@ -12,8 +12,8 @@ from wmspec.parse.load import located, read_source
 from wmspec.parse.source import Source, Span
 from wmspec.stage.episode import document
 
-#: How many instances are tried.
-TRIED = 24
+#: How many instances are tried, and how many of them with every counterfactual.
+TRIED, TRIED_CHANGED = 24, 8
 
 
 def trial(spec: TaskSpec, report: Report) -> int:
@@ -24,12 +24,11 @@ def trial(spec: TaskSpec, report: Report) -> int:
         _report(str(error), "WMS402" if "no combination" in str(error) else "WMS404", report)
         return 0
     try:
-        for index in design.sample(TRIED):
-            instance = design[index]
-            truth = document(spec, instance)
+        for tried, index in enumerate(design.sample(TRIED)):
+            truth = document(spec, design[index])
             for question in spec.questions:
-                for change in question.counterfactuals:
-                    if not truth.differing(document(spec, instance, change)):
+                for change in question.counterfactuals if tried < TRIED_CHANGED else ():
+                    if not truth.differing(document(spec, design[index], change)):
                         raise WmsError(f"{change.place}: `{change.name}` changes nothing in instance {index}")
     except WmsError as error:
         _report(str(error), "WMS503" if "changes nothing" in str(error) else "WMS304", report)
