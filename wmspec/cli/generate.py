@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import click
 
-from wmspec.cli.common import load_tasks, parse_size, seed_option, specs_argument
+from wmspec.cli.common import json_option, load_tasks, parse_size, seed_option, specs_argument
 from wmspec.cli.progress import progress_bar
 from wmspec.errors import WmsError
 
@@ -34,6 +36,7 @@ from wmspec.errors import WmsError
     "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take."
 )
 @click.option("--force", is_flag=True, help="Replace a different dataset in the folder.")
+@json_option
 def generate_command(
     specs: tuple[Path, ...],
     output: Path,
@@ -45,6 +48,7 @@ def generate_command(
     workers: int | None,
     timeout: float,
     force: bool,
+    as_json: bool,
 ) -> None:
     """Make a dataset of the tasks in SPECS: Parquet with pictures, a manifest and a card.
 
@@ -83,7 +87,7 @@ def generate_command(
             click.echo("\nstopped; give the same command again to go on", err=True)
             raise SystemExit(130) from None
         summary = dataset.finish()
-    click.echo(summary)
+    click.echo(json.dumps(asdict(summary)["tasks"], indent=2) if as_json else summary)
 
 
 def _texts(tasks: list[tuple[Path, Any]]) -> dict[str, str]:
