@@ -89,8 +89,10 @@ def _question(design: Design, instance: Instance, q: int, run: _Run, crew: Crew)
     looks = [(o.camera, t) for o in spec.observations for t in evaluate(o.times, run.values)]
     times = [t for _, t in looks]
     measured = Measured(run.values, run.trace, (min(times), max(times)))
-    margin = passed(question, measured)
-    answer = evaluate(question.answer, measured)
+    try:
+        margin, answer = passed(question, measured), evaluate(question.answer, measured)
+    except WmsError as error:  # a division by a speed of zero, say
+        raise Reject("invalid", str(error)) from None
     context = tuple(_picture(run, camera, time, crew, f"at {time:g} s") for camera, time in looks)
     position = permuted(instance.index, len(design), design.seed, spec.name, q, "position")
     if question.options is None:

@@ -1,0 +1,42 @@
+"""Failures are data: what cannot be asked is counted with its reason."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.endtoend.test_commands import wmspec
+
+SPEC = """
+use tabletop
+task still : custom {{
+  factor pace in [0, 20] cm/s
+  object a {{ shape: sphere  size: 8 cm  color: red  on: table at (-20 cm, 12 cm) }}
+  object b {{ shape: sphere  size: 8 cm  color: blue  on: table at ({where}, -12 cm) }}
+  action go_a = glide(a, direction: 0 deg, speed: 10 cm/s) for 1 s
+  action go_b = glide(b, direction: 0 deg, speed: pace) for 1 s
+  observe front at [0 s, 1 s]
+  question "Which is faster?" {{ options [a, b]  answer fastest([a, b])  {gate} }}
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("gate", "where", "reason", "kept"),
+    [
+        ("", "-20 cm", "", 2),
+        ("margin speed(a) / speed(b) apart by 1.1", "-20 cm", "invalid", 1),
+        ("margin speed(a) - speed(b) apart by 11 cm/s", "-20 cm", "margin", 0),
+        ("ensure displacement(b) > 5 cm", "-20 cm", "ensure", 1),
+        ("", "2 m", "unseen", 0),
+    ],
+)
+def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kept: int, tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    (tmp_path / "still.wms").write_text(SPEC.format(gate=gate, where=where))
+    wmspec("generate", "still.wms", "-o", "out", "-b", "pybullet", "--size", 64, "-j", 1, folder=tmp_path)
+    manifest = json.loads((tmp_path / "out/manifest.json").read_text())
+    assert manifest["tasks"]["still"]["rows"] == {"pybullet": kept}
+    told = manifest["rejected"]["list"]
+    assert {r["reason"] for r in told} == ({reason} if reason else set())
+    assert all(r["detail"] for r in told)
