@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import sys
@@ -10,6 +11,9 @@ import click
 
 from wmspec import __version__
 from wmspec.errors import WmsError
+
+#: Much is made while a command starts, and it stays: looking for garbage in it every 700 objects takes a twentieth.
+gc.set_threshold(20_000, 20, 20)
 
 COMMANDS = (
     "check",
