@@ -7,6 +7,7 @@ SAPIEN's own compile for seconds at every start, light with every kind of lamp, 
 
 from __future__ import annotations
 
+import os
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,9 @@ from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
 from wmspec.scene.tessellate import tessellate
 from wmspec.scene.transform import identity, multiply, quaternion
+
+# On threads of its own, lavapipe's first pictures in a process differ from its later ones in a few pixels.
+os.environ.setdefault("LP_NUM_THREADS", "0")
 
 with silence():
     import sapien

@@ -48,7 +48,14 @@ def meshed(shape: Shape) -> trimesh.Trimesh:
 def shapes(draw: st.DrawFn) -> Shape:
     r, h, d = draw(sizes), draw(sizes), draw(sizes)
     tetra = Mesh(np.array([[0, 0, 0], [r, 0, 0], [0, h, 0], [0.1 * r, 0.2 * h, d]]), np.zeros((0, 3), np.int32))
-    choice: tuple[Shape, ...] = (Box(np.array([r, h, d])), Sphere(r), Cylinder(r, h), Cone(r, h), Capsule(r, h), tetra)
+    choice: tuple[Shape, ...] = (
+        Box(np.array([r, h, d])),
+        Sphere(r),
+        Cylinder(r, h),
+        Cone(r, h),
+        Capsule(max(r, h / 20), h),
+        tetra,
+    )
     return choice[draw(st.integers(0, len(choice) - 1))]
 
 
