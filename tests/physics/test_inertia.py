@@ -39,7 +39,8 @@ def meshed(shape: Shape) -> trimesh.Trimesh:
         case Cone(r, h):
             return trimesh.creation.cone(r, h, sections=512).apply_translation([0, 0, -h / 2])
         case Capsule(r, h):
-            return trimesh.creation.capsule(height=h, radius=r, count=[128, 128]).apply_translation([0, 0, 0])
+            # trimesh merges points closer than a fixed distance: made large, then shrunk
+            return trimesh.creation.capsule(height=100 * h, radius=100 * r, count=[128, 128]).apply_scale(0.01)
         case Mesh():
             return trimesh.convex.convex_hull(shape.points)
 
