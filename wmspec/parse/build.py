@@ -83,11 +83,33 @@ class _Builder:
     def setting(self, c: Any, span: Span) -> s.Setting:
         return s.Setting(str(c[0]), self.text(c[1:], self.span(c[1])), span)
 
+    def design(self, c: Any, span: Span) -> s.Design:
+        return s.Design(self(c[0]), self.maybe(c[1]), self.every(c[2:]), span)
+
+    def tolerance(self, c: Any, span: Span) -> s.Tolerance:
+        return s.Tolerance(self(c[0]), self(c[1]), span)
+
     def block(self, c: Any, span: Span) -> s.Block:
         kind = str(c[0])
-        name = self(c[1]) if kind != "world" else s.Name("world", self.span(c[0]))
-        properties = tuple(self(n) for n in c[1:] if isinstance(n, Tree) and n.data == "property")
-        return s.Block(kind, name, properties, span)
+        trees = [n for n in c[1:] if isinstance(n, Tree)]
+        properties, parts = self.members(trees)
+        if kind == "world":
+            return s.Block(kind, s.Name("world", self.span(c[0])), properties, span)
+        model = next((self(n.children[0]) for n in trees if n.data == "model"), None)
+        count = self(trees[1]) if kind == "objects" else None
+        return s.Block(kind, self(trees[0]), properties, span, model, count, parts)
+
+    def template(self, c: Any, span: Span) -> s.Template:
+        parameters = self.every(c[1].children) if c[1] is not None else ()
+        return s.Template(self(c[0]), parameters, *self.members(c[2:]), span)
+
+    def members(self, nodes: Any) -> tuple[tuple[s.Property, ...], tuple[s.Part, ...]]:
+        trees = [n for n in nodes if isinstance(n, Tree)]
+        properties = tuple(self(n) for n in trees if n.data == "property")
+        return properties, tuple(self(n) for n in trees if n.data == "part")
+
+    def part(self, c: Any, span: Span) -> s.Part:
+        return s.Part(self(c[0]), self.members(c[1:])[0], span)
 
     def property(self, c: Any, span: Span) -> s.Property:
         return s.Property(self(c[0]), self(c[1]), self.maybe(c[2]), span)
@@ -99,19 +121,20 @@ class _Builder:
         return s.Timing(str(c[0]), self(c[1]), span)
 
     def observe(self, c: Any, span: Span) -> s.Observe:
-        return s.Observe(self(c[0]), self(c[1]), span)
+        return s.Observe(self(c[0]), self(c[1]), span, self.maybe(c[2]))
 
     # ------------------------------------------------------------ questions
 
     def question(self, c: Any, span: Span) -> s.Question:
-        parts = self.every(c[1:])
+        parts = self.every(c[2:])
         clauses = tuple(p for p in parts if isinstance(p, s.Clause))
         counterfactuals = tuple(p for p in parts if isinstance(p, s.Counterfactual))
-        return s.Question(self.text(c, self.span(c[0])), clauses, counterfactuals, span)
+        return s.Question(self.text(c[1:], self.span(c[1])), clauses, counterfactuals, span, self.maybe(c[0]))
 
     def _clause(kind: str) -> Callable[[_Builder, Any, Span], s.Clause]:  # type: ignore[misc]
         def build(self: _Builder, c: Any, span: Span) -> s.Clause:
-            return s.Clause(kind, self(c[0]), self(c[1]) if len(c) > 1 else None, span)
+            value, bound, unless = [self.maybe(n) for n in c] + [None] * (3 - len(c))
+            return s.Clause(kind, value, bound, span, unless)
 
         return build
 
@@ -120,6 +143,9 @@ class _Builder:
     margin = _clause("margin")
     ensure = _clause("ensure")
     distinct = _clause("distinct")
+    within = _clause("within")
+    difference = _clause("difference")
+    stable = _clause("stable")
 
     def counterfactual(self, c: Any, span: Span) -> s.Counterfactual:
         return s.Counterfactual(self(c[0]), self.every(c[1:]), span)
@@ -169,6 +195,9 @@ class _Builder:
 
     def member(self, c: Any, span: Span) -> s.Member:
         return s.Member(self(c[0]), self(c[1]), span)
+
+    def index(self, c: Any, span: Span) -> s.Index:
+        return s.Index(self(c[0]), self(c[1]), span)
 
     def call(self, c: Any, span: Span) -> s.Call:
         return s.Call(self(c[0]), self.every(c[1:]), span)

@@ -53,6 +53,15 @@ class Member:
 
 
 @dataclass(frozen=True)
+class Index:
+    """`blocks[2]`: a member of a set of objects."""
+
+    value: Expr
+    index: Expr
+    span: Span
+
+
+@dataclass(frozen=True)
 class Argument:
     """An argument of a call, `name: value` or `value`."""
 
@@ -100,7 +109,7 @@ class Items:
     span: Span
 
 
-Expr = Number | Text | Truth | Name | Member | Call | Operation | Range | Items
+Expr = Number | Text | Truth | Name | Member | Index | Call | Operation | Range | Items
 
 # ---------------------------------------------------------------- statements
 
@@ -168,12 +177,57 @@ class Property:
 
 
 @dataclass(frozen=True)
+class Part:
+    """`part name { properties }`: one piece of a compound object."""
+
+    name: Name
+    properties: tuple[Property, ...]
+    span: Span
+
+
+@dataclass(frozen=True)
 class Block:
-    """`object name { properties }`, and the same for cameras, lights and the world (which has no name)."""
+    """`object name : model { properties parts }`, and the same for cameras, lights, joints, robots and the world.
+
+    The world has no name of its own. `count` is set for `objects name[count] { ... }`.
+    """
 
     kind: str
     name: Name
     properties: tuple[Property, ...]
+    span: Span
+    model: Name | None = None
+    count: Expr | None = None
+    parts: tuple[Part, ...] = ()
+
+
+@dataclass(frozen=True)
+class Template:
+    """`template name(parameter: default) { properties parts }`: what objects of this model have in common."""
+
+    name: Name
+    parameters: tuple[Property, ...]
+    properties: tuple[Property, ...]
+    parts: tuple[Part, ...]
+    span: Span
+
+
+@dataclass(frozen=True)
+class Design:
+    """`design sample of 500`, `design one_at_a_time { speed: 0.9 m/s }`: which combinations of factors there are."""
+
+    kind: Name
+    count: Expr | None
+    baseline: tuple[Property, ...]
+    span: Span
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """`tolerance position 5 mm`: how far engines may disagree."""
+
+    name: Name
+    value: Expr
     span: Span
 
 
@@ -198,11 +252,12 @@ class Action:
 
 @dataclass(frozen=True)
 class Observe:
-    """`observe camera at times`."""
+    """`observe camera at times as channels`."""
 
     camera: Name
     times: Expr
     span: Span
+    channels: Expr | None = None
 
 
 @dataclass(frozen=True)
@@ -226,25 +281,41 @@ class Counterfactual:
 
 @dataclass(frozen=True)
 class Clause:
-    """`options e`, `answer e`, `ensure e`, `distinct by e`, `margin e apart by bound` of a question."""
+    """A clause of a question: its keyword and value; `margin value apart by bound unless exception` has all three."""
 
     kind: str
     value: Expr
     bound: Expr | None
     span: Span
+    unless: Expr | None = None
 
 
 @dataclass(frozen=True)
 class Question:
-    """`question "text" { clauses }`."""
+    """`question name "text" { clauses }`; the name may be left out."""
 
     text: Text
     clauses: tuple[Clause, ...]
     counterfactuals: tuple[Counterfactual, ...]
     span: Span
+    name: Name | None = None
 
 
-Statement = Docstring | Use | Factor | Let | Require | Setting | Block | Action | Observe | Question
+Statement = (
+    Docstring
+    | Use
+    | Factor
+    | Let
+    | Require
+    | Setting
+    | Design
+    | Tolerance
+    | Template
+    | Block
+    | Action
+    | Observe
+    | Question
+)
 
 
 @dataclass(frozen=True)
