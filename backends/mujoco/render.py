@@ -17,7 +17,7 @@ from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.scene.picture import check
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
-from wmspec.scene.tessellate import tessellate
+from wmspec.scene.unwrap import unwrap
 
 with silence():
     import mujoco
@@ -185,7 +185,7 @@ def _lights(spec: Any, scene: Scene) -> None:
 
 
 def _geom(spec: Any, node: Any, geom: Geom, name: str) -> None:
-    facets = tessellate(geom.shape)
+    facets = unwrap(geom)
     spec.add_mesh(
         name=name,
         uservert=facets.points.ravel(),
@@ -210,12 +210,11 @@ def _geom(spec: Any, node: Any, geom: Geom, name: str) -> None:
 
 def _material(spec: Any, geom: Geom, name: str) -> None:
     material = spec.add_material(name=name, specular=0.0, shininess=0.0, reflectance=0.0)
+    material.rgba = [*geom.surface.color, 1.0]
     if geom.surface.texture is None:
-        material.rgba = [*geom.surface.color, 1.0]
         return
     image = texture(geom.surface.texture)
     kind = mujoco.mjtTexture.mjTEXTURE_2D
     made = spec.add_texture(name=name, type=kind, height=image.shape[0], width=image.shape[1], nchannel=3)
     made.data = image.tobytes()
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
-    material.rgba = [1.0, 1.0, 1.0, 1.0]

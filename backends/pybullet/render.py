@@ -19,8 +19,9 @@ from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import Image, check, halve, quantize
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
-from wmspec.scene.tessellate import Facets, tessellate
+from wmspec.scene.tessellate import Facets
 from wmspec.scene.transform import apply, compose, inverse
+from wmspec.scene.unwrap import unwrap
 
 with silence():
     import pybullet
@@ -162,7 +163,7 @@ def _add(geom: Geom, client: int) -> tuple[tuple[int, ...], Array]:
     if image:
         texture(image)  # says what is wrong with the file, if anything
     number = pybullet.loadTexture(image, physicsClientId=client) if image else None
-    facets, planes = zip(*sides(tessellate(geom.shape)), strict=True)
+    facets, planes = zip(*sides(unwrap(geom)), strict=True)
     bodies = tuple(_side(geom, one, client) for one in facets)
     for body in bodies if image else ():
         pybullet.changeVisualShape(body, -1, textureUniqueId=number, physicsClientId=client)
@@ -170,7 +171,7 @@ def _add(geom: Geom, client: int) -> tuple[tuple[int, ...], Array]:
 
 
 def _side(geom: Geom, facets: Facets, client: int) -> int:
-    color = (1.0, 1.0, 1.0) if geom.surface.texture else whole(geom.surface.color)
+    color = whole(geom.surface.color)
     with lists(facets) as mesh:
         shape = pybullet.createVisualShape(
             pybullet.GEOM_MESH, rgbaColor=[*color, 1.0], specularColor=[0, 0, 0], physicsClientId=client, **mesh

@@ -22,8 +22,8 @@ from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import check, over
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
-from wmspec.scene.tessellate import tessellate
 from wmspec.scene.transform import identity, multiply, quaternion
+from wmspec.scene.unwrap import unwrap
 
 # On threads of its own, lavapipe's first pictures in a process differ from its later ones in a few pixels.
 os.environ.setdefault("LP_NUM_THREADS", "0")
@@ -161,7 +161,7 @@ def _body(world: Any, geoms: list[Geom]) -> Any:
 
 
 def _shape(geom: Geom) -> Any:
-    facets = tessellate(geom.shape)
+    facets = unwrap(geom)
     st: Array = facets.st * [1, -1] + [0, 1]
     points, normals = facets.points.astype(np.float32), facets.normals.astype(np.float32)
     shape = sapien.render.RenderShapeTriangleMesh(
@@ -179,6 +179,5 @@ def _material(geom: Geom) -> Any:
         image = np.dstack(
             [texture(geom.surface.texture), np.full(texture(geom.surface.texture).shape[:2], 255, np.uint8)]
         )
-        material.base_color = [1.0, 1.0, 1.0, 1.0]
         material.base_color_texture = sapien.render.RenderTexture2D(image, "R8G8B8A8Unorm", mipmap_levels=4)
     return material

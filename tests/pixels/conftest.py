@@ -16,7 +16,7 @@ from wmspec.scene.model import Box, Capsule, Cone, Cylinder, Scene, Sphere, Surf
 @pytest.fixture(scope="session")
 def table(tmp_path_factory: pytest.TempPathFactory) -> Scene:
     """Every shape on a wooden table above a floor."""
-    wood = Surface(texture=grain(tmp_path_factory.mktemp("looks") / "wood.png"))
+    wood = Surface((1.0, 1.0, 1.0), texture=grain(tmp_path_factory.mktemp("looks") / "wood.png"))
     return scene(
         body("floor", "static", (0, 0, -0.75), Box(np.array([3.0, 3.0, 0.05])), Surface((0.72, 0.72, 0.70))),
         body("table", "static", (0, 0, -0.02), Box(np.array([0.45, 0.35, 0.02])), wood),

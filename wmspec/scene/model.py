@@ -81,12 +81,17 @@ Shape = Box | Sphere | Cylinder | Cone | Capsule | Mesh
 
 @dataclass(frozen=True)
 class Surface:
-    """How a geometry looks: a UsdPreviewSurface. `texture` is a path to an image, multiplied into nothing."""
+    """How a geometry looks: a UsdPreviewSurface. The image at the path `texture` is multiplied by the colour.
+
+    Without `repeats` the image is laid out as the shape's texture coordinates say; with it, it is repeated so often (in
+    s and t) on a metre of the shape, or on a unit of a mesh's own texture coordinates if it has any.
+    """
 
     color: tuple[float, float, float] = (0.5, 0.5, 0.5)
     roughness: float = 0.6
     metallic: float = 0.0
     texture: str | None = None
+    repeats: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -128,7 +133,7 @@ Motion = Literal["static", "dynamic", "kinematic"]
 class Body:
     """A rigid body. `name` is unique in the scene, `path` is its prim.
 
-    `inertia` is None unless the body is dynamic. A kinematic body follows the scene's `Glide` actions
+    `inertia` is None unless the body is dynamic. A kinematic body moves as the scene's actions say
     and stands still otherwise. Velocities (3,) are in world axes, at the centre of mass.
     """
 
@@ -142,6 +147,46 @@ class Body:
     angular_velocity: Array
     linear_damping: float = 0.0
     angular_damping: float = 0.0
+
+
+# ---------------------------------------------------------------- joints
+
+JointKind = Literal["fixed", "hinge", "slider", "ball"]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A damped spring along a joint's one coordinate: force `stiffness` (target - coordinate) + `damping` (velocity
+
+    - rate of the coordinate), at most `max_force`. SI units: N/m and m of a slider, N m/rad and rad of a hinge.
+    """
+
+    stiffness: float
+    damping: float
+    target: float = 0.0
+    velocity: float = 0.0
+    max_force: float = float("inf")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Holds `second` to `first`, names of bodies (`first` may be None: the world), by a frame in each of them.
+
+    The coordinate is where the second frame is seen from the first: the angle about the common x axis (rad) of a hinge,
+    the way along it (m) of a slider. `limits`: its least and greatest value. The frames of a ball joint share their
+    origin, those of a fixed one are the same. `collides`: whether the two bodies can touch each other.
+    """
+
+    name: str
+    path: str
+    kind: JointKind
+    first: str | None
+    second: str
+    first_frame: Pose
+    second_frame: Pose
+    limits: tuple[float, float] | None = None
+    drive: Drive | None = None
+    collides: bool = False
 
 
 # ---------------------------------------------------------------- actions
@@ -169,20 +214,94 @@ class Glide:
     velocity: Array
 
 
-Action = Launch | Glide
+@dataclass(frozen=True)
+class Follow:
+    """The kinematic body's frame is at `points[i]` (n, 3) m at `start + times[i]` (s), linear between them.
+
+    `times` (n,) grow from 0. `orientations` (n, 4), or None to keep the one it has, turn by the shortest way.
+    """
+
+    name: str
+    body: str
+    start: float
+    times: Array
+    points: Array
+    orientations: Array | None = None
+
+    @property
+    def stop(self) -> float:
+        """When the way ends, s."""
+        return self.start + float(self.times[-1])
+
+
+@dataclass(frozen=True)
+class Teleport:
+    """At `start` (s) the kinematic body is placed at `pose`."""
+
+    name: str
+    body: str
+    start: float
+    pose: Pose
+
+
+@dataclass(frozen=True)
+class Impulse:
+    """At `start` (s) the dynamic body is hit at its centre of mass with `impulse` (3,) N s, world axes."""
+
+    name: str
+    body: str
+    start: float
+    impulse: Array
+
+
+@dataclass(frozen=True)
+class Force:
+    """From `start` to `stop` (s) the `force` (3,) N, world axes, acts at the centre of mass of the dynamic body."""
+
+    name: str
+    body: str
+    start: float
+    stop: float
+    force: Array
+
+
+@dataclass(frozen=True)
+class Release:
+    """The dynamic body, with all that is jointed to it, is held where it begins until `start` (s), then let go."""
+
+    name: str
+    body: str
+    start: float
+
+
+@dataclass(frozen=True)
+class Steer:
+    """From `start` (s) on the drive of the `joint` has this `target` (rad or m)."""
+
+    name: str
+    joint: str
+    start: float
+    target: float
+
+
+Action = Launch | Glide | Follow | Teleport | Impulse | Force | Release | Steer
 
 # ---------------------------------------------------------------- eyes
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera in USD's axes (looks along -z, +y up), placed in the world; `fovy` in radians, vertical."""
+    """A pinhole camera in USD's axes (looks along -z, +y up); `fovy` in radians, vertical.
+
+    `pose` is in the frame of the `body` that it rides on, or in the world.
+    """
 
     name: str
     pose: Pose
     fovy: float
     near: float
     far: float
+    body: str | None = None
 
 
 @dataclass(frozen=True)
@@ -208,6 +327,7 @@ class Scene:
     """An episode, complete: everything that an engine needs to execute and draw it.
 
     `bodies` keep the stage's order, which is part of the result: engines are only bit-identical for a fixed order.
+    `filtered`: pairs of names of bodies, each in the order of `bodies`, sorted, that pass through each other.
     """
 
     name: str
@@ -220,6 +340,8 @@ class Scene:
     observations: tuple[Observation, ...]
     duration: float
     rate: int = 240
+    joints: tuple[Joint, ...] = ()
+    filtered: tuple[tuple[str, str], ...] = ()
 
 
 # ---------------------------------------------------------------- what comes back

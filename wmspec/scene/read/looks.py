@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
-from typing import Any
 
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
+from pxr import Gf, Usd, UsdGeom, UsdShade
 
-from wmspec.scene.color import to_srgb
 from wmspec.scene.model import Friction, Surface
+from wmspec.scene.read.images import image
+from wmspec.scene.read.plugs import source, srgb
 from wmspec.scene.read.prims import NOW, applied, refuse, value
 
 _PREVIEW = (0.18, 0.18, 0.18)
@@ -53,17 +52,6 @@ def surface(prim: Usd.Prim, material: Usd.Prim | None) -> Surface:
     return _preview(shader) if shader else _displayed(prim)
 
 
-def srgb(linear: Gf.Vec3f) -> tuple[float, float, float]:
-    """A linear colour as sRGB."""
-    return _srgb(linear[0], linear[1], linear[2])
-
-
-@lru_cache(maxsize=1024)
-def _srgb(*linear: float) -> tuple[float, float, float]:
-    r, g, b = to_srgb(linear).tolist()
-    return r, g, b
-
-
 def _displayed(prim: Usd.Prim) -> Surface:
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
     colors = primvar.Get(NOW) if primvar and primvar.HasValue() else None
@@ -76,47 +64,15 @@ def _preview(shader: UsdShade.Shader) -> Surface:
         refuse(prim, "its surface is no UsdPreviewSurface", "give the material a UsdPreviewSurface")
     if float(_input(shader, "opacity", 1.0)) < 1:
         refuse(prim, "transparency is not supported", "set inputs:opacity to 1")
-    color = _source(shader, "diffuseColor")
-    textured = isinstance(color, UsdShade.Shader)
-    return Surface(
-        (1.0, 1.0, 1.0) if textured else srgb(Gf.Vec3f(color or _PREVIEW)),
-        roughness=float(_input(shader, "roughness", 0.5)),
-        metallic=float(_input(shader, "metallic", 0.0)),
-        texture=_texture(color) if textured else None,
-    )
-
-
-def _source(shader: UsdShade.Shader, name: str) -> Any:
-    """The input's value (through a material's interface), the shader that computes it, or None."""
-    plug = shader.GetInput(name)
-    for attribute in plug.GetValueProducingAttributes() if plug else []:
-        if UsdShade.Output.IsOutput(attribute):
-            return UsdShade.Shader(attribute.GetPrim())
-        return attribute.Get(NOW)
-    return None
+    color = source(shader, "diffuseColor")
+    roughness, metallic = float(_input(shader, "roughness", 0.5)), float(_input(shader, "metallic", 0.0))
+    if isinstance(color, UsdShade.Shader):
+        return image(color, roughness, metallic)
+    return Surface(srgb(Gf.Vec3f(color or _PREVIEW)), roughness, metallic)
 
 
 def _input(shader: UsdShade.Shader, name: str, fallback: float) -> float:
-    found = _source(shader, name)
+    found = source(shader, name)
     if isinstance(found, UsdShade.Shader):
         refuse(found.GetPrim(), f"a texture for {name} is not supported", f"author a value for inputs:{name}")
     return fallback if found is None else float(found)
-
-
-def _texture(shader: UsdShade.Shader) -> str:
-    prim = shader.GetPrim()
-    if shader.GetIdAttr().Get() != "UsdUVTexture":
-        refuse(prim, "its colour is computed by another shader than a UsdUVTexture", "use a UsdUVTexture or a value")
-    reader = _source(shader, "st")
-    if isinstance(reader, UsdShade.Shader) and reader.GetIdAttr().Get() != "UsdPrimvarReader_float2":
-        refuse(
-            reader.GetPrim(), "transformed texture coordinates are not supported", "bake the transform into primvars:st"
-        )
-    if isinstance(reader, UsdShade.Shader) and _source(reader, "varname") not in (None, "", "st"):
-        refuse(reader.GetPrim(), "only the texture coordinates named 'st' are supported", "rename the primvar to st")
-    path: Sdf.AssetPath | None = _source(shader, "file")
-    if not path or not path.resolvedPath:
-        refuse(
-            prim, f"its image {path.path if path else ''!r} is not found", "author a path relative to its layer's file"
-        )
-    return str(path.resolvedPath)

@@ -11,7 +11,7 @@ from pxr import Gf, Usd
 from wmspec.scene.camera import look_at
 from wmspec.scene.model import Body, Camera, Light
 from wmspec.scene.read.frames import World, split, vector
-from wmspec.scene.read.looks import srgb
+from wmspec.scene.read.plugs import srgb
 from wmspec.scene.read.prims import refuse, value
 from wmspec.scene.read.shapes import reach
 from wmspec.scene.transform import apply

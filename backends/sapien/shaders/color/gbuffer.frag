@@ -36,6 +36,7 @@ void main() {
   vec3 slant = vec3(max(dot(facing, -scene.directionalLights[0].direction.xyz), 0));
   vec3 light = scene.ambientLight.rgb + slant * scene.directionalLights[1].emission.rgb;
   if (slant.x > 0) light += sunlight() * slant * scene.directionalLights[0].emission.rgb;
-  vec3 color = (material.textureMask & 1) != 0 ? texture(colorTexture, st).rgb : material.baseColor.rgb;
+  vec3 color = material.baseColor.rgb;
+  if ((material.textureMask & 1) != 0) color *= texture(colorTexture, st).rgb;
   outPicture = vec4(color * light, 1);
 }

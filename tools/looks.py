@@ -1,0 +1,158 @@
+"""The images of the materials, in `wmspec/looks/textures`: grey, so that the colour of an object can tint them.
+
+python tools/looks.py            writes them
+python tools/looks.py --check    exits with 1 if one is not as it would be written
+
+All repeat without seams: noise is made of waves that fit the image a whole number of times.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from wmspec.looks import SIZE, TEXTURES
+
+Grey = NDArray[np.float64]
+"""(SIZE, SIZE) sRGB values 0..1, or any field of this shape."""
+
+Y, X = np.mgrid[0:SIZE, 0:SIZE] / SIZE
+TOLERANCE = 1
+"""By how many of 255 a texel may differ, since libraries of mathematics round differently."""
+
+
+def noise(seed: int, slope: float, across: float = 1.0, along: float = 1.0, least: float = 1.0) -> Grey:
+    """Random waves, of mean 0 and deviation 1, whose amplitude falls with their frequency to the power of `slope`.
+
+    Frequencies count `across` times in x and `along` times in y (so `across` > 1 draws the noise out in y); those below
+    `least` waves an image are left out.
+    """
+    draws = np.random.default_rng(seed).standard_normal((SIZE, SIZE))
+    wave = np.fft.fftfreq(SIZE, 1 / SIZE)
+    frequency = np.hypot(across * wave[None, :], along * wave[:, None])
+    weight = np.where(frequency >= least, np.maximum(frequency, 1e-9) ** -slope, 0)
+    field: Grey = np.fft.ifft2(np.fft.fft2(draws) * weight).real
+    return (field - field.mean()) / field.std()
+
+
+def level(field: Grey, dark: float, light: float) -> Grey:
+    """The field from its 1st to its 99th percentile between two greys."""
+    low, high = np.percentile(field, (1, 99))
+    return dark + (light - dark) * np.clip((field - low) / (high - low), 0, 1)
+
+
+def soft(edge: Grey, width: float) -> Grey:
+    """1 where `edge` > 0, 0 where it is < 0, and smooth in between over `width`."""
+    t = np.clip(edge / width + 0.5, 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def wood() -> Grey:
+    """Year rings cut lengthwise: wavy bands along x with a sharp dark end, and fine fibres."""
+    phase = 6 * Y + 0.42 * noise(1, 2.6, across=4) + 0.05 * noise(2, 1.5, across=8)
+    ring = phase % 1
+    band = ring**2 * soft(0.95 - ring, 0.10)
+    fibre = noise(3, 0.9, across=10, least=14)
+    return np.clip(0.97 - 0.50 * band - 0.04 * fibre, 0, 1)
+
+
+def marble() -> Grey:
+    """Veins where warped waves cross zero, in two strengths, on a cloudy ground."""
+    warp = noise(11, 2.0)
+    coarse = np.abs(np.sin(np.pi * (X + 2 * Y + 0.45 * warp)))
+    fine = np.abs(np.sin(np.pi * (3 * X - 2 * Y + 0.6 * noise(12, 1.8))))
+    strength = soft(noise(13, 2.5), 2.0)
+    veins = 0.80 * np.exp(-coarse / 0.20) + 0.45 * strength * np.exp(-fine / 0.16)
+    return np.clip(0.98 - veins - 0.035 * noise(14, 1.6), 0, 1)
+
+
+def stone() -> Grey:
+    """Grains of three kinds of rock, dark, grey and white, each of one tone."""
+    dice = np.random.default_rng(21)
+    place, tone = dice.random((700, 2)), dice.choice([0.30, 0.62, 0.80, 1.0], 700, p=[0.24, 0.3, 0.26, 0.2])
+    apart = np.abs(np.stack([X, Y], 2)[:, :, None] - place)
+    nearest = (np.minimum(apart, 1 - apart) ** 2).sum(3).argmin(2)
+    return np.clip(tone[nearest] - 0.03 * noise(22, 0.5), 0, 1)
+
+
+def brushed() -> Grey:
+    """Strokes along x, and broad bands as if lamps and walls were reflected."""
+    stroke = noise(31, 0.35, across=40, least=6)
+    band = 0.5 + 0.36 * np.sin(2 * np.pi * (Y + 0.1)) + 0.14 * np.sin(2 * np.pi * (2 * Y + 0.45))
+    return np.clip(0.40 + 0.60 * band - 0.10 * stroke, 0, 1)
+
+
+def fabric() -> Grey:
+    """A plain weave: threads go over and under one another, each round, with dark gaps."""
+    threads = 8
+    u, v = threads * X, threads * Y
+    over = (np.floor(u) + np.floor(v)) % 2 == 0
+    a, b = np.where(over, u % 1, v % 1) - 0.5, np.where(over, v % 1, u % 1) - 0.5
+    height = np.sqrt(np.clip(1 - (2.05 * a) ** 2, 0, 1)) * (1 - 1.1 * b**2)
+    return np.clip(0.38 + 0.58 * height - 0.035 * noise(41, 0.4), 0, 1)
+
+
+def rubber() -> Grey:
+    """Rows of round studs, lit from above."""
+    rows = 4
+    u, v = rows * X, rows * Y
+    a, b = u % 1 - 0.5, v % 1 - 0.5
+    away = np.hypot(a, b)
+    stud = soft(0.34 - away, 0.10)
+    rim = np.exp(-(((away - 0.34) / 0.07) ** 2)) * -b / 0.34
+    return np.clip(0.62 + 0.2 * stud + 0.30 * rim, 0, 1)
+
+
+def glass() -> Grey:
+    """Streaks of light at a slant, broad and narrow, on an even ground."""
+    slant = X + Y + 0.02 * noise(51, 3.0)
+    broad = soft(np.cos(2 * np.pi * slant) - 0.72, 0.14)
+    narrow = soft(np.cos(2 * np.pi * (slant - 0.27)) - 0.965, 0.03)
+    return 0.66 + 0.34 * np.clip(broad + narrow, 0, 1) - 0.06 * np.cos(2 * np.pi * Y)
+
+
+def checker() -> Grey:
+    """Two by two squares."""
+    return np.where((np.floor(2 * X) + np.floor(2 * Y)) % 2 == 0, 1.0, 0.34)
+
+
+def stripes() -> Grey:
+    """A light and a dark stripe, each as wide as a square of the checker."""
+    return np.where(np.floor(2 * Y) % 2 == 0, 1.0, 0.34)
+
+
+IMAGES: dict[str, Callable[[], Grey]] = {
+    f"{make.__name__}.png": make
+    for make in (wood, marble, stone, brushed, fabric, rubber, glass, checker, stripes)
+}  # fmt: skip
+
+
+def image(name: str) -> NDArray[np.uint8]:
+    """The texels of an image."""
+    return np.rint(255 * np.clip(IMAGES[name](), 0, 1)).astype(np.uint8)
+
+
+def current(name: str) -> bool:
+    """Whether the file is as it would be written."""
+    if not (TEXTURES / name).is_file():
+        return False
+    there = np.asarray(Image.open(TEXTURES / name)).astype(int)
+    return there.shape == (SIZE, SIZE) and int(np.abs(there - image(name)).max()) <= TOLERANCE
+
+
+def main(*arguments: str) -> int:
+    """Write the images, or tell which are stale."""
+    stale = [name for name in IMAGES if not current(name)]
+    for name in stale:
+        print(TEXTURES / name)
+        if "--check" not in arguments:
+            Image.fromarray(image(name)).save(TEXTURES / name, optimize=True)
+    return int(bool(stale) and "--check" in arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
