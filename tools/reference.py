@@ -10,8 +10,10 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from wmspec.check.functions import FUNCTIONS
 from wmspec.check.units import EXAMPLES, UNITS
-from wmspec.check.vocabulary import FUNCTIONS, PROPERTIES, SETTINGS, VERBS, WORDS, Slot
+from wmspec.check.verbs import VERBS
+from wmspec.check.vocabulary import PROPERTIES, SETTINGS, WORDS, Slot
 from wmspec.parse.diagnostics import CODES
 
 PAGE = Path(__file__).parent.parent / "docs/language.md"

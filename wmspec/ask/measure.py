@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.check.vocabulary import FUNCTIONS
+from wmspec.check.functions import FUNCTIONS
 from wmspec.design.values import Values
 from wmspec.scene.model import Trace
 

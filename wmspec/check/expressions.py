@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 from wmspec.check import ir, units
+from wmspec.check.functions import FUNCTIONS
 from wmspec.check.kinds import (
     A_NUMBER,
     A_TIME,
@@ -25,7 +26,8 @@ from wmspec.check.kinds import (
 )
 from wmspec.check.scope import Scope
 from wmspec.check.units import NUMBER, Dimension
-from wmspec.check.vocabulary import FUNCTIONS, PROPERTIES, VERBS, WORDS, Slot
+from wmspec.check.verbs import VERBS
+from wmspec.check.vocabulary import PROPERTIES, WORDS, Slot
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note, Report

@@ -37,7 +37,7 @@ class Place(Node):
 
 
 class Value(Node):
-    """A constant: an SI number, a truth value, a text, a word, or the name of an object, camera or action."""
+    """A constant: an SI number, a truth value, a text, a word, or the name of a thing."""
 
     kind: Literal["value"] = "value"
     value: bool | float | str
@@ -86,22 +86,39 @@ Expr = Annotated[Value | Ref | Property | Operation | Call | Items, Field(discri
 # ---------------------------------------------------------------- parts of a task
 
 
+Scalar = bool | float | str
+
+
 class Choices(Node):
-    """A domain of finitely many constants."""
+    """A domain of finitely many constants (a tuple is a point). With `weights` some are drawn more often than others.
+
+    `when` are the conditions of a conditional domain, on other factors: value `i` is allowed where `when[i]` holds.
+    """
 
     kind: Literal["choices"] = "choices"
-    values: tuple[bool | float | str, ...]
+    values: tuple[Scalar | tuple[float, ...], ...]
+    weights: tuple[float, ...] | None = None
+    when: tuple[Expr, ...] | None = None
 
 
 class Interval(Node):
-    """A continuous domain, drawn from uniformly (SI)."""
+    """A continuous domain (SI): uniform, or uniform in the logarithm."""
 
     kind: Literal["interval"] = "interval"
     low: float
     high: float
+    logarithmic: bool = False
 
 
-Domain = Annotated[Choices | Interval, Field(discriminator="kind")]
+class Normal(Node):
+    """A normal distribution (SI), cut off at three deviations from its mean so that no draw is absurd."""
+
+    kind: Literal["normal"] = "normal"
+    mean: float
+    deviation: float
+
+
+Domain = Annotated[Choices | Interval | Normal, Field(discriminator="kind")]
 
 
 class Factor(Node):
@@ -138,31 +155,44 @@ class Setting(Node):
 
 
 class Thing(Node):
-    """An object, camera, light, the world, or an action (then `verb` is set): an owner of properties."""
+    """An owner of properties: an object, camera, light, joint, robot, the world, an action, or a part of an object.
 
-    kind: Literal["object", "camera", "light", "world", "action"]
+    `verb` is that of an action. `model` is the kind of a joint (hinge, slider, ball, fixed) or the model of a robot. A
+    part is named `object.part` and `of` is its object; `of` of an action is the robot that acts, if any. A member of a
+    set has the set's name in `set` and is named `set_index`.
+    """
+
+    kind: Literal["object", "part", "camera", "light", "joint", "robot", "world", "action"]
     name: str
     verb: str = ""
+    model: str = ""
+    of: str = ""
+    set: str = ""
     properties: dict[str, Setting]
     place: Place
 
 
+Channel = Literal["rgb", "depth", "ids"]
+
+
 class Observation(Node):
-    """A camera's pictures: `times` is a list of times."""
+    """A camera's pictures: `times` is a list of times. `channels` are what is kept of each picture."""
 
     camera: str
     times: Expr
+    channels: tuple[Channel, ...] = ("rgb",)
     place: Place
 
 
 class Counterfactual(Node):
-    """What if one thing were different: `owner.property` becomes `value`, of kind `sort`; or the action is left out.
+    """What if one thing were different: `owner.property` becomes `value`, of kind `sort`; or an action is left out.
 
-    A left out action has no `property`, `value` or `sort`.
+    A left out action has no `property`, `value` or `sort`. A change of `order` swaps the turns of the actions `owner`
+    and `property`.
     """
 
     name: str
-    change: Literal["action", "state", "without"]
+    change: Literal["action", "state", "without", "order"]
     owner: str
     property: str
     value: Expr | None
@@ -171,11 +201,15 @@ class Counterfactual(Node):
 
 
 class Margin(Node):
-    """`value` must be at least `bound` away: from 0, or, for a ratio (a plain number), from 1 by that factor."""
+    """`value` must be at least `bound` away: from 0, or, for a ratio (a plain number), from 1 by that factor.
+
+    Where `unless` holds it need not be.
+    """
 
     value: Expr
     bound: Expr
     ratio: bool
+    unless: Expr | None = None
     place: Place
 
 
@@ -186,13 +220,22 @@ class Said(Node):
     sort: str
 
 
+class Difference(Node):
+    """How strong the stimulus is, such as the ratio of two speeds: recorded, since accuracy is analysed against it."""
+
+    value: Expr
+    unit: str
+
+
 class Question(Node):
     """A question. `text` alternates literal texts and values spoken. `sort` is the kind of the options.
 
-    With `options` the answer is one of them; without, the answer is a picture and the other options are the
-    pictures of the counterfactuals.
+    With `options` the answer is one of them. Without, either the answer is a picture and the other options are the
+    pictures of the counterfactuals, or it is a number that is asked for openly, right `within` so much of it.
+    `stable` is how far (m) every free object is nudged to see whether the answer holds.
     """
 
+    name: str = ""
     text: tuple[str | Said, ...]
     sort: str
     options: Expr | None
@@ -200,8 +243,24 @@ class Question(Node):
     margins: tuple[Margin, ...]
     ensures: tuple[Require, ...]
     distinct: Expr | None
+    within: Expr | None = None
+    difference: Difference | None = None
+    stable: Expr | None = None
     counterfactuals: tuple[Counterfactual, ...]
     place: Place
+
+
+class Plan(Node):
+    """Which combinations of the factors make up the design.
+
+    factorial: all of them. sample: `count` different ones, balanced. latin: a Latin hypercube of `count`.
+    one_at_a_time: the `baseline` and what differs from it in one factor.
+    """
+
+    kind: Literal["factorial", "sample", "latin", "one_at_a_time"] = "factorial"
+    count: int | None = None
+    baseline: dict[str, Scalar | tuple[float, ...]] = {}
+    place: Place | None = None
 
 
 class TaskSpec(Node):
@@ -218,13 +277,15 @@ class TaskSpec(Node):
     lets: tuple[Let, ...]
     requires: tuple[Require, ...]
     repeat: int
+    plan: Plan = Plan()
+    tolerances: dict[str, float] = {}
     things: tuple[Thing, ...]
     horizon: Expr
     observations: tuple[Observation, ...]
     questions: tuple[Question, ...]
 
     def thing(self, name: str) -> Thing:
-        """The object, camera, light, action or world of that name."""
+        """The object, part, camera, light, joint, robot, action or world of that name."""
         return next(t for t in self.things if t.name == name)
 
 

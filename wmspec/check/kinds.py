@@ -29,7 +29,7 @@ class Word:
 
 @dataclass(frozen=True)
 class Plain:
-    """A kind without parameters: truth, text, object, camera, action, picture."""
+    """A kind without parameters: truth, text, object, part, camera, joint, robot, action, picture, place, label."""
 
     name: str
 
@@ -67,8 +67,22 @@ OBJECT = Plain("object")
 CAMERA = Plain("camera")
 ACTION = Plain("action")
 PICTURE = Plain("picture")
+PART = Plain("part")
+JOINT = Plain("joint")
+ROBOT = Plain("robot")
+#: Where something is in the world, as a relation to something else: a point on the ground that is no pair of numbers.
+PLACE = Plain("place")
+#: An object, a text or `neither`: what the options of one question may hold side by side.
+LABEL = Plain("label")
 COLOR = Word("color")
 SHAPE = Word("shape")
+MATERIAL = Word("material")
+COLLISION = Word("collision")
+DIRECTION = Word("direction")
+PATH = Word("path")
+RELATION = Word("relation")
+NEITHER = Word("tie")
+CHANNEL = Word("channel")
 A_NUMBER = Quantity(NUMBER)
 A_LENGTH = Quantity(LENGTH)
 A_TIME = Quantity(TIME)

@@ -11,7 +11,8 @@ from typing import Any, Literal
 
 from wmspec.check import ir
 from wmspec.check.things import default_value
-from wmspec.check.vocabulary import PROPERTIES, VERBS, Slot
+from wmspec.check.verbs import VERBS
+from wmspec.check.vocabulary import PROPERTIES, Slot
 from wmspec.errors import WmsError, suggestion
 
 #: The place of whatever stands in no text.

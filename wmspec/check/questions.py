@@ -11,7 +11,8 @@ from wmspec.check.expressions import Expressions, Failed, Typed, constant
 from wmspec.check.kinds import A_TIME, ACTION, CAMERA, OBJECT, PICTURE, TEXT, TRUTH, Kind, List, Quantity, Word, article
 from wmspec.check.things import Things
 from wmspec.check.units import NUMBER
-from wmspec.check.vocabulary import PROPERTIES, VERBS, Slot
+from wmspec.check.verbs import VERBS
+from wmspec.check.vocabulary import PROPERTIES, Slot
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note
 from wmspec.parse.parser import parse_expression

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from wmspec.check.vocabulary import FUNCTIONS, VERBS, WORDS
+from wmspec.check.functions import FUNCTIONS
+from wmspec.check.verbs import VERBS
+from wmspec.check.vocabulary import WORDS
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note, Report
 

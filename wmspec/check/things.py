@@ -8,7 +8,8 @@ from wmspec.check import ir
 from wmspec.check.expressions import Expressions, Failed, constant
 from wmspec.check.kinds import A_TIME, ACTION, article
 from wmspec.check.scope import Scope
-from wmspec.check.vocabulary import PROPERTIES, VERBS, Slot
+from wmspec.check.verbs import VERBS
+from wmspec.check.vocabulary import PROPERTIES, Slot
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note, Report

@@ -56,6 +56,7 @@ ANGULAR_SPEED = ANGLE / TIME
 DENSITY = MASS / LENGTH**3
 FORCE = MASS * ACCELERATION
 IMPULSE = MASS * SPEED
+VOLUME = LENGTH**3
 
 _NAMES = {
     NUMBER: "plain number",
@@ -70,7 +71,7 @@ _NAMES = {
     FORCE: "force",
     IMPULSE: "impulse",
     LENGTH**2: "area",
-    LENGTH**3: "volume",
+    VOLUME: "volume",
     NUMBER / TIME: "frequency",
 }
 

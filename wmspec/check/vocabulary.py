@@ -1,4 +1,4 @@
-"""What the language knows about the world: words, properties, verbs and functions, as tables.
+"""What the language knows about the world: words, properties and settings, as tables.
 
 Everything here is data: the checker reads it, and so do the messages and the reference documentation.
 """
@@ -6,16 +6,18 @@ Everything here is data: the checker reads it, and so do the messages and the re
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi
 
 from wmspec.check.kinds import (
     A_LENGTH,
     A_NUMBER,
     A_TIME,
     AN_ANGLE,
-    CAMERA,
+    COLLISION,
     COLOR,
+    MATERIAL,
     OBJECT,
-    PICTURE,
+    PLACE,
     POINT2,
     POINT3,
     SHAPE,
@@ -23,10 +25,10 @@ from wmspec.check.kinds import (
     TRIPLE,
     TRUTH,
     Kind,
-    List,
     Quantity,
 )
-from wmspec.check.units import ACCELERATION, DENSITY, MASS, SPEED
+from wmspec.check.units import ACCELERATION, DENSITY, MASS, NUMBER, SPEED, TIME
+from wmspec.looks import MATERIALS
 
 #: sRGB in 0..1. Told apart at a glance, named as a person would name them.
 COLORS: dict[str, tuple[float, float, float]] = {
@@ -52,9 +54,22 @@ COLORS: dict[str, tuple[float, float, float]] = {
 }
 
 WORDS: dict[str, tuple[str, ...]] = {
-    "shape": ("box", "cube", "sphere", "cylinder", "cone", "capsule"),
+    "shape": ("box", "cube", "sphere", "cylinder", "cone", "capsule", "wedge", "plane"),
     "color": tuple(COLORS),
+    "material": tuple(MATERIALS),
+    "collision": ("hull", "pieces", "bounds"),
+    "direction": ("left", "right", "away", "nearer"),
+    "path": ("straight", "arc", "zigzag", "circle", "back_and_forth"),
+    "relation": ("left_of", "right_of", "in_front_of", "behind", "above", "below"),
+    "tie": ("neither",),
+    "channel": ("rgb", "depth", "ids"),
 }
+
+#: Headings (rad) that words stand for, as a viewer at the front sees them: +x is right, +y is away.
+HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
+
+#: Kinds of joints, and the models of robots.
+JOINTS = ("hinge", "slider", "ball", "fixed")
 
 
 @dataclass(frozen=True)
@@ -83,29 +98,58 @@ class Slot:
         return ""
 
 
+_FORM: dict[str, Slot] = {
+    "shape": Slot((SHAPE,), "its form", "cube"),
+    "size": Slot(
+        (A_LENGTH, POINT3, POINT2), "edge or diameter and height; for a box or wedge, its three edges", "10 cm", above=0
+    ),
+    "radius": Slot((A_LENGTH,), "of a round object, instead of half its size", optional=True, above=0),
+    "height": Slot((A_LENGTH,), "of a cylinder, cone or capsule, instead of its size", optional=True, above=0),
+    "color": Slot((COLOR,), "its colour; tints its material", "gray"),
+    "material": Slot((MATERIAL,), "what it seems to be made of: its pattern and its gloss", "plastic"),
+    "image": Slot((TEXT,), "a picture on its surface: a PNG or JPEG file beside the spec", optional=True),
+    "roughness": Slot(
+        (A_NUMBER,), "of its surface, 0 is a mirror; instead of its material's", optional=True, least=0, most=1
+    ),
+    "metallic": Slot((A_NUMBER,), "1 for bare metal; instead of its material's", optional=True, least=0, most=1),
+}
+_TURN: dict[str, Slot] = {
+    "yaw": Slot((AN_ANGLE,), "how far it is turned about the vertical, anticlockwise from above", "0 deg"),
+    "pitch": Slot((AN_ANGLE,), "how far it is then tilted about its own y axis", "0 deg"),
+    "roll": Slot((AN_ANGLE,), "how far it is then tilted about its own x axis", "0 deg"),
+}
+
 PROPERTIES: dict[str, dict[str, Slot]] = {
     "object": {
-        "shape": Slot((SHAPE,), "its form", "cube"),
-        "size": Slot((A_LENGTH, POINT3), "edge or diameter and height; for a box, its three edges", "10 cm", above=0),
-        "radius": Slot((A_LENGTH,), "of a round object, instead of half its size", optional=True, above=0),
-        "height": Slot((A_LENGTH,), "of a cylinder, cone or capsule, instead of its size", optional=True, above=0),
-        "color": Slot((COLOR,), "its colour", "gray"),
-        "roughness": Slot((A_NUMBER,), "of its surface, 0 is a mirror", "0.6", least=0, most=1),
-        "metallic": Slot((A_NUMBER,), "1 for bare metal", "0", least=0, most=1),
+        **_FORM,
+        "file": Slot((TEXT,), "a mesh beside the spec (obj, stl, ply, glb), instead of a shape", optional=True),
+        "scale": Slot((A_NUMBER,), "of the mesh, whose lengths are metres", "1", above=0),
+        "collision": Slot((COLLISION,), "how a mesh is touched: as its hull, in convex pieces, or as its upright box", "hull"),
         "mass": Slot((Quantity(MASS),), "its mass, instead of its density", optional=True, above=0),
         "density": Slot((Quantity(DENSITY),), "its mass per volume", "600 kg/m^3", above=0),
         "friction": Slot((A_NUMBER,), "friction; a touching pair has the geometric mean", "0.5", least=0, most=5),
         "restitution": Slot((A_NUMBER,), "bounciness; a touching pair has the geometric mean", "0.1", least=0, most=1),
+        "damping": Slot((Quantity(NUMBER / TIME),), "share of its speed that the air takes, per time", "0 Hz", least=0, most=100),
         "on": Slot((OBJECT,), "what it rests on; `on: table at (x, y)` says where, from its middle", optional=True),
-        "at": Slot((POINT2, POINT3), "where its middle is: (x, y) on what it rests on, else (x, y, z)", "(0 m, 0 m)"),
-        "yaw": Slot((AN_ANGLE,), "how far it is turned about the vertical, anticlockwise from above", "0 deg"),
+        "inside": Slot((OBJECT,), "what it rests in: on the lowest part of it below the place", optional=True),
+        "at": Slot((POINT2, POINT3, PLACE), "where its middle is: (x, y) on what it rests on, else (x, y, z)", "(0 m, 0 m)"),
+        "scatter": Slot((POINT2,), "the edges of a field around `at` in which its place is drawn", optional=True, least=0),
+        "gap": Slot((A_LENGTH,), "the least distance from others that are scattered on the same thing", "1 cm", least=0),
+        **_TURN,
         "fixed": Slot((TRUTH,), "whether it can never move", "false"),
         "solid": Slot((TRUTH,), "whether it can be touched; a mark on the floor cannot, and must be fixed", "true"),
+        "present": Slot((TRUTH,), "whether it is there at all", "true"),
+    },
+    "part": {
+        **_FORM,
+        "at": Slot((POINT3,), "where its middle is, from the middle of the object's ground", "(0 m, 0 m, 0 m)"),
+        **_TURN,
     },
     "camera": {
         "at": Slot((POINT3,), "where it is"),
         "look_at": Slot((POINT3,), "what it looks at", "(0 m, 0 m, 0 m)"),
         "fov": Slot((AN_ANGLE,), "its vertical field of view", "40 deg", above=0, most=2.6),
+        "ride": Slot((OBJECT,), "the object that carries it; then `at` and `look_at` are seen from there", optional=True),
     },
     "light": {
         "direction": Slot((TRIPLE,), "where its light goes", "(0.35, 0.45, -1)"),
@@ -116,65 +160,25 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "gravity": Slot((Quantity(ACCELERATION),), "downwards", "9.81 m/s^2", least=0),
         "background": Slot((COLOR,), "what is seen where nothing is", "mist"),
     },
+    "joint": {
+        "of": Slot((OBJECT,), "the object that it moves"),
+        "to": Slot((OBJECT,), "what that is joined to; the world if left out", optional=True),
+        "at": Slot((POINT3,), "where it is in the world, at the start"),
+        "axis": Slot((TRIPLE,), "of a hinge or slider, in the world, at the start", "(0, 0, 1)"),
+        "low": Slot((AN_ANGLE, A_LENGTH), "its lower limit", optional=True),
+        "high": Slot((AN_ANGLE, A_LENGTH), "its upper limit", optional=True),
+        "target": Slot((AN_ANGLE, A_LENGTH), "where its drive takes it", optional=True),
+        "stiffness": Slot((A_NUMBER,), "of its drive, SI units per radian or metre", "0", least=0),
+        "damping": Slot((A_NUMBER,), "of its drive, SI units", "0", least=0),
+    },
+    "robot": {
+        "on": Slot((OBJECT,), "what it stands on", optional=True),
+        "at": Slot((POINT2, POINT3), "where it stands", "(0 m, 0 m)"),
+        "yaw": Slot((AN_ANGLE,), "where it faces, anticlockwise from +x", "0 deg"),
+        "color": Slot((COLOR,), "its colour", "white"),
+    },
 }  # fmt: skip
 
-
-@dataclass(frozen=True)
-class Verb:
-    """An action's verb: its arguments in order. `start` and `duration` come from the timings `at`, `for`, ..."""
-
-    meaning: str
-    arguments: dict[str, Slot]
-    lasts: bool
-
-
-_DIRECTION = Slot((AN_ANGLE,), "heading on the ground, anticlockwise from +x; or `toward(object)`")
-
-VERBS: dict[str, Verb] = {
-    "launch": Verb(
-        "gives the object a velocity, as a sudden push would",
-        {
-            "object": Slot((OBJECT,), "what is launched"),
-            "direction": _DIRECTION,
-            "speed": Slot((Quantity(SPEED),), "how fast it sets off", least=0, most=100),
-            "rolling": Slot((TRUTH,), "whether a round object sets off rolling instead of sliding", "false"),
-        },
-        lasts=False,
-    ),
-    "glide": Verb(
-        "carries the object along a straight line at constant speed, whatever is in its way",
-        {
-            "object": Slot((OBJECT,), "what is carried"),
-            "direction": _DIRECTION,
-            "speed": Slot((Quantity(SPEED),), "how fast it goes", least=0, most=100),
-        },
-        lasts=True,
-    ),
-}
-
-
-@dataclass(frozen=True)
-class Function:
-    """A function: its parameters, its result, and whether it is measured on the executed episode."""
-
-    meaning: str
-    parameters: tuple[Kind, ...]
-    result: Kind
-    measured: bool
-
-
-FUNCTIONS: dict[str, Function] = {
-    "toward": Function("the heading from the acting object to another", (OBJECT,), AN_ANGLE, False),
-    "opposite": Function("the heading the other way", (AN_ANGLE,), AN_ANGLE, False),
-    "rgb": Function("a colour by its sRGB parts, 0 to 1", (A_NUMBER, A_NUMBER, A_NUMBER), COLOR, False),
-    "speed": Function("distance travelled while observed, over that time", (OBJECT,), Quantity(SPEED), True),
-    "displacement": Function("how far it is at the end from where it began", (OBJECT,), A_LENGTH, True),
-    "distance": Function("between the middles of two objects, at the end", (OBJECT, OBJECT), A_LENGTH, True),
-    "contact": Function("whether the two touch at any time", (OBJECT, OBJECT), TRUTH, True),
-    "fastest": Function("the one with the largest speed", (List(OBJECT),), OBJECT, True),
-    "slowest": Function("the one with the smallest speed", (List(OBJECT),), OBJECT, True),
-    "frame": Function("the picture from a camera at a time", (CAMERA, A_TIME), PICTURE, True),
-}
 
 SETTINGS: dict[str, Kind] = {
     "title": TEXT,
@@ -182,6 +186,15 @@ SETTINGS: dict[str, Kind] = {
     "source": TEXT,
     "repeat": A_NUMBER,
     "horizon": A_TIME,
+}
+
+#: What engines may disagree by.
+TOLERANCES: dict[str, Slot] = {
+    "rest": Slot((A_LENGTH,), "a body that has never moved", least=0),
+    "drift": Slot((Quantity(SPEED),), "a body in motion that has met nothing yet, for each second of motion", least=0),
+    "impact": Slot((A_NUMBER,), "after an impact: share of the speed with which the bodies met", least=0),
+    "event": Slot((A_TIME,), "the first touch of two bodies", least=0),
+    "angle": Slot((AN_ANGLE,), "the orientation of a body", least=0),
 }
 
 #: Lengths above this (m) are taken for a mistake: engines lose precision there.

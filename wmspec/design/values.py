@@ -8,7 +8,8 @@ from typing import Any
 
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, TaskSpec
-from wmspec.check.vocabulary import COLORS, PROPERTIES, VERBS, Slot
+from wmspec.check.verbs import VERBS
+from wmspec.check.vocabulary import COLORS, PROPERTIES, Slot
 from wmspec.errors import WmsError
 
 Point = tuple[float, float, float]

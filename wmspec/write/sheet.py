@@ -17,7 +17,7 @@ import pyarrow.dataset as ds
 from PIL import Image
 
 from wmspec.check.kinds import TRUTH, Quantity
-from wmspec.check.vocabulary import FUNCTIONS
+from wmspec.check.functions import FUNCTIONS
 from wmspec.errors import WmsError
 from wmspec.write import ink
 from wmspec.write.card import plain

@@ -1,0 +1,105 @@
+"""What can be worked out and measured: the functions, as a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from wmspec.check.kinds import (
+    A_LENGTH,
+    A_NUMBER,
+    A_TIME,
+    AN_ANGLE,
+    CAMERA,
+    COLOR,
+    OBJECT,
+    PATH,
+    PICTURE,
+    PLACE,
+    RELATION,
+    TRUTH,
+    Kind,
+    List,
+    Quantity,
+)
+from wmspec.check.units import SPEED, VOLUME
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function: its parameters, its result, and whether it is measured on the executed episode.
+
+    `options` are parameters that may be left out, by name; each is written `name: value`. With `repeated`, the last of
+    the parameters may be given any number of times.
+    """
+
+    meaning: str
+    parameters: tuple[Kind, ...]
+    result: Kind
+    measured: bool
+    options: dict[str, Kind] = field(default_factory=dict)
+    repeated: bool = False
+
+
+_TIE: dict[str, Kind] = {"tie": A_NUMBER}
+_OBJECTS = List(OBJECT)
+_FRACTION = A_NUMBER
+
+FUNCTIONS: dict[str, Function] = {
+    # places
+    "toward": Function("the heading from the acting object to another", (OBJECT,), AN_ANGLE, False),
+    "opposite": Function("the heading the other way", (AN_ANGLE,), AN_ANGLE, False),
+    "left_of": Function("the place so far to the left of an object's middle, seen from the front", (OBJECT, A_LENGTH), PLACE, False),
+    "right_of": Function("the place so far to the right of an object's middle, seen from the front", (OBJECT, A_LENGTH), PLACE, False),
+    "in_front_of": Function("the place so much nearer to the front than an object's middle", (OBJECT, A_LENGTH), PLACE, False),
+    "behind": Function("the place so much further from the front than an object's middle", (OBJECT, A_LENGTH), PLACE, False),
+    "polar": Function("the place at a distance and heading from an object's middle", (OBJECT, A_LENGTH, AN_ANGLE), PLACE, False),
+    "between": Function("the place half way between two objects", (OBJECT, OBJECT), PLACE, False),
+    # colours
+    "rgb": Function("a colour by its sRGB parts, 0 to 1", (A_NUMBER, A_NUMBER, A_NUMBER), COLOR, False),
+    "shade": Function("a shade of a colour: 0 is the darkest that is still that colour, 1 the lightest", (COLOR, A_NUMBER), COLOR, False),
+    # sums (the result of the first few has the kind of their argument)
+    "min": Function("the smallest of quantities of one kind", (A_NUMBER,), A_NUMBER, False, repeated=True),
+    "max": Function("the largest of quantities of one kind", (A_NUMBER,), A_NUMBER, False, repeated=True),
+    "abs": Function("the size of a quantity without its sign", (A_NUMBER,), A_NUMBER, False),
+    "floor": Function("the whole number below", (A_NUMBER,), A_NUMBER, False),
+    "mod": Function("what is left of the first after taking away the second as often as it fits", (A_NUMBER, A_NUMBER), A_NUMBER, False),
+    "sqrt": Function("the square root", (A_NUMBER,), A_NUMBER, False),
+    "sin": Function("of an angle", (AN_ANGLE,), A_NUMBER, False),
+    "cos": Function("of an angle", (AN_ANGLE,), A_NUMBER, False),
+    # what is there
+    "count": Function("how many of the objects are there", (_OBJECTS,), A_NUMBER, False),
+    "volume": Function("how much room an object takes", (OBJECT,), Quantity(VOLUME), False),
+    "largest": Function("the one with the largest volume", (_OBJECTS,), OBJECT, False, _TIE),
+    "smallest": Function("the one with the smallest volume", (_OBJECTS,), OBJECT, False, _TIE),
+    "luminance": Function("how light an object's colour is, 0 to 1", (OBJECT,), A_NUMBER, False),
+    "darkest": Function("the one with the darkest colour", (_OBJECTS,), OBJECT, False, _TIE),
+    "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, False, _TIE),
+    "fits": Function("whether an object fits into the hollow of a compound one, without turning it", (OBJECT, OBJECT), TRUTH, False),
+    # what happened while observed
+    "speed": Function("distance travelled while observed, over that time", (OBJECT,), Quantity(SPEED), True),
+    "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, True, _TIE),
+    "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, True, _TIE),
+    "moved": Function("whether it moved while observed", (OBJECT,), TRUTH, True),
+    "mover": Function("the one that travelled furthest", (_OBJECTS,), OBJECT, True),
+    "onset": Function("when it first moved", (OBJECT,), A_TIME, True),
+    "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, True),
+    "first": Function("the one that moved first", (_OBJECTS,), OBJECT, True, {"tie": A_TIME}),
+    "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, True, _TIE),
+    "heading": Function("where it went: the heading from where it was first seen to where it was last", (OBJECT,), AN_ANGLE, True),
+    "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, True),
+    "trajectory": Function("the form of its path", (OBJECT,), PATH, True),
+    # how it was and how it ended
+    "displacement": Function("how far it is at the end from where it began", (OBJECT,), A_LENGTH, True),
+    "distance": Function("between the middles of two objects, at the end", (OBJECT, OBJECT), A_LENGTH, True),
+    "relation": Function("where the first is from the second when last seen", (OBJECT, OBJECT), RELATION, True),
+    "contact": Function("whether the two touch at any time", (OBJECT, OBJECT), TRUTH, True),
+    "at_rest": Function("whether it stands still at the end", (OBJECT,), TRUTH, True),
+    "toppled": Function("whether it ended more than half way tipped over", (OBJECT,), TRUTH, True),
+    "height": Function("how high its middle is at the end", (OBJECT,), A_LENGTH, True),
+    "contains": Function("whether the first ended with the second within its upright box", (OBJECT, OBJECT), TRUTH, True),
+    # what is seen
+    "visible": Function("the share of the picture that shows it, least over the looks of a camera", (OBJECT, CAMERA), _FRACTION, True),
+    "occluded": Function("the share of it that others hide, most over the looks of a camera", (OBJECT, CAMERA), _FRACTION, True),
+    "contrast": Function("how much its colour differs from what is around it (CIEDE2000), least over the looks", (OBJECT, CAMERA), A_NUMBER, True),
+    "frame": Function("the picture from a camera at a time", (CAMERA, A_TIME), PICTURE, True),
+}  # fmt: skip

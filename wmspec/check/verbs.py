@@ -1,0 +1,147 @@
+"""What can happen: the verbs of actions and of robots, as tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wmspec.check.kinds import (
+    A_LENGTH,
+    AN_ANGLE,
+    DIRECTION,
+    JOINT,
+    OBJECT,
+    PATH,
+    PLACE,
+    POINT2,
+    POINT3,
+    TRUTH,
+    List,
+    Quantity,
+)
+from wmspec.check.units import FORCE, IMPULSE, SPEED
+from wmspec.check.vocabulary import Slot
+
+
+@dataclass(frozen=True)
+class Verb:
+    """An action's verb: its arguments in order. `start` and `duration` come from the timings `at`, `for`, ...
+
+    `lasts`: it needs `for TIME`. A verb that is not `executed` is checked, and refused when a stage is made.
+    """
+
+    meaning: str
+    arguments: dict[str, Slot]
+    lasts: bool
+    executed: bool = True
+
+
+_DIRECTION = Slot((AN_ANGLE, DIRECTION), "heading on the ground, anticlockwise from +x; a word; or `toward(object)`")
+_OBJECT = Slot((OBJECT,), "what is moved")
+
+VERBS: dict[str, Verb] = {
+    "launch": Verb(
+        "gives the object a velocity, as a sudden push would",
+        {
+            "object": _OBJECT,
+            "direction": _DIRECTION,
+            "speed": Slot((Quantity(SPEED),), "how fast it sets off", least=0, most=100),
+            "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
+            "rolling": Slot((TRUTH,), "whether a round object sets off rolling instead of sliding", "false"),
+        },
+        lasts=False,
+    ),
+    "slide": Verb(
+        "sets the object sliding on what it rests on, as fast as makes friction stop it after the distance",
+        {"object": _OBJECT, "direction": _DIRECTION, "distance": Slot((A_LENGTH,), "how far it slides", above=0)},
+        lasts=False,
+    ),
+    "glide": Verb(
+        "carries the object along a straight line at constant speed, pushing whatever is in its way",
+        {
+            "object": _OBJECT,
+            "direction": _DIRECTION,
+            "speed": Slot((Quantity(SPEED),), "how fast it goes", least=0, most=100),
+        },
+        lasts=True,
+    ),
+    "follow": Verb(
+        "carries the object along a path at constant speed, from where it is",
+        {
+            "object": _OBJECT,
+            "path": Slot((PATH, List(POINT2), List(POINT3)), "the form of the path, or points relative to where it is"),
+            "direction": Slot((AN_ANGLE, DIRECTION), "where the path leads; turns given points too", "0 deg"),
+            "length": Slot((A_LENGTH,), "from one end of the path to the other; the diameter of a circle", "40 cm", above=0),
+            "width": Slot((A_LENGTH,), "how far the path strays to the side", "10 cm", above=0),
+        },
+        lasts=True,
+    ),
+    "teleport": Verb(
+        "puts the object somewhere else at once",
+        {
+            "object": _OBJECT,
+            "to": Slot((POINT2, POINT3, PLACE), "where to, as in its `at`"),
+            "yaw": Slot((AN_ANGLE,), "how it is turned there; as before if left out", optional=True),
+        },
+        lasts=False,
+    ),
+    "impulse": Verb(
+        "strikes the object in its centre of mass",
+        {
+            "object": _OBJECT,
+            "direction": _DIRECTION,
+            "impulse": Slot((Quantity(IMPULSE),), "mass times the change of velocity", least=0),
+            "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
+        },
+        lasts=False,
+    ),
+    "force": Verb(
+        "pulls the object at its centre of mass",
+        {
+            "object": _OBJECT,
+            "direction": _DIRECTION,
+            "force": Slot((Quantity(FORCE),), "how strongly", least=0),
+            "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
+        },
+        lasts=True,
+    ),
+    "release": Verb("holds the object where it is until then, and lets go", {"object": _OBJECT}, lasts=False),
+    "drop": Verb(
+        "holds the object above where it would rest until then, and lets go",
+        {"object": _OBJECT, "height": Slot((A_LENGTH,), "how far above", above=0, most=100)},
+        lasts=False,
+    ),
+    "drive": Verb(
+        "sends a joint's drive to another target",
+        {"joint": Slot((JOINT,), "which joint"), "target": Slot((AN_ANGLE, A_LENGTH), "where to")},
+        lasts=False,
+    ),
+}  # fmt: skip
+
+_GRIPPED = Slot((OBJECT,), "what is handled")
+_FAR = Slot((A_LENGTH,), "how far", above=0, most=100)
+_HIGH = Slot((A_LENGTH,), "how high", above=0, most=2)
+_SIDE = Slot((DIRECTION,), "to which side, as the robot sees it: `left` or `right`")
+_BY = Slot((AN_ANGLE,), "by how much", "90 deg", above=0, most=6.3)
+
+#: What each model of robot can do. Its verbs take as long as `for TIME` says.
+ROBOTS: dict[str, dict[str, Verb]] = {
+    "panda": {
+        "push": Verb("pushes an object over what it rests on", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True, False),
+        "pick": Verb("grasps an object and lifts it", {"object": _GRIPPED, "height": _HIGH}, True, False),
+        "lift": Verb("raises an object that it holds or supports", {"object": _GRIPPED, "height": _HIGH}, True, False),
+        "place": Verb("puts down the object that it holds", {"object": _GRIPPED, "on": Slot((OBJECT,), "on what"), "at": Slot((POINT2,), "where on it", "(0 m, 0 m)")}, True, False),
+        "rotate": Verb("turns an object that it holds", {"object": _GRIPPED, "angle": Slot((AN_ANGLE,), "by how much, anticlockwise from above")}, True, False),
+        "drop": Verb("opens its hand", {"object": _GRIPPED}, False, False),
+    },
+    "car": {
+        "forward": Verb("drives on along its lane", {"distance": _FAR}, True, False),
+        "turn": Verb("turns at the next crossing", {"direction": _SIDE}, True, False),
+        "change_lane": Verb("moves over to the next lane", {"direction": _SIDE}, True, False),
+        "stop": Verb("brakes to a halt", {}, True, False),
+    },
+    "walker": {
+        "move": Verb("walks straight ahead, until a wall stops it", {"distance": _FAR}, True, False),
+        "turn": Verb("turns on the spot", {"direction": _SIDE, "angle": _BY}, True, False),
+        "look": Verb("looks up or down", {"angle": Slot((AN_ANGLE,), "upwards; negative is down", least=-1.6, most=1.6)}, True, False),
+    },
+}  # fmt: skip
