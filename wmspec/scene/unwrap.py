@@ -1,7 +1,7 @@
 """How an image lies on a shape: once on each side, or repeated, so many times on a metre.
 
-Repeated, an image lies flat on the faces of a box, on caps and on meshes without texture coordinates of their own; around
-an axis it is repeated a whole number of times, so that it closes, and along the axis from the bottom. Texture
+Repeated, an image lies flat on the faces of a box, on caps and on meshes without texture coordinates of their own;
+around an axis it is repeated a whole number of times, so that it closes, and along the axis from the bottom. Texture
 coordinates are never negative, which TinyRenderer needs.
 """
 
