@@ -16,7 +16,10 @@ INDENT = 2
 
 _TIGHT_BEFORE = {"COMMA", "COLON", "DOT", "RPAR", "RSQB", "LIST_UNIT"}
 _TIGHT_AFTER = {"LPAR", "LSQB", "DOT"}
-_SOFT = {"SETTING", "AT", "LIGHT", "CAMERA", "WORLD", "OPTIONS", "ANSWER", "MARGIN", "DISTINCT", "STATE", "ORDER"}
+_SOFT = {
+    "SETTING", "AT", "LIGHT", "CAMERA", "WORLD", "OPTIONS", "ANSWER", "MARGIN", "DISTINCT", "STATE", "ORDER",
+    "DESIGN", "TOLERANCE", "TEMPLATE", "PART", "JOINT", "ROBOT", "OBJECTS", "WITHIN", "DIFFERENCE", "STABLE", "OF"
+}  # fmt: skip
 _ATOMS = {"NAME", "NUMBER", "QUANTITY", "STRING", "TRUE", "FALSE", "RPAR", "RSQB", "LIST_UNIT"}
 #: What a value may end with: a `-` after it is a difference, after anything else it is a sign.
 _VALUE_ENDS = _ATOMS | _SOFT | {"REPEAT", "HORIZON"}
@@ -74,7 +77,7 @@ class Layout:
         signs = before.type == "MINUS" and (
             i < 2 or self._tokens[i - 2].type not in _VALUE_ENDS or start(before) in self.cells
         )
-        calls = here.type == "LPAR" and before.type in ("NAME", "RPAR")
+        calls = here.type in ("LPAR", "LSQB") and before.type in ("NAME", "RPAR")
         return "" if here.type in _TIGHT_BEFORE or before.type in _TIGHT_AFTER or signs or calls else " "
 
     def begins_line(self, token: Token) -> bool:
@@ -91,6 +94,13 @@ class Layout:
         i = self._index(offset) + 1
         while self._tokens[i].type == "COMMENT":
             i += 1
+        return self._starts[i]
+
+    def _before(self, offset: int) -> int:
+        """The start of the last word, which is no comment, before an offset."""
+        i = self._index(offset) - 1
+        while self._tokens[i].type == "COMMENT":
+            i -= 1
         return self._starts[i]
 
     def _length(self, span: Span) -> int:
@@ -116,13 +126,28 @@ class Layout:
             case s.Question():
                 clauses: list[s.Clause | s.Counterfactual] = [*x.clauses, *x.counterfactuals]
                 self._body(x.span, x.text.span.end, sorted(clauses, key=lambda part: part.span.start))
-            case s.Block():
-                self._block(x.span, [(p.name.id, p.span) for p in x.properties])
+            case s.Block() | s.Template():
+                self._members(x)
             case s.Counterfactual():
                 self._block(x.span, [(c.kind, c.span) for c in x.changes])
                 self._changes(x.changes)
             case _:
                 self._line(x)
+
+    def _members(self, x: s.Block | s.Template) -> None:
+        """An object, camera, ...: its properties, then its parts, each on a line of its own."""
+        if isinstance(x, s.Block) and x.model is not None:
+            self._headings.add(self._before(x.model.span.start))
+        after = x.parameters[-1].span.end if isinstance(x, s.Template) and x.parameters else x.span.start
+        properties = [(p.name.id, p.span) for p in x.properties]
+        self._block(x.span, properties, after, whole=not x.parts)
+        self._level += 1
+        for part in x.parts:
+            self.breaks.add(part.span.start)
+            self.cells[part.span.start] = "part"
+            self.cells[part.name.span.start] = "name"
+            self._block(part.span, [(p.name.id, p.span) for p in part.properties])
+        self._level -= 1
 
     def _line(self, x: Part) -> None:
         match x:
@@ -131,9 +156,11 @@ class Layout:
                 self.cells[self._after(x.name.span.start)] = "="
             case s.Action():
                 self._action(x)
+            case s.Design() if x.baseline:
+                self._block(x.span, [(p.name.id, p.span) for p in x.baseline])
             case s.Observe():
                 self.cells[self._after(x.camera.span.start)] = "at"
-            case s.Setting() | s.Clause():
+            case s.Setting() | s.Clause() | s.Tolerance():
                 self.cells[self._after(x.span.start)] = "value"
 
     def _changes(self, changes: Iterable[s.Change]) -> None:
@@ -169,22 +196,25 @@ class Layout:
         self.opens.add(self._starts[brace])
         self.closes.add(self._starts[end])
 
-    def _block(self, span: Span, parts: list[tuple[str, Span]]) -> None:
-        """A block of properties: on one line if the author wrote it so and it fits, else in the rows of the author."""
-        brace, end = self._braces(span, span.start)
-        self.cells[self._starts[brace]] = "{"
+    def _block(self, span: Span, parts: list[tuple[str, Span]], after: int = 0, whole: bool = True) -> None:
+        """A block of properties: on one line if the author wrote it so and it fits, else in the rows of the author.
+
+        Its brace comes `after` an offset. Unless this is the `whole` of it, it has lines of its own.
+        """
+        brace, end = self._braces(span, after or span.start)
         for sort, part in parts[1:]:
             self.cells[part.start] = sort
             self._wide.add(part.start)
         inside = self._tokens[self._index(span.start) : end + 1]
         one_line = all(a.end_line == b.line for a, b in pairwise(inside)) and self._fits(span, self._level)
-        if end - brace == 1 or one_line:
+        if end - brace == 1 or (one_line and whole):
+            self.cells[self._starts[brace]] = "{"
             return
         self._open(brace, end)
         rows = self._rows(parts)
-        whole = all(self._fits(row[0][1].to(row[-1][1]), self._level + 1) for row in rows)
+        fitting = all(self._fits(row[0][1].to(row[-1][1]), self._level + 1) for row in rows)
         for row in rows:
-            for sort, part in row[:1] if whole else row:
+            for sort, part in row[:1] if fitting else row:
                 self.breaks.add(part.start)
                 self.cells[part.start] = sort
 

@@ -11,11 +11,11 @@ from lark.parsers.lalr_analysis import Shift
 from lark.parsers.lalr_interactive_parser import InteractiveParser
 
 #: Words that begin a statement or clause: after a mistake, reading goes on at the next of them.
-STARTERS = frozenset(
-    "TASK USE FACTOR NUISANCE LET REQUIRE REPEAT DESIGN TOLERANCE TEMPLATE OBJECT OBJECTS CAMERA LIGHT JOINT ROBOT WORLD "
-    "ACTION HORIZON OBSERVE QUESTION SETTING OPTIONS ANSWER MARGIN ENSURE DISTINCT WITHIN DIFFERENCE STABLE COUNTERFACTUAL"
-    .split()
-)
+STARTERS = frozenset({
+    "TASK", "USE", "FACTOR", "NUISANCE", "LET", "REQUIRE", "REPEAT", "DESIGN", "TOLERANCE", "TEMPLATE", "OBJECT",
+    "OBJECTS", "CAMERA", "LIGHT", "JOINT", "ROBOT", "WORLD", "ACTION", "HORIZON", "OBSERVE", "QUESTION", "SETTING",
+    "OPTIONS", "ANSWER", "MARGIN", "ENSURE", "DISTINCT", "WITHIN", "DIFFERENCE", "STABLE", "COUNTERFACTUAL"
+})  # fmt: skip
 
 
 def accepted(parser: InteractiveParser) -> set[str]:
