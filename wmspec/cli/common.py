@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
-from wmspec.errors import WmsError
+from wmspec.errors import WmsError, suggestion
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -17,6 +17,9 @@ specs_argument = click.argument("specs", nargs=-1, required=True, type=click.Pat
 spec_argument = click.argument("spec", type=click.Path(path_type=Path))
 seed_option = click.option("--seed", default=0, show_default=True, help="What all draws depend on.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for machines.")
+dimension_option = click.option(
+    "--only-dimension", multiple=True, metavar="PATH", help="Only tasks of this dimension, such as perception.motion."
+)
 instance_option = click.option("--instance", "-i", default=0, show_default=True, metavar="I", help="Which instance.")
 
 
@@ -55,6 +58,20 @@ def load_tasks(paths: Iterable[Path]) -> list[tuple[Path, Any]]:
             raise WmsError(f"two tasks are called `{task.name}`: in {names[task.name]} and in {path}; rename one")
         names[task.name] = path
     return tasks
+
+
+def of_dimensions(tasks: list[tuple[Path, Any]], dimensions: Sequence[str]) -> list[tuple[Path, Any]]:
+    """The tasks of any of the dimensions, or of one below; all without dimensions. Raises WmsError if one has none."""
+    known = {task.dimension for _, task in tasks}
+    for wanted in dimensions:
+        if not any(_within(dimension, wanted) for dimension in known):
+            parts = {d.rsplit(".", n)[0] for d in known for n in range(d.count(".") + 1)}
+            raise WmsError(f"no task has the dimension `{wanted}`; {suggestion(wanted, parts)}".rstrip("; "))
+    return [(p, t) for p, t in tasks if not dimensions or any(_within(t.dimension, d) for d in dimensions)]
+
+
+def _within(dimension: str, wanted: str) -> bool:
+    return f"{dimension}.".startswith(f"{wanted}.")
 
 
 def one_task(path: Path) -> Any:

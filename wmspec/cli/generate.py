@@ -10,18 +10,29 @@ from typing import Any
 
 import click
 
-from wmspec.cli.common import json_option, load_tasks, parse_size, seed_option, specs_argument
+from wmspec.cli.common import (
+    dimension_option,
+    json_option,
+    load_tasks,
+    of_dimensions,
+    parse_size,
+    seed_option,
+    specs_argument,
+)
+from wmspec.cli.cost import tell_cost
 from wmspec.cli.progress import progress_bar
 from wmspec.errors import WmsError
 
 
 @click.command("generate")
 @specs_argument
-@click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="The folder of the dataset.")
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="The folder of the dataset.")
 @click.option("--backend", "-b", default="all", show_default=True, help="Engines: names joined by commas, or all.")
 @click.option(
     "--per-task", type=click.IntRange(1), help="How many instances of each task, drawn at random.  [default: all]"
 )
+@click.option("--full", is_flag=True, help="All instances of every task, said expressly.")
+@dimension_option
 @click.option("--size", default="256", show_default=True, help="Pixels of a picture: 256, or 320x240.")
 @seed_option
 @click.option(
@@ -35,18 +46,24 @@ from wmspec.errors import WmsError
 @click.option(
     "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take."
 )
+@click.option(
+    "--dry-run", is_flag=True, help="Write nothing: make a few instances of each task and tell what all would take."
+)
 @click.option("--force", is_flag=True, help="Replace a different dataset in the folder.")
 @json_option
 def generate_command(
     specs: tuple[Path, ...],
-    output: Path,
+    output: Path | None,
     backend: str,
     per_task: int | None,
+    full: bool,
+    only_dimension: tuple[str, ...],
     size: str,
     seed: int,
     consensus: str,
     workers: int | None,
     timeout: float,
+    dry_run: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -58,11 +75,11 @@ def generate_command(
     from wmspec.design.design import Design
     from wmspec.execute.backends import chosen, engine_version
     from wmspec.execute.pool import Effort
-    from wmspec.write.dataset import Dataset
-    from wmspec.write.generate import generate
     from wmspec.write.plan import Plan, Task
 
-    tasks = load_tasks(specs)
+    if full and per_task:
+        raise WmsError("--full makes all instances and --per-task some of them; give one of the two")
+    tasks = of_dimensions(load_tasks(specs), only_dimension)
     engines = chosen(backend)
     plan = Plan(
         texts=_texts(tasks),
@@ -76,13 +93,26 @@ def generate_command(
     for task in plan.tasks:
         if not task.spec.questions:
             raise WmsError(f"the task `{task.spec.name}` has no question, so there is nothing to generate")
+    effort = Effort(workers or os.cpu_count() or 1, timeout)
+    if dry_run:
+        tell_cost(plan, effort, as_json)
+    elif output is None:
+        raise WmsError("where to? give the folder of the dataset with -o, or --dry-run to learn what it would take")
+    else:
+        _make(output, plan, effort, force, as_json)
+
+
+def _make(output: Path, plan: Any, effort: Any, force: bool, as_json: bool) -> None:
+    from wmspec.write.dataset import Dataset
+    from wmspec.write.generate import generate
+
     with Dataset.open(output, plan, force) as dataset:
         for notice in dataset.notices:
             click.echo(notice, err=True)
         total = sum(len(shard.indices) for shard in dataset.pending())
         try:
             with progress_bar(total, "generating") as progress:
-                generate(dataset, Effort(workers or os.cpu_count() or 1, timeout), progress)
+                generate(dataset, effort, progress)
         except KeyboardInterrupt:
             click.echo("\nstopped; give the same command again to go on", err=True)
             raise SystemExit(130) from None

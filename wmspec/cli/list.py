@@ -3,54 +3,76 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
-from wmspec.cli.common import json_option, load_tasks
+from wmspec.cli.common import dimension_option, json_option, load_tasks, of_dimensions
 
 
 @click.command("list")
 @click.argument("specs", nargs=-1, type=click.Path(path_type=Path))
+@dimension_option
 @json_option
-def list_command(specs: tuple[Path, ...], as_json: bool) -> None:
-    """List tasks with their dimensions, factors and numbers of instances. Without SPECS: those of wmspec."""
-    from wmspec.check.ir import Choices
-    from wmspec.design.design import Design
+def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_json: bool) -> None:
+    """List tasks with their dimensions, factors and numbers of instances, beside the paper's.
+
+    Without SPECS: the tasks that come with wmspec.
+    """
     from wmspec.parse.load import library_folder
 
-    found = []
-    for path, spec in load_tasks(specs or [library_folder().parent]):
-        design = Design(spec)
-        levels = {f.name: len(f.domain.values) for f in design.factors if isinstance(f.domain, Choices)}
-        found.append(
-            {
-                "task": spec.name,
-                "dimension": spec.dimension,
-                "title": spec.title,
-                "instances": len(design),
-                "factors": levels,
-                "nuisances": [n.name for n in design.nuisances],
-                "questions": len(spec.questions),
-                "file": str(path),
-            }
-        )
+    tasks = of_dimensions(load_tasks(specs or [library_folder().parent]), only_dimension)
+    found = [_row(path, spec) for path, spec in tasks]
     if as_json:
         click.echo(json.dumps(found, indent=2))
-        return
+    else:
+        _print(found)
+
+
+def _row(path: Path, spec: Any) -> dict[str, Any]:
+    from wmspec.check.ir import Choices
+    from wmspec.design.design import Design
+    from wmspec.paper import column
+
+    design, there = Design(spec), column(spec.name)
+    return {
+        "task": spec.name,
+        "dimension": spec.dimension,
+        "title": spec.title,
+        "instances": len(design),
+        "paper": None if there is None else {"task": there.name, "instances": there.cases, "images": there.images},
+        "factors": {f.name: len(f.domain.values) for f in design.factors if isinstance(f.domain, Choices)},
+        "nuisances": [n.name for n in design.nuisances],
+        "questions": len(spec.questions),
+        "file": str(path),
+    }
+
+
+def _print(found: Sequence[dict[str, Any]]) -> None:
     from rich.console import Console
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in ("task", "dimension", "instances", "factors"):
-        table.add_column(column, justify="right" if column == "instances" else "left", overflow="fold")
+    for name in ("task", "dimension", "instances", "paper's", "factors"):
+        table.add_column(name, justify="right" if name in ("instances", "paper's") else "left", overflow="fold")
     for row in found:
-        factors = row["factors"]
-        assert isinstance(factors, dict)
-        table.add_row(
-            str(row["task"]),
-            str(row["dimension"]),
-            f"{row['instances']:,}",
-            ", ".join(f"{n} ({c})" for n, c in factors.items()),
-        )
-    Console(soft_wrap=False).print(table)
+        paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
+        factors = ", ".join(f"{name} ({count})" for name, count in row["factors"].items())
+        table.add_row(row["task"], row["dimension"], f"{row['instances']:,}", paper, factors)
+    console = Console(soft_wrap=False)
+    console.print(table)
+    console.print(_covered(found), highlight=False)
+
+
+def _covered(found: Sequence[dict[str, Any]]) -> str:
+    """How much of the paper these tasks rebuild."""
+    from wmspec.paper import COLUMNS
+
+    total, rebuilt = sum(c.cases for c in COLUMNS), [row["paper"] for row in found if row["paper"]]
+    instances = sum(row["instances"] for row in found)
+    return (
+        f"{instances:,} instances; of the paper's {len(COLUMNS)} tasks and {total:,} instances, these rebuild "
+        f"{len(rebuilt)} and {sum(there['instances'] for there in rebuilt):,}"
+    )

@@ -23,10 +23,7 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
     pending = dataset.pending()
     if not pending:
         return
-    if effort.workers > 1:  # Mesa's software renderer would start a thread per core in every worker
-        os.environ.setdefault("LP_NUM_THREADS", "0")
-    tasks = tuple((t.spec.name, t.spec.model_dump_json()) for t in plan.tasks)
-    job = Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus)
+    job = job_of(plan, effort)
     pieces = ((job, shard.task.spec.name, i) for shard in pending for i in shard.indices)
     with closing(in_order(work, pieces, effort)) as outcomes:
         for shard in pending:
@@ -36,6 +33,14 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
                 progress(shard.task.spec.name, 1)
             rows = [row for outcome in gathered for row in outcome.rows]
             dataset.write(shard, rows, [r for outcome in gathered for r in outcome.rejected])
+
+
+def job_of(plan: Plan, effort: Effort) -> Job:
+    """What the workers are told; called before they start."""
+    if effort.workers > 1:  # Mesa's software renderer would start a thread per core in every worker
+        os.environ.setdefault("LP_NUM_THREADS", "0")
+    tasks = tuple((t.spec.name, t.spec.model_dump_json()) for t in plan.tasks)
+    return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus)
 
 
 def _lost(plan: Plan, shard: Shard, index: int, lost: Lost) -> Outcome:

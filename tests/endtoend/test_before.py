@@ -1,0 +1,69 @@
+"""What is told before a dataset is made: what there is, what it would take, and which part of it is wanted."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.endtoend.test_commands import SPECS, wmspec
+from wmspec.paper import COLUMNS, REBUILT, column
+
+
+def test_the_numbers_are_the_papers() -> None:
+    assert sum(c.cases for c in COLUMNS) == 104_886
+    assert len({c.letters for c in COLUMNS}) == 23
+    names = [c.name for c in COLUMNS]
+    assert len(names) == len(set(names))
+    assert set(REBUILT.values()) <= set(names)
+    assert len(set(REBUILT.values())) == len(REBUILT), "two tasks rebuild the same one"
+
+
+def test_every_rebuilt_task_has_at_least_the_papers_instances(tmp_path: Path) -> None:
+    rows = {r["task"]: r for r in json.loads(wmspec("list", "--json", folder=tmp_path).stdout)}
+    assert set(REBUILT) <= set(rows), "a task of the table does not ship"
+    for name, row in rows.items():
+        there = column(name)
+        assert (row["paper"] is None) == (there is None)
+        if there is not None:
+            assert row["instances"] >= there.cases, name
+    assert "104,886 instances" in " ".join(wmspec("list", folder=tmp_path).stdout.split())
+
+
+def test_a_dimension_is_chosen_by_its_path(tmp_path: Path) -> None:
+    def listed(*dimensions: str) -> set[str]:
+        chosen = [part for d in dimensions for part in ("--only-dimension", d)]
+        return {r["task"] for r in json.loads(wmspec("list", "--json", *chosen, folder=tmp_path).stdout)}
+
+    assert "motion_speed" in listed("perception.motion") - listed("prediction")
+    assert "collide" in listed("prediction") - listed("perception.motion")
+    assert listed("perception", "prediction") <= listed()
+    told = wmspec("list", "--only-dimension", "perception.moton", folder=tmp_path, code=2).stderr
+    assert "did you mean `perception.motion`?" in told
+
+
+def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    some = ["generate", SPECS, "--dry-run", "-b", "pybullet", "--size", 64, "-j", 1, "--only-dimension"]
+    told = json.loads(wmspec(*some, "perception.motion.speed", "--json", "--full", folder=tmp_path).stdout)
+    assert not list(tmp_path.iterdir())
+    (task,) = [t for t in told["tasks"] if t["task"] == "motion_speed"]
+    assert task["instances"] >= 2304
+    assert task["tried"] == 4
+    assert 0 < task["seconds"] < 300
+    assert task["hours"] == pytest.approx(task["instances"] * task["seconds"] / 3600)
+    assert 1_000 < task["size"] < 1_000_000
+    assert task["asked"] == 4
+    assert 0 <= task["rejected"] <= 4
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["--full", "--per-task", 3, "-o", "out"], "give one of the two"),
+        ([], "give the folder of the dataset with -o, or --dry-run"),
+        (["--only-dimension", "taste", "-o", "out"], "no task has the dimension `taste`"),
+    ],
+)
+def test_what_cannot_be_generated_is_told(args: list[object], said: str, tmp_path: Path) -> None:
+    assert said in wmspec("generate", SPECS, *args, folder=tmp_path, code=2).stderr
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,65 @@
+"""What a dataset would take, told before it is made."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import click
+
+from wmspec.cli.progress import progress_bar
+
+if TYPE_CHECKING:
+    from wmspec.execute.pool import Effort
+    from wmspec.write.estimate import Cost
+    from wmspec.write.plan import Plan
+
+#: How many instances of each task are tried.
+TRIED = 4
+
+
+def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
+    """Try some instances of each task and print what all of them would take."""
+    from wmspec.write.estimate import estimate
+
+    total = sum(min(TRIED, len(task.indices)) for task in plan.tasks)
+    with progress_bar(total, "trying") as progress:
+        costs = estimate(plan, effort, TRIED, progress)
+    if as_json:
+        said = [asdict(c) | {"hours": c.hours(effort.workers), "bytes": c.bytes} for c in costs]
+        click.echo(json.dumps({"workers": effort.workers, "tasks": said}, indent=2))
+    else:
+        _print(costs, effort.workers)
+        click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")
+
+
+def _print(costs: Sequence[Cost], workers: int) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("task", "instances", "time", "size", "tried", "s each", "rejected"):
+        table.add_column(name, justify="left" if name == "task" else "right", overflow="fold")
+    for c in costs:
+        table.add_row(c.task, *_together([c], workers), f"{c.tried}", f"{c.seconds:.2f}", f"{c.rejected} of {c.asked}")
+    if len(costs) > 1:
+        table.add_row("together", *_together(costs, workers))
+    Console(soft_wrap=False).print(table, highlight=False)
+
+
+def _together(costs: Sequence[Cost], workers: int) -> tuple[str, str, str]:
+    """Instances, time and size."""
+    hours, count = sum(c.hours(workers) for c in costs), sum(c.bytes for c in costs)
+    return f"{sum(c.instances for c in costs):,}", _duration(hours), _size(count)
+
+
+def _duration(hours: float) -> str:
+    if hours < 1 / 30:
+        return f"{hours * 3600:.0f} s"
+    return f"{hours * 60:.0f} min" if hours < 2 else f"{hours:.1f} h"
+
+
+def _size(count: float) -> str:
+    return f"{count / 1e9:.1f} GB" if count >= 1e9 else f"{count / 1e6:.1f} MB"

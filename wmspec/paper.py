@@ -1,0 +1,86 @@
+"""What WM-ABench holds, so that what is here can be set beside it.
+
+Source: the table of cases in the appendix of *Do Vision-Language Models Have Internal World Models? Towards an Atomic
+Evaluation* (Gao et al., 2025), "Benchmark Task Breakdown". Its numbers sum to 104,886.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Column:
+    """One task of the paper: a sub-dimension (by the paper's letters) in an environment of its.
+
+    `cases` are its instances, `images` the pictures shown with each, before the options.
+    """
+
+    letters: str
+    environment: str
+    cases: int
+    images: int
+
+    @property
+    def name(self) -> str:
+        """How the paper's tables head it, such as `MS ManiSkill`."""
+        return f"{self.letters} {self.environment}"
+
+
+COLUMNS = (
+    Column("SR", "ManiSkill", 1600, 2),
+    Column("SR", "TDW", 8640, 2),
+    Column("SE-V", "ManiSkill", 2880, 3),
+    Column("SE-V", "TDW", 324, 1),
+    Column("SE-O", "ManiSkill", 1152, 1),
+    Column("SE-O", "TDW", 941, 1),
+    Column("SP", "ManiSkill", 6400, 2),
+    Column("SP", "TDW", 2000, 2),
+    Column("TP", "ManiSkill", 2000, 5),
+    Column("TP", "TDW", 5646, 6),
+    Column("TE", "ManiSkill", 2000, 5),
+    Column("TE", "TDW", 7680, 6),
+    Column("V-C", "ManiSkill", 648, 3),
+    Column("V-C", "TDW", 1440, 3),
+    Column("V-S", "TDW", 1000, 3),
+    Column("V-M", "TDW", 1728, 1),
+    Column("MI", "ManiSkill", 2688, 6),
+    Column("MI", "TDW", 1913, 4),
+    Column("MS", "ManiSkill", 2304, 4),
+    Column("MS", "TDW", 2304, 8),
+    Column("MD", "ManiSkill", 2688, 6),
+    Column("MD", "TDW", 1913, 6),
+    Column("MT", "ManiSkill", 6912, 7),
+    Column("MT", "TDW", 671, 8),
+    Column("DQ", "ManiSkill", 2520, 1),
+    Column("DQ", "TDW", 1134, 1),
+    Column("CQ", "TDW", 756, 1),
+    Column("RQ", "ManiSkill", 2880, 1),
+    Column("RQ", "TDW", 1701, 1),
+    Column("M-IP", "Physion slide", 2160, 3),
+    Column("M-IP", "Physion drop", 3456, 3),
+    Column("M-IP", "Physion collide", 1728, 3),
+    Column("M-Nav", "Carla", 1575, 1),
+    Column("M-Nav", "Habitat", 1728, 1),
+    Column("M-Man", "ManiSkill drop", 2304, 1),
+    Column("M-Man", "ManiSkill lift", 2304, 1),
+    Column("M-Man", "ManiSkill push", 2304, 1),
+    Column("T-Nav", "Carla", 700, 1),
+    Column("T-Nav", "Habitat", 1956, 1),
+    Column("T-Man", "ManiSkill push and pick", 1728, 1),
+    Column("T-Man", "ManiSkill pick and rotate", 576, 1),
+    Column("C-IP", "TDW", 1296, 3),
+    Column("C-Man", "ManiSkill push", 2304, 1),
+    Column("C-Man", "ManiSkill lift", 2304, 1),
+)
+
+#: The column that a task of ours rebuilds, by the task's name. A new spec of the catalogue adds its line here.
+REBUILT = {
+    "motion_speed": "MS ManiSkill",
+    "collide": "M-IP Physion collide",
+}
+
+
+def column(task: str) -> Column | None:
+    """The column of the paper that a task rebuilds; None if it rebuilds none."""
+    return next((c for c in COLUMNS if c.name == REBUILT.get(task)), None)
