@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wmspec.backends.mujoco.impact import IMPEDANCE, solref, solreffriction
+from wmspec.backends.mujoco.world import HEAVY
 from wmspec.scene.centred import centred, placed
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import TOUCH, Episode
@@ -31,7 +32,6 @@ from wmspec.scene.model import (
 )
 from wmspec.scene.transform import conjugate, rotate
 
-HEAVY = 1e6  # kg and kg m²: a body that nothing in the scene can push
 SPIN, ROLL = 0.005, 0.0001  # required by the format, without effect at condim 3
 _HIDDEN = "3"  # the group of geoms that viewers don't show at first
 

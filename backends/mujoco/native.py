@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmspec.backends.mujoco.execute import STEPS_PER_SECOND, damping
 from wmspec.backends.mujoco.mjcf import mjcf
-from wmspec.backends.mujoco.world import World
+from wmspec.backends.mujoco.world import HEAVY, World
 from wmspec.scene.model import Scene
 from wmspec.scene.script import script
 from wmspec.scene.timeline import episode
@@ -21,6 +21,6 @@ def native(scene: Scene) -> dict[str, str]:
     """
     validate(scene)
     timeline = episode(scene, STEPS_PER_SECOND)
-    values = {"DAMPING": damping(scene), "EPISODE": timeline}
+    values = {"HEAVY": HEAVY, "DAMPING": damping(scene), "EPISODE": timeline}
     run = script("MuJoCo", "mujoco", scene, parts=[World], values=values, world=WORLD)
     return {"scene.xml": mjcf(scene, timeline), "run.py": run}

@@ -12,6 +12,8 @@ from wmspec.scene.transform import conjugate, rotate
 with silence():
     import mujoco
 
+HEAVY = 1e6  # kg and kg m²: a body that nothing in the scene can push
+
 
 class World:
     """A model whose bodies are the scene's, in order, frames at their centres of mass."""
@@ -24,6 +26,8 @@ class World:
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
         self.warned = self.data.warning.number  # a view
         self.pairs: dict[bytes, set[tuple[int, int]]] = {}
+        self.held: dict[int, tuple[float, Any]] = {}
+        self.pushed = False
         for body, (linear, angular) in damping.items():
             at = self.qvel[body]
             model.dof_damping[at : at + 3] = linear * model.body_mass[body + 1]
@@ -35,18 +39,43 @@ class World:
         self.data.qvel[at : at + 3] = linear
         self.data.qvel[at + 3 : at + 6] = rotate(conjugate(turn), angular)
 
-    def drive(self, body: int, position: Any, velocity: Any) -> None:
+    def drive(self, body: int, pose: Any, speeds: Any) -> None:
         """Put a kinematic body back on its path, undoing whatever pushed it."""
         place, speed = self.qpos[body], self.qvel[body]
-        self.data.qpos[place : place + 3] = position
-        self.data.qpos[place + 3 : place + 7] = self.model.qpos0[place + 3 : place + 7]
-        self.data.qvel[speed : speed + 6] = [*velocity, 0, 0, 0]
+        self.data.qpos[place : place + 7] = pose
+        self.data.qvel[speed : speed + 3] = speeds[:3]
+        self.data.qvel[speed + 3 : speed + 6] = rotate(conjugate(pose[3:]), speeds[3:])
+
+    def push(self, body: int, force: Any) -> None:
+        """Let a force act at the centre of mass of a dynamic body during the next step."""
+        self.data.xfrc_applied[body + 1, :3] += force
+        self.pushed = True
+
+    def hold(self, body: int) -> None:
+        """Put a dynamic body back where it began, as heavy as a kinematic one, and hold it against gravity."""
+        if body not in self.held:
+            self.held[body] = self.model.body_mass[body + 1], self.model.body_inertia[body + 1].copy()
+            self.weigh(body, HEAVY, np.full(3, HEAVY))
+        self.drive(body, self.model.qpos0[self.qpos[body] : self.qpos[body] + 7], np.zeros(6))
+        self.push(body, -HEAVY * self.model.opt.gravity)
+
+    def free(self, body: int) -> None:
+        """Let go of what has been held."""
+        self.weigh(body, *self.held.pop(body))
+
+    def weigh(self, body: int, mass: float, moments: Any) -> None:
+        """Set the mass and the moments of inertia; of a free body, MuJoCo takes them from its degrees of freedom."""
+        self.model.body_mass[body + 1], self.model.body_inertia[body + 1] = mass, moments
+        self.model.dof_M0[self.qvel[body] : self.qvel[body] + 6] = [mass] * 3 + list(moments)
 
     def step(self) -> None:
         """Advance. On a warning MuJoCo would silently start over: that is an error here."""
         mujoco.mj_step(self.model, self.data)
         if self.warned.any():
             raise FloatingPointError(f"MuJoCo's warnings are {self.warned} at {self.data.time:.4f} s")
+        if self.pushed:
+            self.data.xfrc_applied[:] = 0
+            self.pushed = False
 
     def state(self, body: int) -> Any:
         """Position, quaternion, linear and angular velocity of a body in world axes, (13,)."""

@@ -50,6 +50,7 @@ class World:
             physicsClientId=self.client,
         )
         self.index: dict[int, int] = {}
+        self.held: set[int] = set()
         self.ids = [self.add(i, body) for i, body in enumerate(bodies)]
 
     def add(self, number: int, body: Rigid) -> int:
@@ -101,13 +102,36 @@ class World:
         """Set the velocities of a dynamic body."""
         pybullet.resetBaseVelocity(self.ids[body], list(linear), list(angular), physicsClientId=self.client)
 
-    def drive(self, body: int, position: Any, velocity: Any) -> None:
+    def drive(self, body: int, pose: Any, speeds: Any) -> None:
         """Put a kinematic body back on its path, undoing whatever pushed it, and hold it against gravity."""
-        handle, turn = self.ids[body], xyzw(self.bodies[body].start[3:])
-        pybullet.resetBasePositionAndOrientation(handle, list(position), turn, physicsClientId=self.client)
-        pybullet.resetBaseVelocity(handle, list(velocity), [0, 0, 0], physicsClientId=self.client)
-        lift = list(-HEAVY_MASS * self.gravity)
-        pybullet.applyExternalForce(handle, -1, lift, list(position), pybullet.WORLD_FRAME, physicsClientId=self.client)
+        handle, place = self.ids[body], list(pose[:3])
+        pybullet.resetBasePositionAndOrientation(handle, place, xyzw(pose[3:]), physicsClientId=self.client)
+        pybullet.resetBaseVelocity(handle, list(speeds[:3]), list(speeds[3:]), physicsClientId=self.client)
+        self.push(body, -HEAVY_MASS * self.gravity)
+
+    def push(self, body: int, force: Any) -> None:
+        """Let a force act at the centre of mass of a body during the next step."""
+        handle, here = self.ids[body], self.state(body)[:3]
+        pybullet.applyExternalForce(handle, -1, list(force), here, pybullet.WORLD_FRAME, physicsClientId=self.client)
+
+    def hold(self, body: int) -> None:
+        """Put a dynamic body back where it began, as heavy as a kinematic one."""
+        if body not in self.held:
+            self.held.add(body)
+            self.weigh(body, HEAVY_MASS, [HEAVY_INERTIA] * 3)
+        start = self.bodies[body].start
+        self.drive(body, start, (0.0,) * 6)
+
+    def free(self, body: int) -> None:
+        """Let go of what has been held."""
+        self.held.remove(body)
+        self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
+
+    def weigh(self, body: int, mass: float, moments: Any) -> None:
+        """Set the mass and the moments of inertia."""
+        pybullet.changeDynamics(
+            self.ids[body], -1, mass=mass, localInertiaDiagonal=moments, physicsClientId=self.client
+        )
 
     def step(self) -> None:
         """Advance."""
@@ -130,7 +154,7 @@ class World:
         pybullet.disconnect(physicsClientId=self.client)
 
 
-def xyzw(turn: Vector) -> Vector:
+def xyzw(turn: Any) -> Vector:
     """PyBullet's order of a quaternion (w, x, y, z)."""
     return (*turn[1:], turn[0])
 

@@ -8,7 +8,7 @@ from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Piece, Rigid
 from wmspec.scene.script import script
 
-CONSTANTS = ("CONTACT_OFFSET", "FASTEST_SPIN", "ALONG_X")
+CONSTANTS = ("CONTACT_OFFSET", "FASTEST_SPIN", "ALONG_X", "JUMP")
 PARTS = (Piece, Rigid, world.World, world.lanes, world.mean, world.groups, world.shape, world.solve, world.pose)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from wmspec.scene.episode import TOUCH, Vector
 from wmspec.scene.rigid import Piece, Rigid
 from wmspec.scene.silence import silence
-from wmspec.scene.transform import multiply
+from wmspec.scene.transform import multiply, turning
 
 with silence():
     import sapien
@@ -19,6 +19,7 @@ CONTACT_OFFSET = 1e-5  # m: from further off, friction may act before the impact
 FASTEST_SPIN = 1000.0  # rad/s, PhysX's default is 100
 ALONG_X = (sqrt(0.5), 0.0, -sqrt(0.5), 0.0)  # PhysX's capsules and cylinders lie along x
 BITS = 32
+JUMP = 1e-9  # m: what is further from where it was to be has been placed there
 
 Lanes = dict[tuple[Vector, Vector], int]
 
@@ -45,6 +46,7 @@ class World:
         self.scene = sapien.Scene([self.system])
         self.scene.set_timestep(step)
         self.step_size, self.bodies = step, bodies
+        self.targets: dict[int, Any] = {}
         self.lanes = lanes(bodies)
         self.parts = [self.add(i, body) for i, body in enumerate(bodies)]
 
@@ -72,10 +74,27 @@ class World:
         self.parts[body].set_linear_velocity(np.array(linear, np.float32))
         self.parts[body].set_angular_velocity(np.array(angular, np.float32))
 
-    def drive(self, body: int, position: Any, velocity: Any) -> None:
-        """Tell a kinematic body where to be after the next step."""
-        target = np.asarray(position) + np.asarray(velocity) * self.step_size
-        self.parts[body].set_kinematic_target(pose((*target, *self.bodies[body].start[3:])))
+    def drive(self, body: int, pose_: Any, speeds: Any) -> None:
+        """Tell a kinematic body where to be after the next step; put it where it's to be before, if it isn't there."""
+        here, h = np.asarray(pose_), self.step_size
+        if np.abs(self.targets.setdefault(body, here) - here).max() > JUMP:
+            self.parts[body].entity.set_pose(pose(here))
+        there = [*(here[:3] + speeds[:3] * h), *multiply(turning(speeds[3:] * h), here[3:])]
+        self.targets[body] = np.array(there)
+        self.parts[body].set_kinematic_target(pose(there))
+
+    def push(self, body: int, force: Any) -> None:
+        """Let a force act at the centre of mass of a dynamic body during the next step."""
+        self.parts[body].add_force_torque(np.array(force, np.float32), np.zeros(3, np.float32))
+
+    def hold(self, body: int) -> None:
+        """Put a dynamic body back where it began, and make it kinematic."""
+        self.parts[body].set_kinematic(True)
+        self.drive(body, np.array(self.bodies[body].start), np.zeros(6))
+
+    def free(self, body: int) -> None:
+        """Let go of what has been held."""
+        self.parts[body].set_kinematic(False)
 
     def step(self) -> None:
         """Advance."""

@@ -11,12 +11,29 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.physics.scenes import ENGINES, body, floor, scene, turn
-from wmspec.scene.model import Box, Capsule, Cone, Cylinder, Glide, Launch, Scene, Sphere
+from tests.physics.scenes import ENGINES, UPRIGHT, body, floor, scene, turn
+from wmspec.scene.model import (
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    Follow,
+    Force,
+    Glide,
+    Impulse,
+    Launch,
+    Pose,
+    Release,
+    Scene,
+    Sphere,
+    Teleport,
+)
+
+RISE = np.array([[0.8, 0, 0.021], [0.8, 0, 0.1], [0.8, 0.05, 0.1]])
 
 
 def lively() -> Scene:
-    """Every shape but meshes, both actions, damping, an offset centre of mass, two materials."""
+    """Every shape but meshes, every action on bodies, damping, an offset centre of mass, two materials."""
     bodies = (
         floor(),
         body("ball", Sphere(0.05), (-0.3, 0, 0.05), mass=0.2, restitution=0.4),
@@ -25,10 +42,18 @@ def lively() -> Scene:
         body("can", Cylinder(0.04, 0.1), (0, 0.4, 0.05)),
         body("pill", Capsule(0.03, 0.08), (0.2, 0.4, 0.2), spin=(1, 2, 3)),
         body("pusher", Box(np.array([0.02, 0.1, 0.05])), (-0.2, 0.4, 0.051), motion="kinematic"),
+        body("lift", Box(np.array([0.1, 0.1, 0.02])), (0.8, 0, 0.021), motion="kinematic"),
+        body("load", Box(np.array([0.03, 0.03, 0.03])), (0.8, 0, 0.071)),
+        body("bomb", Box(np.array([0.03, 0.03, 0.03])), (0, 0, 0.3), orientation=turn((1, 0, 0), 0.3)),
     )
     actions = (
         Launch("throw", "ball", 0.1, np.array([1.3, 0, 0]), np.zeros(3)),
         Glide("push", "pusher", 0.05, 0.45, np.array([0.5, 0.0, 0.0])),
+        Follow("rise", "lift", 0.05, np.array([0, 0.1, 0.2]), RISE, np.array([UPRIGHT, turn((0, 1, 0), 0.2), UPRIGHT])),
+        Teleport("away", "lift", 0.4, Pose(np.array([1.5, 0, 0.3]), UPRIGHT)),
+        Force("draught", "can", 0.1, 0.3, np.array([0, 3.0, 0])),
+        Impulse("hit", "pill", 0.2, np.array([0, 0.05, 0.1])),
+        Release("drop", "bomb", 0.15),
     )
     return scene(*bodies, duration=0.5, actions=actions)
 

@@ -26,7 +26,7 @@ def stage(body: str, *, meters: float = 1, kilograms: float = 1, up: str = "Z") 
 
 _STATEMENT = re.compile(
     r"(?<!uniform) (?=(?:uniform )?"
-    r"(?:double3?|float[23]?|int|bool|token|string|rel|(?:vector3|point3|color3|texCoord2)f|quatf)"
+    r"(?:double3?|float[23]?|int|bool|token|string|rel|(?:vector3|point3|color3|texCoord2)f|quat[fd])"
     r"(?:\[\])? [\w:.]+)"
 )
 

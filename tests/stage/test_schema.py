@@ -10,7 +10,7 @@ from pxr import Sdf, Usd
 
 from tests.stage.stages import DATA
 from wmspec.scene import schema
-from wmspec.scene.read.episode import VERBS
+from wmspec.scene.read.actions import VERBS
 
 TYPES = ("WmsEpisode", "WmsAction", "WmsObservation")
 FOLDER = schema.__path__[0]

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from wmspec.scene.transform import multiply, rotate
+from wmspec.scene.transform import conjugate, multiply, rotate, turned, turning
 
 Vector = tuple[float, ...]
 
@@ -30,19 +30,70 @@ class Kick:
 
 
 @dataclass(frozen=True)
+class Push:
+    """In the steps `first` to `last` a force, N in world axes, acts at the centre of mass of `body`."""
+
+    first: int
+    last: int
+    body: int
+    force: Vector
+
+    def during(self, step: int) -> Any:
+        """The force (3,) in a step. What lasts has half of it at both ends: then engines' free motion is exact."""
+        ends = self.first < self.last and step in (self.first, self.last)
+        return np.array(self.force) * (0.5 if ends else self.first <= step <= self.last)
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Until step number `until` the dynamic `body` stays where it began."""
+
+    until: int
+    body: int
+
+
+@dataclass(frozen=True)
+class Aim:
+    """Before step number `step` the drive of the joint number `joint` gets this target, rad or m."""
+
+    step: int
+    joint: int
+    target: float
+
+
+@dataclass(frozen=True)
 class Track:
-    """The path of a kinematic body: from `times[i]` (s) on it moves from `points[i]` with `velocities[i]`."""
+    """The path of a kinematic body: from `times[i]` (s) on it moves from `points[i]` with `velocities[i]`,
+
+    and turns from `turns[i]`, quaternions, with `spins[i]`, rad/s. Between two such times it may jump.
+    """
 
     body: int
     times: Vector
     points: tuple[Vector, ...]
     velocities: tuple[Vector, ...]
+    turns: tuple[Vector, ...]
+    spins: tuple[Vector, ...]
 
     def at(self, time: float) -> Any:
-        """Position and velocity, (2, 3), at `time`."""
-        i = int(np.searchsorted(self.times, time, side="right")) - 1
-        velocity = np.array(self.velocities[i])
-        return np.stack([np.array(self.points[i]) + (time - self.times[i]) * velocity, velocity])
+        """Position, quaternion, linear and angular velocity, (13,), from `time` on."""
+        return self.part(int(np.searchsorted(self.times, time, side="right")) - 1, time)
+
+    def before(self, time: float) -> Any:
+        """The same just before `time`: what differs if it jumps then."""
+        return self.part(int(np.searchsorted(self.times, time, side="left")) - 1, time)
+
+    def part(self, i: int, time: float) -> Any:
+        """The same, on part `i` of the path."""
+        velocity, spin = np.array(self.velocities[i]), np.array(self.spins[i])
+        turn = multiply(turning((time - self.times[i]) * spin), np.array(self.turns[i]))
+        return np.concatenate([np.array(self.points[i]) + (time - self.times[i]) * velocity, turn, velocity, spin])
+
+    def speeds(self, start: float, stop: float) -> Any:
+        """The linear and angular velocity, (6,), that lead from where it is at `start` to where it is at `stop` (s)."""
+        here, there = self.at(start), self.before(stop)
+        turn = turned(multiply(there[3:7], conjugate(here[3:7])))
+        return np.concatenate([there[:3] - here[:3], turn]) / (stop - start)
 
 
 @dataclass(frozen=True)
@@ -61,6 +112,9 @@ class Episode:
     dynamic: tuple[int, ...]
     kicks: tuple[Kick, ...]
     tracks: tuple[Track, ...]
+    pushes: tuple[Push, ...] = ()
+    holds: tuple[Hold, ...] = ()
+    aims: tuple[Aim, ...] = ()
 
     @property
     def step(self) -> float:
@@ -85,8 +139,20 @@ class World(Protocol):
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         """Set the velocities of a dynamic body."""
 
-    def drive(self, body: int, position: Any, velocity: Any) -> None:
-        """Make a kinematic body move from `position` with `velocity` during the next step."""
+    def drive(self, body: int, pose: Any, speeds: Any) -> None:
+        """Make a kinematic body move from `pose` (7,) with linear and angular velocity (6,) during the next step."""
+
+    def push(self, body: int, force: Any) -> None:
+        """Let a force (3,) act at the centre of mass of a dynamic body during the next step."""
+
+    def hold(self, body: int) -> None:
+        """Put a dynamic body, with all that is jointed to it, back where it began, at rest, and let nothing move it."""
+
+    def free(self, body: int) -> None:
+        """Let go of what has been held."""
+
+    def aim(self, joint: int, target: float) -> None:
+        """Give the drive of a joint this target."""
 
     def step(self) -> None:
         """Advance by one time step."""
@@ -100,26 +166,46 @@ class World(Protocol):
 
 def play(world: World, episode: Episode) -> Recording:
     """Play the episode in a freshly built world."""
-    h = episode.step
-    half_fall = np.array(episode.gravity) * (h / 2)
     states = np.zeros((episode.samples, len(episode.start), 13))
     states[:, :, :7] = episode.start
     touching = []
     for i in range((episode.samples - 1) * episode.substeps + 1):
-        time = i / (episode.rate * episode.substeps)
-        kicks = [kick for kick in episode.kicks if kick.step == i]
-        for kick in kicks:  # engines fall by g h² too much in the first step; half a step less of g makes flight exact
-            world.kick(kick.body, np.array(kick.linear) - half_fall, np.array(kick.angular))
+        kicks = begin(world, episode, i)
         if i % episode.substeps == 0:
-            observe(world, episode, kicks, time, states[i // episode.substeps])
+            observe(world, episode, kicks, i * episode.step, states[i // episode.substeps])
         if i == (episode.samples - 1) * episode.substeps:
             break
-        for track in episode.tracks:
-            here = track.at(time)[0]
-            world.drive(track.body, here, (track.at(time + h)[0] - here) / h)
+        act(world, episode, i)
         world.step()
         touching.append(world.touching())
     return Recording(mounted(states, episode), touching)
+
+
+def begin(world: World, episode: Episode, i: int) -> list[Kick]:
+    """What happens at once before step number `i`; the kicks, as they are to be recorded."""
+    for hold in episode.holds:
+        if i < hold.until:
+            world.hold(hold.body)
+        elif i == hold.until:
+            world.free(hold.body)
+    for aim in episode.aims:
+        if aim.step == i:
+            world.aim(aim.joint, aim.target)
+    kicks = [kick for kick in episode.kicks if kick.step == i]
+    half_fall = np.array(episode.gravity) * (episode.step / 2)
+    for kick in kicks:  # engines fall by g h² too much in the first step; half a step less of g makes flight exact
+        world.kick(kick.body, np.array(kick.linear) - half_fall, np.array(kick.angular))
+    return kicks
+
+
+def act(world: World, episode: Episode, i: int) -> None:
+    """What happens during step number `i`."""
+    for track in episode.tracks:
+        start, stop = i * episode.step, (i + 1) * episode.step
+        world.drive(track.body, track.at(start)[:7], track.speeds(start, stop))
+    for push in episode.pushes:
+        if push.first <= i <= push.last:
+            world.push(push.body, push.during(i))
 
 
 def observe(world: World, episode: Episode, kicks: list[Kick], time: float, into: Any) -> None:
@@ -129,7 +215,7 @@ def observe(world: World, episode: Episode, kicks: list[Kick], time: float, into
     for kick in kicks:
         into[kick.body, 7:] = kick.linear + kick.angular
     for track in episode.tracks:
-        into[track.body, :3], into[track.body, 7:10] = track.at(time)
+        into[track.body] = track.at(time)
 
 
 def mounted(states: Any, episode: Episode) -> Any:

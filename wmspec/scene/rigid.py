@@ -14,7 +14,7 @@ from wmspec.scene.contact import colliders
 from wmspec.scene.episode import Vector
 from wmspec.scene.hull import corners
 from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Scene, Sphere
-from wmspec.scene.timeline import floats
+from wmspec.scene.numbers import floats, numbers
 from wmspec.scene.transform import identity
 
 
@@ -54,7 +54,7 @@ def _rigid(body: Body) -> Rigid:
     return Rigid(
         name=body.name,
         motion=body.motion,
-        start=floats(np.concatenate([body.pose.position, body.pose.orientation])),
+        start=numbers(body.pose),
         mass=float(body.inertia.mass) if body.inertia else 0.0,
         moments=floats(body.inertia.moments if body.inertia else np.zeros(3)),
         damping=(float(body.linear_damping), float(body.angular_damping)),
@@ -75,5 +75,4 @@ def _piece(geom: Geom) -> Piece:
             kind, size = "capsule", (float(r), float(h))
         case Cone() | Mesh():
             kind, size, pose = "hull", floats(placed(pose, corners(geom.shape))), identity()
-    where = floats(np.concatenate([pose.position, pose.orientation]))
-    return Piece(kind, size, where, (float(f.static), float(f.dynamic), float(f.restitution)))
+    return Piece(kind, size, numbers(pose), (float(f.static), float(f.dynamic), float(f.restitution)))

@@ -7,20 +7,41 @@ from collections.abc import Callable, Mapping, Sequence
 from pprint import pformat
 from typing import Any
 
-from wmspec.scene.episode import TOUCH, Episode, Kick, Recording, Track, mounted, observe, play
+from wmspec.scene.episode import (
+    TOUCH,
+    Aim,
+    Episode,
+    Hold,
+    Kick,
+    Push,
+    Recording,
+    Track,
+    act,
+    begin,
+    mounted,
+    observe,
+    play,
+)
 from wmspec.scene.model import Scene
-from wmspec.scene.transform import conjugate, cross, multiply, rotate
+from wmspec.scene.transform import conjugate, cross, multiply, rotate, turned, turning
 
 _COMMON: tuple[Callable[..., Any], ...] = (
     conjugate,
     multiply,
     cross,
     rotate,
+    turning,
+    turned,
     Kick,
+    Push,
+    Hold,
+    Aim,
     Track,
     Episode,
     Recording,
     play,
+    begin,
+    act,
     observe,
     mounted,
 )

@@ -1,72 +1,87 @@
-"""What actions mean, once for all engines: when velocities change, and where kinematic bodies are."""
+"""What actions mean, once for all engines: when velocities change, what pushes, and where kinematic bodies are."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil
 
 import numpy as np
 
 from wmspec.scene.centred import centred, mount
-from wmspec.scene.episode import Episode, Kick, Track, Vector
-from wmspec.scene.model import Array, Body, Glide, Launch, Pose, Scene
+from wmspec.scene.episode import Aim, Episode, Hold, Kick, Push
+from wmspec.scene.model import Action, Body, Force, Impulse, Launch, Release, Scene, Steer
+from wmspec.scene.numbers import floats, numbers
+from wmspec.scene.paths import track
+
+_REST = (0.0, 0.0, 0.0)
 
 
 def episode(scene: Scene, steps_per_second: int) -> Episode:
     """The scene's episode in steps of an engine that makes at least `steps_per_second`, a whole number a sample."""
     substeps = ceil(steps_per_second / scene.rate)
-    samples = round(scene.duration * scene.rate) + 1
+    rate = scene.rate * substeps
+    held = holds(scene, rate)
     return Episode(
         rate=scene.rate,
         substeps=substeps,
-        samples=samples,
+        samples=round(scene.duration * scene.rate) + 1,
         gravity=floats(scene.gravity),
-        start=tuple(_pose(centred(body).pose) for body in scene.bodies),
-        mounts=tuple(_pose(mount(body)) for body in scene.bodies),
+        start=tuple(numbers(centred(body).pose) for body in scene.bodies),
+        mounts=tuple(numbers(mount(body)) for body in scene.bodies),
         dynamic=tuple(i for i, body in enumerate(scene.bodies) if body.motion == "dynamic"),
-        kicks=kicks(scene, scene.rate * substeps),
-        tracks=tuple(track(scene, i) for i, body in enumerate(scene.bodies) if body.motion == "kinematic"),
+        kicks=kicks(scene, held, rate),
+        tracks=tuple(track(scene, i, rate) for i, body in enumerate(scene.bodies) if body.motion == "kinematic"),
+        pushes=tuple(_push(action, _index(scene)[action.body], rate) for action in _forces(scene.actions)),
+        holds=held,
+        aims=aims(scene, rate),
     )
 
 
-def kicks(scene: Scene, steps_per_second: int) -> tuple[Kick, ...]:
-    """Initial velocities, then launches in order of time, each at the step nearest to it."""
-    index = {body.name: i for i, body in enumerate(scene.bodies)}
+def kicks(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Kick, ...]:
+    """Initial velocities, or rest for what is let go later, then launches in order, each at the step nearest to it."""
+    later = {hold.body: hold.until for hold in held}
     first = [
-        Kick(0, i, floats(body.linear_velocity), floats(body.angular_velocity))
+        Kick(later[i], i, _REST, _REST) if i in later else Kick(0, i, *map(floats, _velocities(body)))
         for i, body in enumerate(scene.bodies)
         if body.motion == "dynamic"
     ]
     launches = sorted((action for action in scene.actions if isinstance(action, Launch)), key=lambda a: a.start)
-    later = [
-        Kick(round(a.start * steps_per_second), index[a.body], floats(a.linear), floats(a.angular)) for a in launches
-    ]
-    return tuple(first + later)
+    index = _index(scene)
+    return (
+        *first,
+        *(Kick(round(a.start * rate), index[a.body], floats(a.linear), floats(a.angular)) for a in launches),
+    )
 
 
-def track(scene: Scene, index: int) -> Track:
-    """The path of the kinematic body number `index`: the velocities of glides that overlap in time add up."""
-    body = scene.bodies[index]
-    glides = glides_of(scene, body)
-    times = sorted({0.0, *(g.start for g in glides), *(g.stop for g in glides)})
-    point, points, velocities = body.pose.position, [], []
-    for i, time in enumerate(times):
-        velocity = sum((g.velocity for g in glides if g.start <= time < g.stop), np.zeros(3))
-        points.append(floats(point))
-        velocities.append(floats(velocity))
-        if i + 1 < len(times):
-            point = point + (times[i + 1] - time) * velocity
-    return Track(index, tuple(float(t) for t in times), tuple(points), tuple(velocities))
+def holds(scene: Scene, rate: int) -> tuple[Hold, ...]:
+    """What is held at first."""
+    found = {_index(scene)[a.body]: round(a.start * rate) for a in scene.actions if isinstance(a, Release)}
+    return tuple(Hold(until, body) for body, until in sorted(found.items()) if until)
 
 
-def glides_of(scene: Scene, body: Body) -> tuple[Glide, ...]:
-    """The body's glides, in the scene's order."""
-    return tuple(action for action in scene.actions if isinstance(action, Glide) and action.body == body.name)
+def aims(scene: Scene, rate: int) -> tuple[Aim, ...]:
+    """The targets of drives, in order of time."""
+    joints = {joint.name: i for i, joint in enumerate(scene.joints)}
+    steers = sorted((a for a in scene.actions if isinstance(a, Steer)), key=lambda a: a.start)
+    return tuple(Aim(round(a.start * rate), joints[a.joint], float(a.target)) for a in steers)
 
 
-def floats(values: Array) -> Vector:
-    """Plain Python floats, whose text is exact."""
-    return tuple(float(v) for v in np.ravel(values))
+def _forces(actions: Sequence[Action]) -> list[Impulse | Force]:
+    return [action for action in actions if isinstance(action, Impulse | Force)]
 
 
-def _pose(pose: Pose) -> Vector:
-    return floats(np.concatenate([pose.position, pose.orientation]))
+def _push(action: Impulse | Force, body: int, rate: int) -> Push:
+    """The force whose impulse is exactly the action's, though it begins and ends at whole steps."""
+    first = round(action.start * rate)
+    if isinstance(action, Impulse):
+        return Push(first, first, body, floats(action.impulse * rate))
+    steps = round(action.stop * rate) - first
+    return Push(first, first + steps, body, floats(action.force * (action.stop - action.start) * rate / max(steps, 1)))
+
+
+def _velocities(body: Body) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.float64]], ...]:
+    return body.linear_velocity, body.angular_velocity
+
+
+def _index(scene: Scene) -> dict[str, int]:
+    return {body.name: i for i, body in enumerate(scene.bodies)}

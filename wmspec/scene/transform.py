@@ -42,6 +42,21 @@ def cross(a: Array, b: Array) -> Array:
     return a.take(after, -1) * b.take(before, -1) - a.take(before, -1) * b.take(after, -1)
 
 
+def turning(v: Array) -> Array:
+    """The unit quaternion (4,) of a turn about the vector `v` (3,) by its length (rad)."""
+    angle = float(np.linalg.norm(v))
+    turn: Array = np.array([np.cos(angle / 2), *(np.sinc(angle / (2 * np.pi)) / 2 * np.asarray(v, float))])
+    return turn
+
+
+def turned(q: Array) -> Array:
+    """The vector (3,) along the axis of the unit quaternion `q` (4,), as long as its angle (rad), at most pi."""
+    w, u = (q[0], np.asarray(q[1:])) if q[0] >= 0 else (-q[0], -np.asarray(q[1:]))
+    sine = float(np.linalg.norm(u))
+    vector: Array = u * (2 * np.arctan2(sine, w) / sine if sine > 0 else 2.0)
+    return vector
+
+
 def rotation(q: Array) -> Array:
     """Rotation matrices (..., 3, 3), for column vectors, of the unit quaternions `q` (..., 4)."""
     q = np.asarray(q, float)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
 from wmspec.errors import WmsError
-from wmspec.scene.model import Action, Body, Box, Capsule, Cone, Cylinder, Geom, Launch, Mesh, Scene, Shape, Sphere
+from wmspec.scene.deeds import problems as deed_problems
+from wmspec.scene.deeds import sequence
+from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Scene, Shape, Sphere
 
 _UNIT = 1e-6  # how far a quaternion's length may be from 1
 
@@ -19,7 +21,9 @@ def validate(scene: Scene) -> None:
         problems += [f"{body.path}: {problem}" for problem in _body(body)]
     motions = {body.name: body.motion for body in scene.bodies}
     for action in scene.actions:
-        problems += [f"action {action.name}: {problem}" for problem in _action(action, motions)]
+        problems += [f"action {action.name}: {problem}" for problem in deed_problems(action, motions)]
+    if not problems:
+        problems += sequence(scene)
     if problems:
         raise WmsError("\n".join(problems))
 
@@ -40,7 +44,7 @@ def _body(body: Body) -> Iterator[str]:
     if not abs(np.linalg.norm(body.pose.orientation) - 1) < _UNIT:
         yield f"its orientation {body.pose.orientation} is not a unit quaternion"
     if body.motion != "dynamic" and any(np.any(v) for v in numbers[1:]):
-        yield f"it is {body.motion} but has a velocity; make it dynamic, or move it by a glide"
+        yield f"it is {body.motion} but has a velocity; make it dynamic, or move it by an action"
     if min(body.linear_damping, body.angular_damping) < 0:
         yield "its damping is negative"
     if body.motion == "dynamic":
@@ -91,22 +95,3 @@ def _sizes(shape: Shape) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
             return np.array([r, h])
         case Mesh(points):
             return np.atleast_1d(np.ptp(points, axis=0).max() if len(points) else 0.0)
-
-
-def _action(action: Action, motions: Mapping[str, str]) -> Iterator[str]:
-    needed, numbers = (
-        ("dynamic", [action.linear, action.angular])
-        if isinstance(action, Launch)
-        else (
-            "kinematic",
-            [action.velocity, action.stop],
-        )
-    )
-    if action.body not in motions:
-        yield f"there is no body '{action.body}'; there are {', '.join(motions)}"
-    elif motions[action.body] != needed:
-        yield f"it moves '{action.body}', which is {motions[action.body]}, expected a {needed} body"
-    if not (action.start >= 0 and all(np.isfinite(v).all() for v in [action.start, *numbers])):
-        yield "its start is negative, or one of its numbers is not finite"
-    if not isinstance(action, Launch) and action.stop < action.start:
-        yield f"it stops at {action.stop} s, before it starts at {action.start} s"

@@ -7,7 +7,7 @@ from pathlib import PurePath
 from pxr import Usd
 
 from wmspec.scene.model import Action, Body, Camera, Observation, Scene
-from wmspec.scene.read import episode, views
+from wmspec.scene.read import actions, episode, views
 from wmspec.scene.read.bodies import bodies
 from wmspec.scene.read.frames import World
 from wmspec.scene.read.prims import Names, Problems, targets
@@ -29,7 +29,7 @@ def read(stage: Usd.Stage) -> Scene:
     found, world = Walk(stage, problems).found, World(stage)
     everything = bodies(list(found.owners.values()), world, problems)
     cameras = _cameras(found, world, problems)
-    actions = _actions(found, everything, world, problems)
+    deeds = _actions(found, everything, world, problems)
     observations = _observations(found, cameras, problems)
     with problems.gathered():
         gravity = episode.gravity(found.of("PhysicsScene"), world)
@@ -42,7 +42,7 @@ def read(stage: Usd.Stage) -> Scene:
         name=task or PurePath(stage.GetRootLayer().GetDisplayName()).stem,
         gravity=gravity,
         bodies=everything,
-        actions=actions,
+        actions=deeds,
         cameras=tuple(cameras.values()) or (views.overview(everything),),
         light=light,
         background=background,
@@ -62,16 +62,16 @@ def _cameras(found: Found, world: World, problems: Problems) -> dict[str, Camera
 
 
 def _actions(found: Found, everything: tuple[Body, ...], world: World, problems: Problems) -> tuple[Action, ...]:
-    known, actions = {body.path: body for body in everything}, []
+    known, done = {body.path: body for body in everything}, []
     refused = found.owners.keys() - known.keys()
     for prim in found.of("WmsAction"):
         if not refused.isdisjoint(targets(prim, "wms:object")):
             continue  # what is wrong is already said of its object
         with problems.gathered():
-            actions.append((prim, episode.action(prim, known, world)))
+            done.append((prim, actions.action(prim, known, {}, world)))
     with problems.gathered():
-        episode.overlapping(actions)
-    return tuple(action for _, action in actions)
+        actions.overlapping(done, everything)
+    return tuple(action for _, action in done)
 
 
 def _observations(found: Found, cameras: dict[str, Camera], problems: Problems) -> tuple[Observation, ...]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
@@ -35,6 +36,22 @@ def applied(prim: Usd.Prim) -> list[str]:
 def refuse(prim: Usd.Prim, reason: str, remedy: str) -> NoReturn:
     """Raise a `StageError` about this prim."""
     raise StageError((Problem(str(prim.GetPath()), reason, remedy),))
+
+
+def seconds(prim: Usd.Prim, name: str) -> float:
+    """The attribute, which is a time of at least 0 s; 0 if it has none."""
+    found = float(value(prim, name, 0.0))
+    if not 0 <= found < math.inf:
+        refuse(prim, f"{name} = {found:g}", "expected at least 0 s")
+    return found
+
+
+def target(prim: Usd.Prim, name: str, known: Mapping[str, Any], what: str) -> Any:
+    """What the relationship points to, which must be one of `known`, by their paths."""
+    paths = targets(prim, name)
+    if len(paths) != 1 or paths[0] not in known:
+        refuse(prim, f"{name} -> {paths} is not one {what} of the stage", f"target the prim of one {what}")
+    return known[paths[0]]
 
 
 class Problems:

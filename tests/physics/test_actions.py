@@ -1,0 +1,181 @@
+"""What is done to bodies, in each engine, against the analytic answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from math import cos, cosh, pi, sin, sinh
+
+import numpy as np
+import pytest
+
+from tests.physics.scenes import ENGINES, UPRIGHT, G, body, floor, scene, turn
+from wmspec.errors import WmsError
+from wmspec.scene.model import (
+    Action,
+    Box,
+    Follow,
+    Force,
+    Glide,
+    Impulse,
+    Launch,
+    Pose,
+    Release,
+    Scene,
+    Sphere,
+    Teleport,
+    Trace,
+)
+from wmspec.scene.transform import multiply, rotate
+
+Execute = Callable[[Scene], Trace]
+CUBE = Box(np.full(3, 0.05))
+AWAY = Pose(np.array([1.0, 0, 0.05]), turn((0, 0, 1), 0.5))
+
+
+@pytest.fixture(params=ENGINES)
+def execute(request: pytest.FixtureRequest) -> Execute:
+    pytest.importorskip(request.param)
+    run: Execute = import_module(f"wmspec.backends.{request.param}").execute
+    return run
+
+
+def test_a_path_is_followed_exactly(execute: Execute) -> None:
+    points = np.array([[0, 0, 1], [0.3, 0, 1], [0.3, 0.6, 1.2]])
+    turns = np.array([UPRIGHT, turn((0, 0, 1), 1.0), turn((0, 0, 1), 1.0)])
+    way = Follow("w", "b", 0.1, np.array([0, 0.25, 0.65]), points, turns)
+    trace = execute(scene(body("b", CUBE, (0, 0, 1), motion="kinematic"), duration=1, actions=(way,)))
+    t = trace.time - 0.1
+    for axis in range(3):
+        expected = np.interp(t, way.times, points[:, axis])
+        assert np.abs(trace.position[:, 0, axis] - expected).max() < 1e-9
+    angle = np.interp(t, [0, 0.25], [0, 1.0])
+    assert np.abs(trace.orientation[:, 0, 3] - np.sin(angle / 2)).max() < 1e-9
+    assert np.allclose(trace.angular_velocity[(t > 0.01) & (t < 0.24), 0], [0, 0, 4])
+    assert np.allclose(trace.linear_velocity[(t > 0.26) & (t < 0.64), 0], [0, 1.5, 0.5])
+
+
+def test_a_turning_paddle_sweeps_a_ball_along(execute: Execute) -> None:
+    """What touches a kinematic body feels its spin: the ball is a bead on a turning wire, x'' = omega² x along it."""
+    omega, gap = 2.0, 0.03
+    turns = np.array([UPRIGHT, turn((0, 0, 1), omega * pi / 4)])
+    way = Follow("w", "paddle", 0.0, np.array([0, pi / 4]), np.zeros((2, 3)), turns)
+    paddle = body("paddle", Box(np.array([0.4, 0.01, 0.02])), motion="kinematic", friction=0)
+    trace = execute(
+        scene(paddle, body("ball", Sphere(0.02), (0.2, 0.04, 0), friction=0), gravity=0, duration=0.4, actions=(way,))
+    )
+    met = next(t for t in np.arange(0, 0.1, 1e-5) if 0.04 * cos(omega * t) - 0.2 * sin(omega * t) < gap)
+    x, speed = 0.2 * cos(omega * met) + 0.04 * sin(omega * met), omega * gap
+    growth, way_ = cosh(omega * (0.4 - met)), sinh(omega * (0.4 - met))
+    x, speed = x * growth + speed / omega * way_, omega * x * way_ + speed * growth
+    expected = np.hypot(speed - omega * gap, omega * x)
+    assert np.linalg.norm(trace.linear_velocity[-1, 1]) == pytest.approx(expected, rel=0.01)
+
+
+def test_what_is_placed_elsewhere_pushes_nothing_on_its_way(execute: Execute) -> None:
+    """The ball lies between the two places; then the cube goes on from where it was put."""
+    ball = body("ball", Sphere(0.05), (0.5, 0, 0.05))
+    actions = (Teleport("t", "b", 0.2011, AWAY), Glide("g", "b", 0.3, 0.5, np.array([0, 1.0, 0])))
+    trace = execute(scene(floor(), ball, body("b", CUBE, (0, 0, 0.05), motion="kinematic"), actions=actions))
+    assert np.allclose(trace.position[:48, 2], [0, 0, 0.05])
+    assert np.allclose(trace.position[50:72, 2], AWAY.position)
+    assert np.allclose(trace.orientation[-1, 2], AWAY.orientation)
+    assert np.allclose(trace.position[-1, 2], [1, 0.2, 0.05], atol=1e-9)
+    assert np.abs(trace.position[-1, 1] - [0.5, 0, 0.05]).max() < 1e-3
+
+
+def test_moves_go_on_where_the_last_one_ended(execute: Execute) -> None:
+    actions = (
+        Glide("g", "b", 0, 0.2, np.array([1.0, 0, 0])),
+        Follow("f", "b", 0.2, np.array([0, 0.1]), np.array([[0.2, 0, 0], [0.2, 0, 0.1]])),
+        Glide("h", "b", 0.3, 0.4, np.array([0, -1.0, 0])),
+    )
+    trace = execute(scene(body("b", CUBE, motion="kinematic"), duration=0.5, actions=actions))
+    assert np.allclose(trace.position[-1, 0], [0.2, -0.1, 0.1], atol=1e-12)
+
+
+def test_an_impulse_changes_the_velocity_by_its_share_of_the_mass(execute: Execute) -> None:
+    hit = Impulse("i", "b", 0.25, np.array([0.6, 0, 1.2]))
+    trace = execute(scene(body("b", CUBE, mass=2.0, velocity=(0, 0.5, 0)), duration=1, actions=(hit,)))
+    t = np.maximum(trace.time - 0.25, 0)
+    expected = np.stack([0.3 * t, 0.5 * trace.time, 0.6 * t - G * trace.time**2 / 2], axis=1)
+    assert np.abs(trace.position[:, 0] - expected).max() < 1e-4
+    assert np.abs(trace.angular_velocity[-1]).max() < 1e-5
+
+
+def test_a_force_accelerates_while_it_lasts(execute: Execute) -> None:
+    push = Force("f", "b", 0.2, 0.6, np.array([3.0, 0, 0]))
+    cone = body("b", CUBE, mass=1.5, orientation=turn((0, 1, 0), 0.4))
+    trace = execute(scene(cone, duration=1, gravity=0, actions=(push,)))
+    during, after = np.clip(trace.time - 0.2, 0, 0.4), np.maximum(trace.time - 0.6, 0)
+    assert np.abs(trace.position[:, 0, 0] - (during**2 + 0.8 * after)).max() < 1e-4
+    assert trace.linear_velocity[-1, 0, 0] == pytest.approx(0.8, abs=1e-4)
+
+
+def test_a_force_beats_friction_or_does_not(execute: Execute) -> None:
+    boxes = [body(f"b{i}", CUBE, (0, i, 0.05)) for i in range(2)]
+    pushes = [Force(f"f{i}", f"b{i}", 0, 1, np.array([f * 0.5 * G, 0, 0])) for i, f in enumerate((0.9, 1.2))]
+    trace = execute(scene(floor(), *boxes, actions=tuple(pushes)))
+    assert abs(trace.position[-1, 1, 0]) < 5e-4
+    assert trace.position[-1, 2, 0] == pytest.approx(0.2 * 0.5 * G / 2, rel=0.01)
+
+
+def test_what_is_released_falls_from_where_it_was_held(execute: Execute) -> None:
+    """A ball that hits it before bounces off as off a wall; a ball on it lies still."""
+    held = body("b", CUBE, (0, 0, 2), mass=0.1, velocity=(1, 0, 0), spin=(0, 0, 5), restitution=0.64)
+    hitting = body("hit", Sphere(0.05), (-0.2, 0, 2), velocity=(2, 0, 0), mass=3, restitution=1, friction=0)
+    lying = body("lying", Sphere(0.02), (0, 0, 2.07))
+    trace = execute(scene(held, hitting, lying, duration=1, actions=(Release("r", "b", 0.5),)))
+    t = np.maximum(trace.time - 0.5, 0)
+    assert np.abs(trace.position[:, 0] - np.stack([0 * t, 0 * t, 2 - G * t**2 / 2], axis=1))[:, :2].max() < 1e-3
+    assert np.abs(trace.position[:121, 0] - [0, 0, 2]).max() < 1e-6
+    assert np.abs(trace.linear_velocity[:120, 0]).max() < 1e-6
+    assert np.abs(trace.position[:, 0, 2] - (2 - G * t**2 / 2)).max() < 2e-3
+    assert trace.position[119, 2, 2] == pytest.approx(2.07, abs=5e-4)
+    assert trace.linear_velocity[60, 1, 0] == pytest.approx(-0.8 * 2, rel=0.05)
+
+
+def test_a_long_way_with_turns_is_a_way_of_slerps(execute: Execute) -> None:
+    rng = np.random.default_rng(3)
+    turns = rng.normal(size=(5, 4))
+    turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+    points = rng.normal(size=(5, 3))
+    way = Follow("w", "b", 0.0, np.array([0, 0.1, 0.25, 0.3, 0.5]), points, turns)
+    start = body("b", CUBE, points[0], orientation=turns[0], motion="kinematic")
+    trace = execute(scene(start, duration=0.5, actions=(way,)))
+    for i, t in enumerate(way.times):
+        assert np.allclose(trace.position[trace.sample(t), 0], points[i], atol=1e-9)
+        got = trace.orientation[trace.sample(t), 0]
+        assert abs(got @ turns[i]) == pytest.approx(1, abs=1e-12)
+    middle = trace.orientation[trace.sample(0.4), 0]  # half-way: as far from either end
+    assert abs(middle @ turns[3]) == pytest.approx(abs(middle @ turns[4]), abs=1e-9)
+    assert np.allclose(rotate(multiply(middle, np.array([1.0, 0, 0, 0])), np.zeros(3)), 0)
+
+
+WRONG: dict[str, tuple[tuple[Action, ...], str]] = {
+    "overlap": (
+        (Glide("a", "k", 0, 1, np.zeros(3)), Teleport("b", "k", 0.5, AWAY)),
+        "action b: it starts while a still moves 'k'",
+    ),
+    "astray": (
+        (Follow("a", "k", 0, np.array([0, 1.0]), np.ones((2, 3))),),
+        r"action a: its way begins at \[1. 1. 1.\] m, but 'k' is at \[0. 0. 0.\] m",
+    ),
+    "times": ((Follow("a", "k", 0, np.array([0, 1.0, 1.0]), np.zeros((3, 3))),), "expected them to grow"),
+    "held": (
+        (Release("a", "d", 0.5), Launch("b", "d", 0.2, np.zeros(3), np.zeros(3))),
+        "action b: 'd' is held until 0.5 s",
+    ),
+    "static": ((Impulse("a", "s", 0, np.zeros(3)),), "'s', which is static, expected a dynamic body"),
+    "kinematic": ((Release("a", "k", 0.1),), "'k', which is kinematic, expected a dynamic body"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_cannot_be_done_is_refused(case: str) -> None:
+    from wmspec.scene.validate import validate
+
+    actions, message = WRONG[case]
+    bodies = [body("d", CUBE), body("k", CUBE, motion="kinematic"), body("s", CUBE, motion="static")]
+    with pytest.raises(WmsError, match=message):
+        validate(scene(*bodies, actions=actions))

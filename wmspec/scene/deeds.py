@@ -1,0 +1,97 @@
+"""What makes sense of actions: what they can be done to, and in which order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wmspec.scene.model import (
+    Action,
+    Follow,
+    Force,
+    Glide,
+    Impulse,
+    Launch,
+    Release,
+    Scene,
+    Steer,
+    Teleport,
+)
+from wmspec.scene.paths import astray, overlaps
+
+MOTIONS = {
+    Launch: "dynamic",
+    Glide: "kinematic",
+    Follow: "kinematic",
+    Teleport: "kinematic",
+    Impulse: "dynamic",
+    Force: "dynamic",
+    Release: "dynamic",
+}
+"""What an action can be done to."""
+
+
+def problems(action: Action, motions: Mapping[str, str]) -> Iterator[str]:
+    """What is wrong with one action; `motions` of the bodies by their names."""
+    if not isinstance(action, Steer):
+        needed = MOTIONS[type(action)]
+        if action.body not in motions:
+            yield f"there is no body '{action.body}'; there are {', '.join(motions)}"
+        elif motions[action.body] != needed:
+            yield f"it moves '{action.body}', which is {motions[action.body]}, expected a {needed} body"
+    if not (action.start >= 0 and all(np.isfinite(v).all() for v in _numbers(action))):
+        yield "its start is negative, or one of its numbers is not finite"
+    elif isinstance(action, Follow):
+        yield from _way(action)
+    elif isinstance(action, Glide | Force) and action.stop < action.start:
+        yield f"it stops at {action.stop} s, before it starts at {action.start} s"
+
+
+def _way(action: Follow) -> Iterator[str]:
+    n = len(action.times)
+    if n < 2 or action.points.shape != (n, 3) or (action.orientations is not None and len(action.orientations) != n):
+        yield f"it has {n} times, expected at least 2, and as many points and orientations"
+    elif action.times[0] != 0 or not (np.diff(action.times) > 0).all():
+        yield f"its times are {action.times.tolist()}, expected them to grow from 0"
+
+
+def _numbers(action: Action) -> list[ArrayLike]:
+    """Everything of an action that must be finite."""
+    match action:
+        case Launch():
+            return [action.start, action.linear, action.angular]
+        case Glide():
+            return [action.start, action.stop, action.velocity]
+        case Follow(orientations=None):
+            return [action.start, action.times, action.points]
+        case Follow():
+            return [action.start, action.times, action.points, np.asarray(action.orientations)]
+        case Teleport():
+            return [action.start, action.pose.position, action.pose.orientation]
+        case Impulse():
+            return [action.start, action.impulse]
+        case Force():
+            return [action.start, action.stop, action.force]
+        case Release():
+            return [action.start]
+        case Steer():
+            return [action.start, action.target]
+
+
+def sequence(scene: Scene) -> Iterator[str]:
+    """What is wrong between the actions of a body."""
+    for first, second in overlaps(scene.actions, scene.bodies):
+        yield f"action {second.name}: it starts while {first.name} still moves '{second.body}'; let one end first"
+    releases = {action.body: action for action in scene.actions if isinstance(action, Release)}
+    for action in scene.actions:
+        if isinstance(action, Launch | Impulse | Force) and action.body in releases:
+            release = releases[action.body]
+            if action.start < release.start:
+                yield f"action {action.name}: '{action.body}' is held until {release.start} s; let it start then"
+    for follow, here in astray(scene):
+        yield (
+            f"action {follow.name}: its way begins at {follow.points[0]} m, but '{follow.body}' is at {here} m then, "
+            "or turned otherwise; begin it there, or teleport the body first"
+        )

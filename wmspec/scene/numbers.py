@@ -1,0 +1,17 @@
+"""Plain Python floats of arrays, whose text is exact: what the native scripts are made of."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmspec.scene.model import Array, Pose
+
+
+def floats(values: Array) -> tuple[float, ...]:
+    """All numbers of an array, in order."""
+    return tuple(float(v) for v in np.ravel(values))
+
+
+def numbers(pose: Pose) -> tuple[float, ...]:
+    """Position and quaternion (w, x, y, z) of a pose."""
+    return floats(np.concatenate([pose.position, pose.orientation]))

@@ -1,0 +1,125 @@
+"""Where a kinematic body is, as its actions say one after the other: parts of constant velocity, with jumps between."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil
+
+import numpy as np
+
+from wmspec.scene.episode import Track
+from wmspec.scene.model import Action, Array, Body, Follow, Glide, Pose, Scene, Teleport
+from wmspec.scene.numbers import floats
+from wmspec.scene.transform import conjugate, multiply, turned, turning
+
+Move = Glide | Follow | Teleport
+_FUZZ = 1e-6  # steps
+NEAR = 1e-3  # m and rad: how far from where the body is its way may begin
+
+
+@dataclass(frozen=True)
+class Part:
+    """From `time` (s) on: position and velocity (3,), orientation (4,) and spin (3,) rad/s."""
+
+    time: float
+    point: Array
+    turn: Array
+    velocity: Array
+    spin: Array
+
+    def at(self, time: float) -> Pose:
+        """Where it leads to at `time`."""
+        dt = time - self.time
+        return Pose(self.point + dt * self.velocity, multiply(turning(dt * self.spin), self.turn))
+
+    def since(self, time: float) -> Part:
+        """The same motion, begun no earlier than `time`."""
+        if self.time >= time:
+            return self
+        pose = self.at(time)
+        return Part(time, pose.position, pose.orientation, self.velocity, self.spin)
+
+
+def track(scene: Scene, index: int, steps_per_second: int) -> Track:
+    """The path of the kinematic body number `index`; it jumps at whole steps only."""
+    body = scene.bodies[index]
+    parts = [_rest(0.0, body.pose)]
+    for move in moves_of(scene.actions, body):
+        for part in _parts(move, parts[-1].at(move.start), steps_per_second):
+            parts.append(part.since(parts[-1].time))
+    return Track(
+        index,
+        tuple(float(part.time) for part in parts),
+        tuple(floats(part.point) for part in parts),
+        tuple(floats(part.velocity) for part in parts),
+        tuple(floats(part.turn) for part in parts),
+        tuple(floats(part.spin) for part in parts),
+    )
+
+
+def moves_of(actions: Sequence[Action], body: Body) -> list[Move]:
+    """What moves the kinematic body, in order of time."""
+    found = [a for a in actions if isinstance(a, Glide | Follow | Teleport) and a.body == body.name]
+    return sorted(found, key=lambda move: (move.start, ended(move)))
+
+
+def ended(move: Move) -> float:
+    """When it is over, s."""
+    return move.start if isinstance(move, Teleport) else move.stop
+
+
+def overlaps(actions: Sequence[Action], bodies: Sequence[Body]) -> Iterator[tuple[Move, Move]]:
+    """The pairs of which the second starts while the first still moves the same body."""
+    for body in bodies:
+        for first, second in pairwise(moves_of(actions, body)):
+            if second.start < ended(first) - 1e-9 or second.start == first.start == ended(second) == ended(first):
+                yield first, second
+
+
+def astray(scene: Scene) -> Iterator[tuple[Follow, Array]]:
+    """The ways that do not begin where their body is then, and where it is (3,) m."""
+    for body in scene.bodies:
+        here = _rest(0.0, body.pose)
+        for move in moves_of(scene.actions, body):
+            pose = here.at(move.start)
+            if isinstance(move, Follow) and _apart(move, pose):
+                yield move, pose.position
+            here = _parts(move, pose, 1)[-1]
+
+
+def _apart(move: Follow, pose: Pose) -> bool:
+    turn = 0.0 if move.orientations is None else np.abs(turned(_between(pose.orientation, move.orientations[0]))).max()
+    return bool(np.linalg.norm(move.points[0] - pose.position) > NEAR or turn > NEAR)
+
+
+def _parts(move: Move, here: Pose, steps_per_second: int) -> list[Part]:
+    """The parts of one action of a body that is `here` when it starts, and the rest that follows."""
+    match move:
+        case Glide():
+            going = Part(move.start, here.position, here.orientation, move.velocity, np.zeros(3))
+            return [going, _rest(move.stop, going.at(move.stop))]
+        case Teleport():
+            return [_rest(ceil(move.start * steps_per_second - _FUZZ) / steps_per_second, move.pose)]
+        case Follow():
+            return _followed(move, here)
+
+
+def _followed(move: Follow, here: Pose) -> list[Part]:
+    n = len(move.times)
+    turns = np.tile(here.orientation, (n, 1)) if move.orientations is None else move.orientations
+    parts = []
+    for i, (start, stop) in enumerate(pairwise(move.times.tolist())):
+        velocity = (move.points[i + 1] - move.points[i]) / (stop - start)
+        spin = turned(_between(turns[i], turns[i + 1])) / (stop - start)
+        parts.append(Part(move.start + start, move.points[i], turns[i], velocity, spin))
+    return [*parts, _rest(move.stop, Pose(move.points[-1], turns[-1]))]
+
+
+def _between(a: Array, b: Array) -> Array:
+    return multiply(b, conjugate(a))
+
+
+def _rest(time: float, pose: Pose) -> Part:
+    return Part(time, pose.position, pose.orientation, np.zeros(3), np.zeros(3))
