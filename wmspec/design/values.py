@@ -11,8 +11,12 @@ from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import COLORS, PROPERTIES, Slot
 from wmspec.errors import WmsError
+from wmspec.looks import MATERIALS
 
 Point = tuple[float, float, float]
+
+#: What an object's material decides when the object does not say it.
+_OF_MATERIAL = ("roughness", "metallic")
 
 
 class Values:
@@ -81,6 +85,8 @@ class Values:
         if change is not None and change.value is not None and (change.owner, change.property) == (owner, name):
             before = Values(self.spec, self.assignment)  # the change is said in terms of what was
             value, place = evaluate(change.value, before), change.place
+        elif setting is None and name in _OF_MATERIAL and thing.kind == "object":
+            return getattr(MATERIALS[self.property(owner, "material")], name)
         elif setting is None:
             raise WmsError(f"{thing.place}: `{owner}` does not say its {name}")
         else:

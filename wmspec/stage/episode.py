@@ -133,8 +133,10 @@ def _material(doc: Document, name: str, shape: Prim, values: Values) -> None:
     surface.set("info:id", "token", "UsdPreviewSurface", uniform=True)
     color = tuple(_linear(c) for c in rgb(values.property(name, "color")))
     surface.set("inputs:diffuseColor", "color3f", color, f"{name}.color")
-    surface.set("inputs:roughness", "float", values.property(name, "roughness"), f"{name}.roughness")
-    surface.set("inputs:metallic", "float", values.property(name, "metallic"), f"{name}.metallic")
+    surface.set(
+        "inputs:roughness", "float", values.property(name, "roughness"), f"{name}.roughness", f"{name}.material"
+    )
+    surface.set("inputs:metallic", "float", values.property(name, "metallic"), f"{name}.metallic", f"{name}.material")
     surface.set("outputs:surface", "token", None)
     shape.relate("material:binding", path)
 
