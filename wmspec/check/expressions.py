@@ -27,7 +27,7 @@ from wmspec.check.kinds import (
 from wmspec.check.scope import Scope
 from wmspec.check.units import NUMBER, Dimension
 from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import PROPERTIES, WORDS, Slot
+from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, WORDS, Slot
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note, Report
@@ -221,7 +221,7 @@ class Expressions:
             return self.setting(block, written, slot).kind
         if name.id == "at" and any(p.name.id == "on" and p.at for p in block.properties):
             return slot.kinds[0]
-        if slot.default is None:
+        if slot.default is None and name.id not in BY_MATERIAL:
             self.fail("WMS206", f"`{owner.value}` does not say its {name.id}", name.span, f"add `{name.id}:` to it",
                       (Note(f"`{owner.value}` is declared here", block.name.span),))  # fmt: skip
         return slot.kinds[0]

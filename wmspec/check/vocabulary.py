@@ -98,6 +98,9 @@ class Slot:
         return ""
 
 
+#: Properties that the material of an object decides when they are left out.
+BY_MATERIAL = ("color", "roughness", "metallic")
+
 _FORM: dict[str, Slot] = {
     "shape": Slot((SHAPE,), "its form", "cube"),
     "size": Slot(
@@ -105,7 +108,7 @@ _FORM: dict[str, Slot] = {
     ),
     "radius": Slot((A_LENGTH,), "of a round object, instead of half its size", optional=True, above=0),
     "height": Slot((A_LENGTH,), "of a cylinder, cone or capsule, instead of its size", optional=True, above=0),
-    "color": Slot((COLOR,), "its colour; tints its material", "gray"),
+    "color": Slot((COLOR,), "its colour, which tints its material; instead of its material's own", optional=True),
     "material": Slot((MATERIAL,), "what it seems to be made of: its pattern and its gloss", "plastic"),
     "image": Slot((TEXT,), "a picture on its surface: a PNG or JPEG file beside the spec", optional=True),
     "roughness": Slot(

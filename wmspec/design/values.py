@@ -9,14 +9,11 @@ from typing import Any
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import COLORS, PROPERTIES, Slot
+from wmspec.check.vocabulary import BY_MATERIAL, COLORS, PROPERTIES, Slot
 from wmspec.errors import WmsError
 from wmspec.looks import MATERIALS
 
 Point = tuple[float, float, float]
-
-#: What an object's material decides when the object does not say it.
-_OF_MATERIAL = ("roughness", "metallic")
 
 
 class Values:
@@ -85,8 +82,8 @@ class Values:
         if change is not None and change.value is not None and (change.owner, change.property) == (owner, name):
             before = Values(self.spec, self.assignment)  # the change is said in terms of what was
             value, place = evaluate(change.value, before), change.place
-        elif setting is None and name in _OF_MATERIAL and thing.kind == "object":
-            return getattr(MATERIALS[self.property(owner, "material")], name)
+        elif setting is None and name in BY_MATERIAL:
+            return self._of_material(owner, name)
         elif setting is None:
             raise WmsError(f"{thing.place}: `{owner}` does not say its {name}")
         else:
@@ -99,6 +96,14 @@ class Values:
             if isinstance(number, float) and not math.isfinite(number):
                 raise WmsError(f"{place}: `{name}` of `{owner}` is not finite")
         return value
+
+    def _of_material(self, owner: str, name: str) -> Any:
+        """What an object's material decides; a picture on it keeps its own colours."""
+        if name != "color":
+            return getattr(MATERIALS[self.property(owner, "material")], name)
+        if self.has(owner, "image"):
+            return "rgb:1,1,1"
+        return word(MATERIALS[self.property(owner, "material")].color)
 
     # ------------------------------------------------------------ geometry
 
@@ -143,3 +148,9 @@ def rgb(color: str) -> Point:
         r, g, b = (float(p) for p in color[4:].split(","))
         return (r, g, b)
     return COLORS[color]
+
+
+def word(color: Point) -> str:
+    """The word for a colour by its sRGB parts, or else `rgb:...`."""
+    said = next((name for name, parts in COLORS.items() if parts == color), None)
+    return said or "rgb:" + ",".join(f"{part:.6g}" for part in color)

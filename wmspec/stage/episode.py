@@ -132,7 +132,7 @@ def _material(doc: Document, name: str, shape: Prim, values: Values) -> None:
     surface = doc.add(f"{path}/surface", "Shader")
     surface.set("info:id", "token", "UsdPreviewSurface", uniform=True)
     color = tuple(_linear(c) for c in rgb(values.property(name, "color")))
-    surface.set("inputs:diffuseColor", "color3f", color, f"{name}.color")
+    surface.set("inputs:diffuseColor", "color3f", color, f"{name}.color", f"{name}.material", f"{name}.image")
     surface.set(
         "inputs:roughness", "float", values.property(name, "roughness"), f"{name}.roughness", f"{name}.material"
     )
