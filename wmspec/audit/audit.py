@@ -1,0 +1,97 @@
+"""The audit of a dataset: every check of every task, one task in memory at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from wmspec.audit import balance, probes
+from wmspec.audit.cases import Unit, units
+from wmspec.audit.counts import accounted, counts, whole
+from wmspec.audit.duplicates import duplicates
+from wmspec.audit.likeness import QUANTILES, judge, likeness
+from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Test
+from wmspec.write.finished import Finished
+from wmspec.write.rows import Row
+
+#: The order of verdicts: what matters first.
+_ORDER = ("fails", "unclear", "told", "holds")
+
+
+@dataclass
+class _Gathered:
+    findings: list[Finding] = field(default_factory=list)
+    counts: list[Counts] = field(default_factory=list)
+    tests: list[Test] = field(default_factory=list)
+    probes: list[Probe] = field(default_factory=list)
+    likeness: list[Likeness] = field(default_factory=list)
+    spreads: list[Spread] = field(default_factory=list)
+
+
+def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audit:
+    """Look at everything in a finished dataset, at the pictures of at most `most` instances of each task.
+
+    `progress` is told of every task that is done. Raises WmsError if there is no finished dataset in the folder, or
+    if a file of it cannot be read.
+    """
+    dataset = Finished.open(folder)
+    found = _Gathered([whole(dataset)])
+    for task in dataset.tasks:
+        _task(dataset, task, most, found)
+        progress(task, 1)
+    tests, probed = balance.corrected(found.tests), probes.intervals(found.probes)
+    found.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
+    said = {key: dataset.manifest.get(key) for key in ("rows", "engines", "size", "seed", "consensus", "versions")}
+    return Audit(
+        dataset=str(folder),
+        findings=tuple(sorted(found.findings, key=lambda f: (_ORDER.index(f.verdict), f.task, f.check))),
+        counts=tuple(found.counts),
+        tests=tuple(tests),
+        probes=tuple(probed),
+        likeness=tuple(found.likeness),
+        spreads=tuple(found.spreads),
+        about=said | {"pictures of at most": most},
+    )
+
+
+def _task(dataset: Finished, task: str, most: int, found: _Gathered) -> None:
+    said = counts(dataset, task)
+    found.counts.append(said)
+    parts = list(units(dataset, task, most))
+    found.findings += accounted(dataset, said, parts)
+    for unit in parts:
+        _unit(unit, found)
+
+
+def _unit(unit: Unit, found: _Gathered) -> None:
+    found.findings += duplicates(unit)
+    alike = likeness(unit)
+    found.findings.append(judge(unit, alike))
+    found.likeness += [alike] if alike else []
+    found.tests += balance.tests(unit)
+    probed = probes.probes(unit)
+    if not probed:
+        few = f"{len(unit.once):,} instances are too few to look for shortcuts"
+        found.findings.append(Finding("shortcut", unit.name, "unclear", few))
+    found.probes += probed
+    found.spreads += _spreads(unit)
+
+
+def _spreads(unit: Unit) -> list[Spread]:
+    """How the stimulus differences are spread, where rows have them."""
+    values: dict[str, list[float]] = {}
+    for case in unit.once:
+        for name, value in differences(case.row):
+            values.setdefault(name, []).append(value)
+    return [Spread(unit.name, n, tuple(float(q) for q in np.quantile(v, QUANTILES))) for n, v in values.items()]
+
+
+def differences(row: Row) -> list[tuple[str, float]]:
+    """A row's stimulus differences, by name: of the column `difference`, if there is one."""
+    said = row.get("difference")
+    parts = said if isinstance(said, list) else [said]
+    named = [(p.get("name", "difference"), p.get("value")) if isinstance(p, dict) else ("difference", p) for p in parts]
+    return [(str(name), float(value)) for name, value in named if value is not None]

@@ -1,0 +1,130 @@
+"""Balance: answers, the places of the true option and nuisances are independent of one another.
+
+The answer may hang on the factors: that is what they are for. How much it does is told and not judged.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.audit.cases import Case, Unit
+from wmspec.audit.model import Finding, Test
+from wmspec.audit.statistics import goodness, holm, independence
+
+#: Numbers with more different values than this are put into quarters.
+MOST_VALUES = 8
+#: A dependence fails if it is this sure after correction, and this strong: a weak one is no use to anybody.
+SURE, STRONG = 0.01, 0.1
+
+PLACE, ANSWER = "place of the truth", "answer"
+
+
+@dataclass(frozen=True)
+class Crossed:
+    """Two things counted together: a row for each value of the first, a column for each of the second."""
+
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+    counts: NDArray[np.int64]
+
+
+def tests(unit: Unit) -> list[Test]:
+    """All tests of a unit's questions, one row for each instance."""
+    cases = unit.once
+    labels = not cases[0].pictured
+    factors, nuisances = cases[0].varied("factor"), cases[0].varied("nuisance")
+    found = [_uniform(unit, PLACE)]
+    if labels:
+        found += [_uniform(unit, ANSWER), _tested(unit, PLACE, ANSWER, True)]
+        found += [_tested(unit, ANSWER, n, True) for n in nuisances]
+        found += [_tested(unit, ANSWER, f, False) for f in factors]
+    return found + [_tested(unit, PLACE, n, True) for n in (*factors, *nuisances)]
+
+
+def corrected(found: Sequence[Test]) -> list[Test]:
+    """The tests with their probabilities corrected for the number of those judged."""
+    judged = iter(holm([t.p for t in found if t.judged]))
+    return [replace(t, corrected=next(judged) if t.judged else t.p) for t in found]
+
+
+def judge(test: Test) -> Finding:
+    """What a test says about its task."""
+    asked = sum(map(sum, test.counts))
+    what = f"{test.first} and {test.second} are independent" if test.second else f"the {test.first} is uniform"
+    wrong = f"{test.first} goes with {test.second}" if test.second else f"the {test.first} is not uniform"
+    said = f"({test.method}, p = {test.corrected:.2g}, strength {test.strength:.2f}, {asked:,} questions)"
+    if test.corrected < SURE and test.strength >= STRONG:
+        return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {said}")
+    return Finding("balance", test.task, "holds" if test.judged else "told", f"{what}, as far as can be told {said}")
+
+
+def _tested(unit: Unit, first: str, second: str, judged: bool) -> Test:
+    table = table_of(unit.once, second, first)
+    strength, p, method = independence(table.counts)
+    counts = tuple(tuple(map(int, row)) for row in table.counts)
+    return Test(unit.name, first, second, table.rows, table.columns, counts, strength, p, method, judged)
+
+
+def _uniform(unit: Unit, what: str) -> Test:
+    """Whether every place, or every answer, is true as often as it is on offer."""
+    expected: Counter[str] = Counter()
+    for case in unit.once:
+        for value in _offered(case, what):
+            expected[value] += 1 / case.count  # type: ignore[assignment]
+    seen = Counter(_value(case, what) for case in unit.once)
+    values = tuple(sorted(expected, key=_order))
+    counts = np.array([seen[v] for v in values])
+    strength, p, method = goodness(counts, np.array([expected[v] for v in values], dtype=np.float64))
+    return Test(unit.name, what, "", ("",), values, (tuple(map(int, counts)),), strength, p, method, True)
+
+
+def _offered(case: Case, what: str) -> list[str]:
+    return [str(i + 1) for i in range(case.count)] if what == PLACE else list(case.row["option_name"])
+
+
+def table_of(cases: Sequence[Case], second: str, first: str = ANSWER) -> Crossed:
+    """`first` (a row each) against `second` (a column each): a factor's or nuisance's values, or the answer's."""
+    a = [_value(c, first) for c in cases]
+    b = _binned([_value(c, second) if second == ANSWER else _varied(c)[second] for c in cases])
+    rows, columns = (tuple(sorted(set(values), key=_order)) for values in (a, b))
+    counts = np.zeros((len(rows), len(columns)), dtype=np.int64)
+    for x, y in zip(a, b, strict=True):
+        counts[rows.index(x), columns.index(y)] += 1
+    return Crossed(rows, columns, counts)
+
+
+def _varied(case: Case) -> dict[str, Any]:
+    return case.varied("nuisance") | case.varied("factor")
+
+
+def _value(case: Case, what: str) -> str:
+    place = case.row["answer"]
+    if what == PLACE:
+        return str(place + 1)
+    return "truth" if case.pictured else str(case.row["option_name"][place])
+
+
+def _binned(values: Sequence[Any]) -> list[str]:
+    """Values as texts; many different numbers as the quarter that they are in."""
+    numbers = [v for v in values if isinstance(v, (int, float)) and not isinstance(v, bool)]
+    if len(numbers) < len(values) or len(set(numbers)) <= MOST_VALUES:
+        return [f"{v:.4g}" if isinstance(v, float) else str(v) for v in values]
+    edges = np.quantile(numbers, [0.25, 0.5, 0.75])
+    bounds = [min(numbers), *edges, max(numbers)]
+    said = [f"{a:.3g} to {b:.3g}" for a, b in pairwise(bounds)]
+    return [said[int(np.searchsorted(edges, v))] for v in values]
+
+
+def _order(said: str) -> tuple[float, str]:
+    """Numbers by size, then words."""
+    try:
+        return float(said.partition(" to ")[0]), ""
+    except ValueError:
+        return float("inf"), said

@@ -1,0 +1,73 @@
+"""Is everything there that the manifest says: files as they were written, questions kept or rejected with a reason?"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from wmspec.audit.cases import Case, Unit
+from wmspec.audit.duplicates import MOST_NAMED
+from wmspec.audit.model import Counts, Finding
+from wmspec.write import files
+from wmspec.write.finished import Finished
+
+#: Reasons that are no property of the design: something broke.
+BROKEN = ("crashed", "timeout", "unstable")
+
+
+def counts(dataset: Finished, task: str) -> Counts:
+    """What the manifest says of a task."""
+    said = dataset.manifest["tasks"][task]
+    kept, rejected = sum(said["rows"].values()), dict(said["rejected"])
+    return Counts(task, said["dimension"], said["instances"], kept + sum(rejected.values()), kept, rejected)
+
+
+def whole(dataset: Finished) -> Finding:
+    """Whether every file is there as it was written."""
+    wrong = []
+    for path, said in dataset.manifest["shards"].items():
+        file = dataset.folder / path
+        if not file.is_file():
+            wrong.append(f"{path} is gone")
+        elif files.digest(file) != said["sha256"]:
+            wrong.append(f"{path} is not as it was written")
+    if wrong:
+        return Finding("files", "", "fails", "; ".join(wrong[:MOST_NAMED]) + (" …" if len(wrong) > MOST_NAMED else ""))
+    return Finding("files", "", "holds", f"{len(dataset.manifest['shards']):,} files are as they were written")
+
+
+def accounted(dataset: Finished, said: Counts, units: list[Unit]) -> Iterator[Finding]:
+    """Whether a task's rows are those that the manifest counts, each with one true option."""
+    rows = [case for unit in units for case in unit.cases]
+    by_engine = Counter(c.row["engine"] for c in rows)
+    wrong = [
+        f"{n} of {by_engine[e]:,} rows, {n:,} in the manifest"
+        for e, n in _rows(dataset, said.task)
+        if by_engine[e] != n
+    ]
+    twice = [name for name, n in Counter(c.row["id"] for c in rows).items() if n > 1]
+    odd = [c.row["id"] for c in rows if not _one_truth(c)]
+    wrong += [f"{len(twice):,} rows have the id of another, such as {twice[0]}"] if twice else []
+    wrong += [f"{len(odd):,} rows have no or another true option, such as {odd[0]}"] if odd else []
+    if wrong:
+        yield Finding("counts", said.task, "fails", "; ".join(wrong))
+    yield _judged(said)
+
+
+def _rows(dataset: Finished, task: str) -> Iterator[tuple[str, int]]:
+    yield from dataset.manifest["tasks"][task]["rows"].items()
+
+
+def _one_truth(case: Case) -> bool:
+    kinds, answer = case.row["option_kind"], case.row["answer"]
+    return [i for i, kind in enumerate(kinds) if kind == "truth"] == [answer]
+
+
+def _judged(said: Counts) -> Finding:
+    """How many questions were kept. A task that yields none fails, and one in which something broke."""
+    reasons = ", ".join(f"{n:,} {reason}" for reason, n in said.rejected.items())
+    lost = said.asked - said.kept
+    share = f"{said.kept:,} of {said.asked:,} questions kept of {said.instances:,} instances"
+    what = f"{share}; rejected {lost / max(1, said.asked):.1%}: {reasons}" if lost else f"{share}, none rejected"
+    broken = sum(said.rejected.get(reason, 0) for reason in BROKEN)
+    return Finding("counts", said.task, "fails" if not said.kept or broken else "holds", what)

@@ -1,0 +1,148 @@
+"""Duplicates: questions asked twice, and questions that say true what another of the same looks says false."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.audit.cases import SIDE, Case, Small, Unit
+from wmspec.audit.model import Finding
+
+#: Two pixels of small pictures differ if a channel differs by more than this (of 255).
+LEAST_STEP = 8
+#: Pictures in which fewer pixels than this share differ look alike: as many as a question's own options must differ in.
+ALIKE = 100 / 256**2
+#: Candidates for a comparison differ by at most this in the mean of a channel over a ninth of a picture (of 255).
+COARSE = 4.0
+#: The most examples that a finding names.
+MOST_NAMED = 3
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two questions that ask the same: exactly, or to the eye; `contrary` if they do not have the same answer."""
+
+    first: str
+    second: str
+    exact: bool
+    contrary: bool
+
+
+def duplicates(unit: Unit) -> list[Finding]:
+    """What there is to say about a unit's questions: contrary pairs fail, others are told."""
+    found = [*_exact(unit.cases)]
+    known = {(p.first, p.second) for p in found}
+    found += [p for p in _near(unit.first_engine) if (p.first, p.second) not in known]
+    contrary, same = [p for p in found if p.contrary], [p for p in found if not p.contrary]
+    said = []
+    if contrary:
+        what = f"{_count(contrary)} ask the same and have different answers, such as {_named(contrary)}"
+        said.append(Finding("duplicates", unit.name, "fails", what))
+    if same:
+        exact = sum(p.exact for p in same)
+        what = f"{_count(same)} ask the same and have the same answer ({exact:,} to the byte), such as {_named(same)}"
+        said.append(Finding("duplicates", unit.name, "told", what))
+    if not found:
+        seen = len(unit.first_engine)
+        what = f"none among {len(unit.cases):,} rows to the byte, none among {seen:,} instances to the eye"
+        said.append(Finding("duplicates", unit.name, "holds", what))
+    return said
+
+
+def _count(pairs: Sequence[Pair]) -> str:
+    return f"{len(pairs):,} {'pair' if len(pairs) == 1 else 'pairs'} of questions"
+
+
+def _named(pairs: Sequence[Pair]) -> str:
+    return ", ".join(f"{p.first} and {p.second}" for p in pairs[:MOST_NAMED])
+
+
+# ---------------------------------------------------------------- to the byte
+
+
+def _exact(cases: Sequence[Case]) -> Iterator[Pair]:
+    """Pairs with the same words and the same pictures shown, in any engine; each with the first of its kind."""
+    first: dict[tuple[object, ...], list[Case]] = defaultdict(list)
+    for case in cases:
+        key = (case.row["text"], case.context, tuple(case.row["context_camera"]), tuple(case.row["context_time"]))
+        for other in first[key]:
+            if other.row["index"] != case.row["index"] and _offers_the_same(other, case):
+                yield Pair(other.row["id"], case.row["id"], True, _true(case) != _true(other))
+                break
+        else:
+            first[key].append(case)
+
+
+def _offers_the_same(a: Case, b: Case) -> bool:
+    return sorted(_options(a)) == sorted(_options(b)) or _true(a) in _options(b) or _true(b) in _options(a)
+
+
+def _options(case: Case) -> tuple[bytes, ...]:
+    return case.options or tuple(text.encode() for text in case.row["option_text"])
+
+
+def _true(case: Case) -> bytes:
+    return _options(case)[case.row["answer"]]
+
+
+# ---------------------------------------------------------------- to the eye
+
+
+def _near(cases: Sequence[Case]) -> Iterator[Pair]:
+    """Pairs of the same engine with the same words and pictures that look alike, where one can answer the other."""
+    parted: dict[tuple[object, ...], list[Case]] = defaultdict(list)
+    for case in cases:
+        parted[(case.row["text"], case.pictured, len(case.seen_context))].append(case)
+    for alike in parted.values():
+        for a, b in _candidates(alike):
+            if not all(map(looks_alike, a.seen_context, b.seen_context)):
+                continue
+            if _same_answer(a, b):
+                yield Pair(a.row["id"], b.row["id"], False, False)
+            elif _denies(a, b) or _denies(b, a):
+                yield Pair(a.row["id"], b.row["id"], False, True)
+
+
+def _candidates(cases: Sequence[Case]) -> Iterator[tuple[Case, Case]]:
+    """Pairs whose pictures have about the same colours everywhere: a quick look that misses none that look alike."""
+    if not cases or not cases[0].seen_context:
+        yield from combinations(cases, 2)
+        return
+    coarse = np.stack([np.concatenate([_coarse(p) for p in c.seen_context]) for c in cases])
+    for i, here in enumerate(coarse[:-1]):
+        gap = abs(coarse[i + 1 :] - here).max(1)
+        yield from ((cases[i], cases[i + 1 + int(j)]) for j in np.flatnonzero(gap <= COARSE))
+
+
+def _coarse(picture: Small) -> NDArray[np.float32]:
+    third = SIDE // 3
+    return np.asarray(picture.reshape(3, third, 3, third, 3).mean((1, 3), dtype=np.float32).ravel())
+
+
+def different(a: Small, b: Small) -> float:
+    """The share of pixels in which two small pictures differ."""
+    return float((abs(a.astype(np.int16) - b) > LEAST_STEP).any(-1).mean())
+
+
+def looks_alike(a: Small, b: Small) -> bool:
+    """Whether nobody could tell two small pictures apart."""
+    return different(a, b) < ALIKE
+
+
+def _same_answer(a: Case, b: Case) -> bool:
+    if a.pictured:
+        return looks_alike(a.seen_options[a.row["answer"]], b.seen_options[b.row["answer"]])
+    return _true(a) == _true(b)
+
+
+def _denies(a: Case, b: Case) -> bool:
+    """Whether what is true in `a` is an option of `b` that is false."""
+    if not a.pictured:
+        return _true(a) in _options(b)
+    true = a.seen_options[a.row["answer"]]
+    return any(looks_alike(true, o) for i, o in enumerate(b.seen_options) if i != b.row["answer"])

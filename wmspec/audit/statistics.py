@@ -1,0 +1,80 @@
+"""The few statistics that the audit needs: tests of independence, correction for many of them, an interval."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+Table = NDArray[np.int64]
+
+#: Below this expected count in any cell the chi-square distribution is not trusted (Cochran 1954).
+LEAST_EXPECTED = 5
+#: Tables drawn with the same margins where no exact formula is at hand; always the same ones.
+DRAWN = 19_999
+SEED = 20_611
+
+
+def independence(table: Table) -> tuple[float, float, str]:
+    """Cramér's V of a contingency table, the probability of one so uneven by chance, and how that was found.
+
+    Chi-square where every cell is expected to hold 5; else Fisher's exact test for 2 x 2, and random tables with the
+    same margins (Patefield 1981) for larger ones. (0, 1, "nothing varies") where a margin has a single value.
+    """
+    table = table[table.sum(1) > 0][:, table.sum(0) > 0]
+    if min(table.shape) < 2:
+        return 0.0, 1.0, "nothing varies"
+    expected = np.outer(table.sum(1), table.sum(0)) / table.sum()
+    seen = _distance(table, expected)
+    strength = float(np.sqrt(seen / table.sum() / (min(table.shape) - 1)))
+    if expected.min() >= LEAST_EXPECTED:
+        return strength, float(stats.chi2.sf(seen, (table.shape[0] - 1) * (table.shape[1] - 1))), "chi-square"
+    if table.shape == (2, 2):
+        return strength, float(stats.fisher_exact(table).pvalue), "Fisher's exact"
+    drawn = stats.random_table(table.sum(1), table.sum(0)).rvs(DRAWN, random_state=SEED)
+    return strength, _rank(seen, _distance(drawn, expected)), f"{DRAWN:,} random tables"
+
+
+def goodness(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[float, float, str]:
+    """Cohen's w of counts against those expected, the probability of such by chance, and how that was found."""
+    if len(counts) < 2:
+        return 0.0, 1.0, "nothing varies"
+    total = int(counts.sum())
+    seen = _distance(counts, expected)
+    strength = float(np.sqrt(seen / total))
+    if expected.min() >= LEAST_EXPECTED:
+        return strength, float(stats.chi2.sf(seen, len(counts) - 1)), "chi-square"
+    if len(counts) == 2:
+        return strength, float(stats.binomtest(int(counts[0]), total, expected[0] / total).pvalue), "exact binomial"
+    drawn = np.random.default_rng(SEED).multinomial(total, expected / total, DRAWN)
+    return strength, _rank(seen, ((drawn - expected) ** 2 / expected).sum(1)), f"{DRAWN:,} random draws"
+
+
+def _distance(table: Table, expected: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Pearson's statistic of a table, or of each of many."""
+    cells = (table - expected) ** 2 / expected
+    return np.asarray(cells.sum(tuple(range(cells.ndim - expected.ndim, cells.ndim))), dtype=np.float64)
+
+
+def _rank(seen: NDArray[np.float64], drawn: NDArray[np.float64]) -> float:
+    """The share of the drawn that are at least as far out, the seen one counted among them."""
+    return float((np.sum(drawn >= seen * (1 - 1e-9)) + 1) / (len(drawn) + 1))
+
+
+def holm(p: Sequence[float]) -> list[float]:
+    """The probabilities after Holm's correction for their number (Holm 1979), in the same order."""
+    corrected, largest = [1.0] * len(p), 0.0
+    for rank, i in enumerate(sorted(range(len(p)), key=lambda i: p[i])):
+        largest = max(largest, min(1.0, p[i] * (len(p) - rank)))
+        corrected[i] = largest
+    return corrected
+
+
+def clopper_pearson(right: float, asked: int, confidence: float) -> tuple[float, float]:
+    """The exact interval of a share (Clopper & Pearson 1934); `right` may have a fraction, from ties."""
+    tail = (1 - confidence) / 2
+    low = float(stats.beta.ppf(tail, right, asked - right + 1)) if right > 0 else 0.0
+    high = float(stats.beta.isf(tail, right + 1, asked - right)) if right < asked else 1.0
+    return low, high

@@ -1,0 +1,83 @@
+"""Reading a dataset that is finished: its manifest, its rows in order, and the units of its columns."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from wmspec.errors import WmsError
+from wmspec.write.rows import Row
+from wmspec.write.shards import ROW_GROUP
+
+#: The columns that hold pictures, as a list of {bytes, path}.
+PICTURES = ("context", "option_image")
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A finished dataset: its folder and its manifest as JSON values."""
+
+    folder: Path
+    manifest: dict[str, Any]
+
+    @classmethod
+    def open(cls, folder: Path) -> Finished:
+        """Raises WmsError if there is no finished dataset in the folder."""
+        try:
+            said = json.loads((folder / "manifest.json").read_bytes())
+        except (OSError, ValueError):
+            raise WmsError(f"{folder} holds no finished dataset; make one with `wmspec generate`") from None
+        if not isinstance(said, dict) or not {"tasks", "shards", "engines"} <= said.keys():
+            raise WmsError(f"{folder}/manifest.json is not one that `wmspec generate` writes; make the dataset again")
+        return cls(folder, said)
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        """The tasks' names, in order."""
+        return tuple(self.manifest["tasks"])
+
+    @property
+    def engines(self) -> tuple[str, ...]:
+        """The engines' names, in order."""
+        return tuple(self.manifest["engines"])
+
+    def shards(self, task: str) -> tuple[str, ...]:
+        """The paths of a task's shards in the folder."""
+        return tuple(path for path in self.manifest["shards"] if path.startswith(f"data/{task}/"))
+
+    def units(self, task: str) -> dict[str, str]:
+        """The SI unit of every column that has one. Raises WmsError if a shard cannot be read."""
+        return {
+            field.name: field.metadata[b"unit"].decode()
+            for path in self.shards(task)[:1]
+            for field in _opened(self.folder / path).schema_arrow
+            if field.metadata and field.metadata.get(b"unit")
+        }
+
+    def rows(self, task: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
+        """The rows of a task in order, few in memory at a time. Raises WmsError if a shard cannot be read."""
+        for path in self.shards(task):
+            file = _opened(self.folder / path)
+            try:
+                for batch in file.iter_batches(ROW_GROUP, columns=columns):
+                    yield from batch.to_pylist()
+            except (OSError, pa.ArrowException) as error:
+                raise _unreadable(self.folder / path, error) from None
+
+
+def _opened(path: Path) -> pq.ParquetFile:
+    try:
+        return pq.ParquetFile(path)
+    except (OSError, pa.ArrowException) as error:
+        raise _unreadable(path, error) from None
+
+
+def _unreadable(path: Path, error: Exception) -> WmsError:
+    said = str(error).splitlines()[0]
+    return WmsError(f"{path}: cannot be read ({said}); give the command that made the dataset again, it is mended then")
