@@ -152,7 +152,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "at": Slot((POINT3,), "where it is"),
         "look_at": Slot((POINT3,), "what it looks at", "(0 m, 0 m, 0 m)"),
         "fov": Slot((AN_ANGLE,), "its vertical field of view", "40 deg", above=0, most=2.6),
-        "ride": Slot((OBJECT,), "the object that carries it; then `at` and `look_at` are seen from there", optional=True),
+        "ride": Slot((OBJECT, ROBOT), "the object that carries it; then `at` and `look_at` are seen from there", optional=True),
     },
     "light": {
         "direction": Slot((TRIPLE,), "where its light goes", "(0.35, 0.45, -1)"),

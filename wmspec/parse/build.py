@@ -227,6 +227,7 @@ class _Builder:
 
     at_name = name
     at_key = name
+    named = name
 
     def reference(self, c: Any, _: Span) -> s.Name:
         name: s.Name = self(c[0])

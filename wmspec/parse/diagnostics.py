@@ -11,7 +11,7 @@ from wmspec.parse.source import Span
 
 Severity = Literal["error", "warning"]
 
-#: Every code with its meaning. The hundreds are the stages: text, names, types and units, design, questions.
+#: Every code with its meaning. The hundreds are the stages: text, names, units, design, questions, scene.
 CODES: dict[str, str] = {
     "WMS101": "unexpected text",
     "WMS102": "unreadable character",
@@ -35,10 +35,19 @@ CODES: dict[str, str] = {
     "WMS403": "factor without effect",
     "WMS404": "require too costly",
     "WMS405": "misplaced statement",
+    "WMS406": "require without effect",
+    "WMS407": "condition on what is drawn",
+    "WMS408": "impossible design",
+    "WMS409": "factor in words alone",
     "WMS501": "question without answer",
     "WMS502": "options and answer do not fit",
     "WMS503": "counterfactual without effect",
     "WMS504": "nothing is observed",
+    "WMS505": "counterfactual of several changes",
+    "WMS506": "answer that never varies",
+    "WMS507": "options that coincide",
+    "WMS601": "objects inside one another",
+    "WMS602": "camera that misses the matter",
 }
 
 
