@@ -20,6 +20,7 @@ from wmspec.check.kinds import (
     PLACE,
     POINT2,
     POINT3,
+    ROBOT,
     SHAPE,
     TEXT,
     TRIPLE,
