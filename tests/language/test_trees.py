@@ -1,0 +1,29 @@
+"""Whatever the grammar can say: printing and reading is the identity, and formatting changes nothing but space."""
+
+from hypothesis import given
+
+from tests.language.trees import bare, files, written
+from wmspec.parse.diagnostics import Report
+from wmspec.parse.format import format_spec
+from wmspec.parse.parser import parse
+from wmspec.parse.source import Source
+from wmspec.parse.syntax import File
+
+
+def _read(text: str) -> File:
+    report = Report()
+    tree = parse(Source("tree.wms", text), report)
+    report.stop_if_failed()
+    return tree
+
+
+@given(files)
+def test_a_tree_reads_back_as_it_was_printed(tree: File) -> None:
+    assert bare(_read(written(tree))) == bare(tree)
+
+
+@given(files)
+def test_formatting_keeps_the_tree_and_a_second_time_changes_nothing(tree: File) -> None:
+    once = format_spec(Source("tree.wms", written(tree)))
+    assert bare(_read(once)) == bare(tree)
+    assert format_spec(Source("tree.wms", once)) == once
