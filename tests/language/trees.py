@@ -1,5 +1,6 @@
 """Random syntax trees and their text: whatever the grammar can say, whether or not it makes sense."""
 
+from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -11,8 +12,32 @@ from wmspec.parse.source import Source, Span
 NOWHERE = Span(Source("tree", ""), 0, 0)
 
 #: Ordinary names, and words that are keywords elsewhere.
-_NAMES = ["a", "b2", "Cup", "_x", "light", "camera", "world", "options", "answer", "state", "order", "repeat", "horizon",
-          "title", "design", "tolerance", "template", "part", "joint", "robot", "objects", "within", "stable", "of"]  # fmt: skip
+_NAMES = [
+    "a",
+    "b2",
+    "Cup",
+    "_x",
+    "light",
+    "camera",
+    "world",
+    "options",
+    "answer",
+    "state",
+    "order",
+    "repeat",
+    "horizon",
+    "title",
+    "design",
+    "tolerance",
+    "template",
+    "part",
+    "joint",
+    "robot",
+    "objects",
+    "within",
+    "stable",
+    "of",
+]
 _UNITS = ["cm", "m", "s", "deg", "kg/m^3", "m/s^2", "N*s", "%"]
 
 names = st.sampled_from(_NAMES).map(lambda n: s.Name(n, NOWHERE))
@@ -115,110 +140,85 @@ def bare(node: Any) -> Any:
 
 def written(node: Any) -> str:
     """The text of a tree; every operation in brackets."""
-    match node:
-        case None:
-            return ""
-        case s.Number():
-            return f"{node.value!r}".removesuffix(".0") + (f" {node.unit}" if node.unit else "")
-        case s.Text():
-            return '"' + node.value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-        case s.Truth():
-            return "true" if node.value else "false"
-        case s.Name():
-            return node.id
-        case s.Member():
-            return f"{written(node.value)}.{written(node.name)}"
-        case s.Index():
-            return f"{written(node.value)}[{written(node.index)}]"
-        case s.Argument():
-            return f"{written(node.name)}: {written(node.value)}" if node.name else written(node.value)
-        case s.Call():
-            return f"{written(node.function)}({_listed(node.arguments)})"
-        case s.Operation():
-            return f"({_operation(node)})"
-        case s.Range():
-            tail = f" by {written(node.step)}" if node.step else f" in {written(node.count)}" if node.count else ""
-            return f"({written(node.start)} .. {written(node.stop)}{tail})"
-        case s.Items(kind="list"):
-            return f"[{_listed(node.items)}]" + (f" {node.unit}" if node.unit else "")
-        case s.Items():
-            return f"({_listed(node.items)})"
-        case s.File():
-            return "\n".join(map(written, node.items)) + "\n"
-        case _:
-            return _statement(node)
+    return "" if node is None else _TEXTS[type(node)](node)
 
 
 def _listed(nodes: Any) -> str:
     return ", ".join(map(written, nodes))
 
 
+def _block(*nodes: Any) -> str:
+    return "{\n" + "".join(f"{written(n)}\n" for n in nodes) + "}"
+
+
+def _after(word: str, node: Any) -> str:
+    return f"{word}{written(node)}" if node else ""
+
+
 def _operation(node: s.Operation) -> str:
     operands = [written(o) for o in node.operands]
     if node.operator == "if":
-        return "if {} then {} else {}".format(*operands)
-    return f"{node.operator} {operands[0]}" if len(operands) == 1 else f" {node.operator} ".join(operands)
+        return "(if {} then {} else {})".format(*operands)
+    return (
+        f"({node.operator} {operands[0]})" if len(operands) == 1 else f"({operands[0]} {node.operator} {operands[1]})"
+    )
 
 
-def _statement(node: Any) -> str:
-    match node:
-        case s.Task():
-            path = f" : {'.'.join(map(written, node.path))}" if node.path else ""
-            return f"task {written(node.name)}{path} {_block(node.body)}"
-        case s.Factor():
-            return f"{'nuisance' if node.nuisance else 'factor'} {written(node.name)} in {written(node.domain)}"
-        case s.Let():
-            return f"let {written(node.name)} = {written(node.value)}"
-        case s.Require():
-            return f"require {written(node.condition)}"
-        case s.Setting():
-            return f"{node.key} {written(node.value)}"
-        case s.Design():
-            count = f" of {written(node.count)}" if node.count else ""
-            return f"design {written(node.kind)}{count}" + (f" {_block(node.baseline)}" if node.baseline else "")
-        case s.Tolerance():
-            return f"tolerance {written(node.name)} {written(node.value)}"
-        case s.Template():
-            return f"template {written(node.name)}({_listed(node.parameters)}) {_block(node.properties + node.parts)}"
-        case s.Part():
-            return f"part {written(node.name)} {_block(node.properties)}"
-        case s.Property():
-            return f"{written(node.name)}: {written(node.value)}" + (f" at {written(node.at)}" if node.at else "")
-        case s.Block(kind="world"):
-            return f"world {_block(node.properties)}"
-        case s.Block():
-            count = f"[{written(node.count)}]" if node.count else ""
-            model = f" : {written(node.model)}" if node.model else ""
-            return f"{node.kind} {written(node.name)}{count}{model} {_block(node.properties + node.parts)}"
-        case s.Action():
-            timings = "".join(f" {t.kind} {written(t.value)}" for t in node.timings)
-            return f"action {written(node.name)} = {written(node.call)}{timings}"
-        case s.Observe():
-            channels = f" as {written(node.channels)}" if node.channels else ""
-            return f"observe {written(node.camera)} at {written(node.times)}{channels}"
-        case _:
-            return _asking(node)
+def _items(node: s.Items) -> str:
+    unit = f" {node.unit}" if node.unit else ""
+    return f"[{_listed(node.items)}]{unit}" if node.kind == "list" else f"({_listed(node.items)})"
 
 
-def _asking(node: Any) -> str:
-    match node:
-        case s.Question():
-            name = f"{written(node.name)} " if node.name else ""
-            return f"question {name}{written(node.text)} {_block(node.clauses + node.counterfactuals)}"
-        case s.Clause(kind="margin"):
-            unless = f" unless {written(node.unless)}" if node.unless else ""
-            return f"margin {written(node.value)} apart by {written(node.bound)}{unless}"
-        case s.Clause():
-            return f"{node.kind} {'by ' if node.kind in ('distinct', 'stable') else ''}{written(node.value)}"
-        case s.Counterfactual():
-            return f"counterfactual {written(node.name)} {_block(node.changes)}"
-        case s.Change(kind="order"):
-            return f"order {written(node.target)}, {written(node.value)}"
-        case s.Change(kind="without"):
-            return f"without {written(node.target)}"
-        case _:
-            return f"{node.kind} {written(node.target)}: {written(node.value)}"
+def _named_block(node: s.Block) -> str:
+    name = "" if node.kind == "world" else f" {written(node.name)}"
+    count = f"[{written(node.count)}]" if node.count else ""
+    return f"{node.kind}{name}{count}{_after(' : ', node.model)} {_block(*node.properties, *node.parts)}"
 
 
-def _block(nodes: Any) -> str:
-    return "{\n" + "".join(f"{written(n)}\n" for n in nodes) + "}"
+def _clause(node: s.Clause) -> str:
+    by = "by " if node.kind in ("distinct", "stable") else ""
+    return f"{node.kind} {by}{written(node.value)}{_after(' apart by ', node.bound)}{_after(' unless ', node.unless)}"
+
+
+def _change(node: s.Change) -> str:
+    between = {"order": ", ", "without": ""}.get(node.kind, ": ")
+    return f"{node.kind} {written(node.target)}{between}{written(node.value)}"
+
+
+def _design(node: s.Design) -> str:
+    baseline = f" {_block(*node.baseline)}" if node.baseline else ""
+    return f"design {written(node.kind)}{_after(' of ', node.count)}{baseline}"
+
+
+_TEXTS: dict[type, Callable[[Any], str]] = {
+    s.Number: lambda n: f"{n.value!r}".removesuffix(".0") + (f" {n.unit}" if n.unit else ""),
+    s.Text: lambda n: '"' + n.value.replace("\\", "\\\\").replace('"', '\\"') + '"',
+    s.Truth: lambda n: "true" if n.value else "false",
+    s.Name: lambda n: n.id,
+    s.Member: lambda n: f"{written(n.value)}.{written(n.name)}",
+    s.Index: lambda n: f"{written(n.value)}[{written(n.index)}]",
+    s.Argument: lambda n: (f"{n.name.id}: " if n.name else "") + written(n.value),
+    s.Call: lambda n: f"{written(n.function)}({_listed(n.arguments)})",
+    s.Operation: _operation,
+    s.Range: lambda n: f"({written(n.start)} .. {written(n.stop)}{_after(' by ', n.step)}{_after(' in ', n.count)})",
+    s.Items: _items,
+    s.File: lambda n: "\n".join(map(written, n.items)) + "\n",
+    s.Task: lambda n: f"task {n.name.id}{' : ' * bool(n.path)}{'.'.join(map(written, n.path))} {_block(*n.body)}",
+    s.Factor: lambda n: f"{'nuisance' if n.nuisance else 'factor'} {n.name.id} in {written(n.domain)}",
+    s.Let: lambda n: f"let {n.name.id} = {written(n.value)}",
+    s.Require: lambda n: f"require {written(n.condition)}",
+    s.Setting: lambda n: f"{n.key} {written(n.value)}",
+    s.Design: _design,
+    s.Tolerance: lambda n: f"tolerance {n.name.id} {written(n.value)}",
+    s.Template: lambda n: f"template {n.name.id}({_listed(n.parameters)}) {_block(*n.properties, *n.parts)}",
+    s.Part: lambda n: f"part {n.name.id} {_block(*n.properties)}",
+    s.Property: lambda n: f"{n.name.id}: {written(n.value)}{_after(' at ', n.at)}",
+    s.Block: _named_block,
+    s.Timing: lambda n: f"{n.kind} {written(n.value)}",
+    s.Action: lambda n: f"action {n.name.id} = {written(n.call)} {' '.join(map(written, n.timings))}",
+    s.Observe: lambda n: f"observe {n.camera.id} at {written(n.times)}{_after(' as ', n.channels)}",
+    s.Question: lambda n: f"question {written(n.name)} {written(n.text)} {_block(*n.clauses, *n.counterfactuals)}",
+    s.Clause: _clause,
+    s.Counterfactual: lambda n: f"counterfactual {n.name.id} {_block(*n.changes)}",
+    s.Change: _change,
+}
