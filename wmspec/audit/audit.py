@@ -46,7 +46,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
     found.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
     said = {key: dataset.manifest.get(key) for key in ("rows", "engines", "size", "seed", "consensus", "versions")}
     return Audit(
-        dataset=str(folder),
+        dataset=folder.resolve().name,
         findings=tuple(sorted(found.findings, key=lambda f: (_ORDER.index(f.verdict), f.task, f.check))),
         counts=tuple(found.counts),
         tests=tuple(tests),

@@ -27,6 +27,7 @@ COMMANDS = (
     "generate",
     "crosscheck",
     "view",
+    "audit",
     "doctor",
 )
 

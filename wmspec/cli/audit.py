@@ -1,0 +1,66 @@
+"""`wmspec audit`: is a dataset what it promises?"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from wmspec.cli.common import json_option, make_folder, write_text
+from wmspec.cli.progress import progress_bar
+
+if TYPE_CHECKING:
+    from wmspec.audit.model import Audit
+
+
+@click.command("audit")
+@click.argument("dataset", type=click.Path(path_type=Path))
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="The folder for audit.html and audit.json.")
+@click.option(
+    "--pictures-of",
+    type=click.IntRange(20),
+    default=2000,
+    show_default=True,
+    help="Look at the pictures of at most so many instances of each task.",
+)
+@json_option
+@click.pass_context
+def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictures_of: int, as_json: bool) -> None:
+    """Look for what is wrong with a dataset: missing, unbalanced, duplicated, or answered by a shortcut.
+
+    Exit code 1 if anything fails.
+    """
+    from wmspec.audit.audit import audit
+    from wmspec.audit.page import page
+    from wmspec.write.finished import Finished
+
+    with progress_bar(len(Finished.open(dataset).tasks), "auditing") as progress:
+        found = audit(dataset, pictures_of, progress)
+    said = json.dumps({"passed": found.passed, **asdict(found)}, indent=1, ensure_ascii=False) + "\n"
+    if output is not None:
+        folder = make_folder(output)
+        write_text(folder / "audit.json", said)
+        written = write_text(folder / "audit.html", page(found))
+    if as_json:
+        click.echo(said, nl=False)
+    else:
+        _tell(found)
+        if output is not None:
+            click.echo(written)
+    ctx.exit(0 if found.passed else 1)
+
+
+def _tell(found: Audit) -> None:
+    """What matters, for a terminal: what fails and what cannot be told; the rest is counted."""
+    from wmspec.audit.page import WORDS, verdict
+
+    colors = {"fails": "red", "unclear": "yellow", "told": "blue", "holds": "green"}
+    for finding in found.findings:
+        if finding.verdict in ("fails", "unclear") or (finding.verdict == "told" and finding.check != "balance"):
+            mark = click.style(WORDS[finding.verdict], fg=colors[finding.verdict])
+            where = f" {finding.task}" if finding.task else ""
+            click.echo(f"{mark}: {finding.check}{where}: {finding.what}")
+    click.echo(verdict(found))
