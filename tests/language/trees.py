@@ -13,31 +13,10 @@ NOWHERE = Span(Source("tree", ""), 0, 0)
 
 #: Ordinary names, and words that are keywords elsewhere.
 _NAMES = [
-    "a",
-    "b2",
-    "Cup",
-    "_x",
-    "light",
-    "camera",
-    "world",
-    "options",
-    "answer",
-    "state",
-    "order",
-    "repeat",
-    "horizon",
-    "title",
-    "design",
-    "tolerance",
-    "template",
-    "part",
-    "joint",
-    "robot",
-    "objects",
-    "within",
-    "stable",
-    "of",
-]
+    "a", "b2", "Cup", "_x", "light", "camera", "world", "options", "answer",
+    "state", "order", "repeat", "horizon", "title", "design", "tolerance", "template", "part",
+    "joint", "robot", "objects", "within", "stable", "of",
+]  # fmt: skip
 _UNITS = ["cm", "m", "s", "deg", "kg/m^3", "m/s^2", "N*s", "%"]
 
 names = st.sampled_from(_NAMES).map(lambda n: s.Name(n, NOWHERE))
