@@ -3,9 +3,9 @@
 SHELL := /bin/bash
 PYTHON ?=
 BIN := .venv/bin
-DEMO := specs/perception/motion/speed.wms specs/prediction/mechanistic/collide.wms
+DEMO := specs/perception/motion/speed_tabletop.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: help setup demo test test-all check format clean
+.PHONY: help setup demo test test-all check format oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -13,6 +13,8 @@ help:
 	@echo "make test      style, types, architecture, dependencies, quick tests"
 	@echo "make test-all  the same with the slow tests"
 	@echo "make format    rewrite the sources in the house style"
+	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
+	@echo "make agreement 200 instances of every task in every engine, into docs/crosscheck.md"
 	@echo "make clean     remove what was made, except .venv"
 
 setup:
@@ -39,6 +41,13 @@ test-all: check
 format: setup
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+oracles: setup
+	$(BIN)/python -m tools.oracles
+
+agreement: setup
+	-$(BIN)/wmspec crosscheck specs --sample 200 --json out/crosscheck.json
+	$(BIN)/python -m tools.agreement out/crosscheck.json
 
 clean:
 	rm -rf out build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

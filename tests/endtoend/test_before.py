@@ -34,7 +34,7 @@ def test_a_dimension_is_chosen_by_its_path(tmp_path: Path) -> None:
         chosen = [part for d in dimensions for part in ("--only-dimension", d)]
         return {r["task"] for r in json.loads(wmspec("list", "--json", *chosen, folder=tmp_path).stdout)}
 
-    assert "motion_speed" in listed("perception.motion") - listed("prediction")
+    assert "speed_tabletop" in listed("perception.motion") - listed("prediction")
     assert "collide" in listed("prediction") - listed("perception.motion")
     assert listed("perception", "prediction") <= listed()
     told = wmspec("list", "--only-dimension", "perception.moton", folder=tmp_path, code=2).stderr
@@ -46,7 +46,7 @@ def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
     some = ["generate", SPECS, "--dry-run", "-b", "pybullet", "--size", 64, "-j", 1, "--only-dimension"]
     told = json.loads(wmspec(*some, "perception.motion.speed", "--json", "--full", folder=tmp_path).stdout)
     assert not list(tmp_path.iterdir())
-    (task,) = [t for t in told["tasks"] if t["task"] == "motion_speed"]
+    (task,) = [t for t in told["tasks"] if t["task"] == "speed_tabletop"]
     assert task["instances"] >= 2304
     assert task["tried"] == 4
     assert 0 < task["seconds"] < 300

@@ -11,7 +11,7 @@ import pytest
 from wmspec.parse.load import library_folder
 
 SPECS = library_folder().parent
-SPEED = SPECS / "perception/motion/speed.wms"
+SPEED = SPECS / "perception/motion/speed_tabletop.wms"
 COLLIDE = SPECS / "prediction/mechanistic/collide.wms"
 WMSPEC = Path(sys.executable).with_name("wmspec")
 
@@ -29,7 +29,7 @@ def test_check_and_list_the_specs_that_come_with_it(tmp_path: Path) -> None:
     assert "collide" in wmspec("check", SPECS, folder=tmp_path).stdout
     listed = json.loads(wmspec("list", "--json", folder=tmp_path).stdout)
     sizes = {row["task"]: row["instances"] for row in listed}
-    assert sizes["motion_speed"] >= 2304, "fewer than the paper's instances"
+    assert sizes["speed_tabletop"] >= 2304, "fewer than the paper's instances"
     assert sizes["collide"] >= 1728, "fewer than the paper's instances"
     assert all(len(row["factors"]) >= 4 for row in listed)
 

@@ -22,7 +22,7 @@ def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
     manifest = json.loads((tmp_path / "out/manifest.json").read_text())
     import pyarrow.parquet as pq
 
-    for task in ("motion_speed", "collide"):
+    for task in ("speed_tabletop", "collide"):
         rows = pq.read_table(tmp_path / f"out/data/{task}").to_pylist()
         assert rows, "nothing was kept"
         for row in rows:
