@@ -2,58 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import product
-from math import prod
-from typing import Any
+from typing import overload
 
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Choices, Factor, Interval, Require, TaskSpec
-from wmspec.design.depend import Dependencies
-from wmspec.design.draws import bits, permuted, uniform
-from wmspec.design.values import Values
-from wmspec.errors import WmsError
-
-#: The most combinations of factors tied together by `require`s that are tried, for all of these: about a second.
-MOST_TRIED = 200_000
-
-Setting = bool | float | str
+from wmspec.check.ir import Choices, TaskSpec
+from wmspec.design.arrange import arrange
+from wmspec.design.draws import Level, permuted, quantile, uniform
+from wmspec.design.fault import Fault
 
 
 @dataclass(frozen=True)
 class Instance:
-    """One instance: its index, the repetition (block) it belongs to, and the value of every factor and nuisance."""
+    """One instance: its index, the repetition (block) it belongs to, and the value of every factor and nuisance.
+
+    `key` is what every draw for this instance begins with: the seed, the task and its control group, within which
+    nothing varies but the factors.
+    """
 
     index: int
     block: int
-    factors: dict[str, Setting]
-    nuisances: dict[str, Setting]
+    factors: dict[str, Level]
+    nuisances: dict[str, Level]
+    key: tuple[object, ...] = ()
 
     @property
-    def values(self) -> dict[str, Setting]:
+    def values(self) -> dict[str, Level]:
         """Factors and nuisances together."""
         return self.factors | self.nuisances
 
 
-@dataclass(frozen=True)
-class _Group:
-    """Factors tied together by `require`s, and their allowed combinations in the order of their domains."""
-
-    names: tuple[str, ...]
-    rows: tuple[tuple[Setting, ...], ...]
-
-    @cached_property
-    def index(self) -> dict[tuple[Setting, ...], int]:
-        return {row: i for i, row in enumerate(self.rows)}
-
-
 class Design:
-    """The full factorial of a task's factors without what its `require`s exclude, `repeat`ed as blocks.
+    """The combinations of a task's factors that its plan picks and its `require`s allow, `repeat`ed as blocks.
 
-    Nuisances are drawn once per block, so that instances of a block differ in factors alone. Indices count blocks
-    first, then factors in the order of the spec, the last one fastest.
+    Nuisances are drawn once per block, so that instances of a block differ in factors alone; in a Latin hypercube,
+    whose instances differ in everything, once per instance. Indices count blocks first, then the combinations; in a
+    factorial design those follow the order of the spec, the last factor fastest, and factors that `require`s tie
+    together count where the first of them stands.
+
+    Raises Fault if there is no such design.
     """
 
     def __init__(self, spec: TaskSpec, seed: int = 0) -> None:
@@ -61,114 +49,97 @@ class Design:
         self.seed = seed
         self.factors = tuple(f for f in spec.factors if not f.nuisance)
         self.nuisances = tuple(f for f in spec.factors if f.nuisance)
-        self._groups = tuple(_groups(spec, self.factors))
-        self.block_size = prod(len(g.rows) for g in self._groups)
+        self._columns, self._plan = arrange(spec, seed)
+        self._alone = spec.plan.kind == "latin"
+        self._drawn: tuple[object, dict[str, Level]] = (None, {})
+        self.block_size = self._plan.size
+        if self.block_size * spec.repeat > sys.maxsize:
+            place = spec.plan.place or (spec.factors or spec.things)[0].place
+            what = f"this design has {self.block_size * spec.repeat:.2g} instances, more than can be numbered"
+            raise Fault("WMS408", what, place, "draw some of them: `design sample of 1000`")
 
     def __len__(self) -> int:
         return self.block_size * self.spec.repeat
 
-    def __getitem__(self, index: int) -> Instance:
-        """Instance `index`; O(1) in the size of the design. Raises IndexError outside 0..len-1."""
+    @overload
+    def __getitem__(self, index: int) -> Instance: ...
+    @overload
+    def __getitem__(self, index: slice) -> Part: ...
+    def __getitem__(self, index: int | slice) -> Instance | Part:
+        """Instance `index`, at the same cost whatever the size of the design; for a slice, a lazy sequence.
+
+        Raises IndexError outside 0..len-1.
+        """
+        if isinstance(index, slice):
+            return Part(self, range(len(self))[index])
         if not 0 <= index < len(self):
             raise IndexError(f"{self.spec.name} has instances 0 to {len(self) - 1}, not {index}")
-        block, rest = divmod(index, self.block_size)
-        picked: dict[str, Setting] = {}
-        for group in reversed(self._groups):
-            rest, row = divmod(rest, len(group.rows))
-            picked |= zip(group.names, group.rows[row], strict=True)
-        factors = {f.name: picked[f.name] for f in self.factors}
-        return Instance(index, block, factors, {n.name: self._draw(n, block) for n in self.nuisances})
+        block, position = divmod(index, self.block_size)
+        picked: dict[str, Level] = {}
+        for column, rank in zip(self._columns, self._plan.ranks(position), strict=True):
+            picked.update(zip(column.names, column.values(rank), strict=True))
+        key = (self.seed, self.spec.name, f"{block}.{position}" if self._alone else block)
+        return Instance(index, block, {f.name: picked[f.name] for f in self.factors}, self._draw(key), key)
 
     def __iter__(self) -> Iterator[Instance]:
         return (self[i] for i in range(len(self)))
 
-    def index(self, factors: dict[str, Setting], block: int = 0) -> int | None:
-        """The index of a combination; None if a `require` excludes it."""
-        index = block
-        for group in self._groups:
-            row = group.index.get(tuple(factors[n] for n in group.names))
-            if row is None:
+    def index(self, factors: Mapping[str, Level], block: int = 0) -> int | None:
+        """The index of a combination; None if the design leaves it out."""
+        ranks = []
+        for column in self._columns:
+            rank = column.rank([factors[n] for n in column.names])
+            if rank is None:
                 return None
-            index = index * len(group.rows) + row
-        return index
+            ranks.append(rank)
+        position = self._plan.position(tuple(ranks))
+        return None if position is None else block * self.block_size + position
 
     def neighbours(self, index: int, factor: str) -> tuple[int, ...]:
         """The indices of the instances that differ from this one in one factor alone."""
+        if self._alone:
+            return ()
         here = self[index]
-        found = []
-        for value in _choices(next(f for f in self.factors if f.name == factor)):
-            other = self.index(here.factors | {factor: value}, here.block)
-            if other is not None and other != index:
-                found.append(other)
-        return tuple(found)
+        domain = next(f.domain for f in self.factors if f.name == factor)
+        assert isinstance(domain, Choices)
+        others = (self.index(here.factors | {factor: value}, here.block) for value in domain.values)
+        return tuple(other for other in others if other is not None and other != index)
 
     def sample(self, count: int) -> tuple[int, ...]:
         """`count` different indices in a random order that depends on the seed alone; all if there are fewer."""
         n = len(self)
         return tuple(permuted(i, n, self.seed, self.spec.name, "sample") for i in range(min(count, n)))
 
-    def _draw(self, nuisance: Factor, block: int) -> Setting:
-        key = (self.seed, self.spec.name, block, nuisance.name)
-        match nuisance.domain:
-            case Interval(low=low, high=high):
-                return low + (high - low) * uniform(*key)
-            case Choices(values=values):
-                return values[bits(*key) % len(values)]
+    def shard(self, number: int, count: int) -> Part:
+        """Shard `number`, 1 .. `count`: equal shares of the design, to within one, which in order make up the whole."""
+        if not 1 <= number <= count:
+            raise IndexError(f"there are shards 1 to {count}, not {number}")
+        return self[len(self) * (number - 1) // count : len(self) * number // count]
+
+    def _draw(self, key: tuple[object, ...]) -> dict[str, Level]:
+        """The nuisances of a control group, kept until another group is asked for."""
+        known, drawn = self._drawn
+        if known != key:
+            drawn = {n.name: quantile(n.domain, uniform(*key, n.name)) for n in self.nuisances}
+            self._drawn = (key, drawn)
+        return dict(drawn)
 
 
-def _choices(factor: Factor) -> tuple[Setting, ...]:
-    assert isinstance(factor.domain, Choices)
-    return factor.domain.values
+class Part(Sequence[Instance]):
+    """Some instances of a design, each built when it is asked for."""
 
+    def __init__(self, design: Design, indices: range) -> None:
+        self.design = design
+        self.indices = indices
 
-def _groups(spec: TaskSpec, factors: tuple[Factor, ...]) -> Iterator[_Group]:
-    """The factors in groups that no `require` ties to another, each with its allowed rows."""
-    names = {f.name for f in factors}
-    depend = Dependencies(spec)
-    ties = [(r, depend.expression(r.condition) & {f.name for f in spec.factors}) for r in spec.requires]
-    for require, tied in ties:
-        if tied - names:
-            raise WmsError(
-                f"{require.place}: `require` can depend on factors, not on the nuisance `{min(tied - names)}`"
-            )
-    placed: set[str] = set()
-    for factor in factors:
-        if factor.name in placed:
-            continue
-        members = _closure({factor.name}, [t for _, t in ties])
-        placed |= members
-        group = tuple(f for f in factors if f.name in members)
-        yield _allowed(spec, group, [r for r, t in ties if t & members])
-    constant = [r for r, tied in ties if not tied]
-    if constant:
-        _allowed(spec, (), constant)
+    def __len__(self) -> int:
+        return len(self.indices)
 
-
-def _closure(members: set[str], ties: list[frozenset[str]]) -> set[str]:
-    while True:
-        wider = members.union(*(t for t in ties if t & members))
-        if wider == members:
-            return members
-        members = wider
-
-
-def _allowed(spec: TaskSpec, group: tuple[Factor, ...], requires: list[Require]) -> _Group:
-    names = tuple(f.name for f in group)
-    size = prod(len(_choices(f)) for f in group)
-    if (tries := size * len(requires)) > MOST_TRIED:
-        raise WmsError(
-            f"{requires[0].place}: this `require` ties {', '.join(names)} together, {tries:,} combinations to try, "
-            f"and {MOST_TRIED:,} are the most; split it into conditions on fewer factors"
-        )
-    rows = tuple(row for row in product(*(_choices(f) for f in group)) if _holds(spec, names, row, requires))
-    if not rows:
-        places = "; ".join(f"{r.place}: {r.text}" for r in requires)
-        raise WmsError(f"no combination of {', '.join(names) or 'values'} meets every `require`: {places}")
-    return _Group(names, rows)
-
-
-def _holds(spec: TaskSpec, names: tuple[str, ...], row: tuple[Any, ...], requires: list[Require]) -> bool:
-    if not requires:
-        return True
-    values = Values(spec, dict(zip(names, row, strict=True)))
-    return all(evaluate(r.condition, values) for r in requires)
+    @overload
+    def __getitem__(self, index: int) -> Instance: ...
+    @overload
+    def __getitem__(self, index: slice) -> Part: ...
+    def __getitem__(self, index: int | slice) -> Instance | Part:
+        """The instance at a place of this part, or a part of it."""
+        picked = self.indices[index]
+        return Part(self.design, picked) if isinstance(picked, range) else self.design[picked]

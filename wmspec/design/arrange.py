@@ -1,0 +1,168 @@
+"""From a spec's plan to the columns it chooses from and the arrangement of what is chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import chain, combinations, islice
+
+from wmspec.check.ir import Choices, TaskSpec
+from wmspec.design.chain import MOST_COUNTED, Chain, TooMuch
+from wmspec.design.columns import Column, Free, Strata
+from wmspec.design.constrain import Constraint, constraints
+from wmspec.design.draws import Level
+from wmspec.design.fault import Fault
+from wmspec.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
+
+#: So many sets of conditions are looked through for the smallest that leaves nothing.
+MOST_SETS = 500
+
+
+def arrange(spec: TaskSpec, seed: int) -> tuple[tuple[Column, ...], Arrangement]:
+    """The columns of a task's design and how they are combined. Raises Fault if that cannot be."""
+    conditions = constraints(spec)
+    columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
+    key = (seed, spec.name, spec.plan.kind)
+    count = spec.plan.count or 1
+    match spec.plan.kind:
+        case "factorial":
+            return columns, Factorial(columns)
+        case "sample":
+            return columns, Sample(columns, count, key)
+        case "latin":
+            return columns, Latin(columns, count, key)
+        case "one_at_a_time":
+            return columns, Listed(tuple(_around(spec, columns, conditions)))
+
+
+def _strata(spec: TaskSpec, seed: int) -> Iterator[Strata]:
+    for factor in spec.factors:
+        if not factor.nuisance and not isinstance(factor.domain, Choices):
+            if spec.plan.kind != "latin" or spec.plan.count is None:
+                what = f"`{factor.name}` is a factor and so needs separate values"
+                raise Fault("WMS401", what, factor.place, "only a Latin design takes a factor from an interval")
+            yield Strata(factor, spec.plan.count, (seed, spec.name, spec.plan.kind))
+
+
+# ---------------------------------------------------------------- what is allowed
+
+
+def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, ...]:
+    """The factors with separate values, in groups of those that conditions tie together."""
+    domains = {f.name: f.domain.values for f in spec.factors if not f.nuisance and isinstance(f.domain, Choices)}
+    try:
+        found = tuple(_tied(domains, conditions))
+    except TooMuch as much:
+        raise _too_much(much, conditions) from None
+    constant = [c for c in conditions if not c.scope and not c.allowed]
+    if constant or not all(c.size for c in found):
+        raise _nothing_left(domains, conditions)
+    return found
+
+
+def _tied(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Iterator[Column]:
+    """The columns, in the order of their first factors. Raises TooMuch."""
+    placed: set[str] = set()
+    for name in domains:
+        members = _closure({name}, [frozenset(c.scope) for c in conditions])
+        here = [c for c in conditions if members & {*c.scope}]
+        if name not in placed:
+            tied = {n: values for n, values in domains.items() if n in members}
+            yield Chain(tied, here) if here else Free(name, domains[name])
+        placed |= members
+
+
+def _closure(members: set[str], ties: Sequence[frozenset[str]]) -> set[str]:
+    while True:
+        wider = members.union(*(t for t in ties if t & members))
+        if wider == members:
+            return members
+        members = wider
+
+
+def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> Fault:
+    tying = {c.said: c for c in conditions if len({*c.scope} & {*much.names}) > 1}
+    first, *more = tying.values()
+    names = f"{', '.join(much.names[:6])}{', ...' if len(much.names) > 6 else ''}"
+    return Fault(
+        "WMS404",
+        f"conditions tie {len(much.names)} factors together ({names}): {much.combinations:,} combinations to count at "
+        f"once, and {MOST_COUNTED:,} are the most",
+        first.place,
+        "tie fewer factors to one another",
+        tuple((f"tied by this too: {c.text}", c.place) for c in more[:4]),
+    )
+
+
+def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Fault:
+    """Names the smallest set of conditions that leaves no combination."""
+    said = {c.said: c for c in reversed(conditions)}
+    guilty = _smallest(sorted(said), lambda some: _satisfiable(domains, [c for c in conditions if c.said in some]))
+    first, *more = (said[i] for i in guilty)
+    names = [n for n in domains if any(n in c.scope for c in conditions if c.said in guilty)]
+    whose = f"{'combination' if len(names) > 1 else 'value'} of {', '.join(names)}" if names else "instance"
+    met = " and ".join(f"`{said[i].text}`" for i in guilty)
+    notes = tuple(("together with this", c.place) for c in more)
+    return Fault("WMS402", f"no {whose} meets {met}", first.place, "weaken a condition, or widen a domain", notes)
+
+
+def _satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> bool:
+    if any(not c.scope and not c.allowed for c in conditions):
+        return False
+    try:
+        return all(column.size for column in _tied(domains, conditions))
+    except TooMuch:
+        return True
+
+
+def _smallest(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]) -> tuple[int, ...]:
+    """The smallest set that is not satisfiable; of very many sets, one of which every member is needed."""
+    sets = chain.from_iterable(combinations(candidates, n) for n in range(1, len(candidates)))
+    for some in islice(sets, MOST_SETS):
+        if not satisfiable(set(some)):
+            return some
+    needed = list(candidates)
+    for one in candidates:
+        if not satisfiable({*needed} - {one}):
+            needed.remove(one)
+    return tuple(needed)
+
+
+# ---------------------------------------------------------------- one factor at a time
+
+
+def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Constraint]) -> Iterator[Ranks]:
+    """The baseline, then all that is allowed and differs from it in one factor, in the order of the spec."""
+    baseline = _baseline(spec, conditions)
+    ranks = _ranks(columns, baseline)
+    if ranks is None:
+        broken = next(c for c in conditions if not c.holds(baseline))
+        told = ", ".join(f"{name} = {baseline[name]}" for name in broken.scope)
+        place = spec.plan.place or broken.place
+        notes = (("this condition", broken.place),)
+        raise Fault("WMS408", f"the baseline, with {told}, is excluded", place, "choose another value for it", notes)
+    yield ranks
+    for factor in spec.factors:
+        for value in factor.domain.values if isinstance(factor.domain, Choices) and not factor.nuisance else ():
+            varied = _ranks(columns, baseline | {factor.name: value})
+            if value != baseline[factor.name] and varied is not None:
+                yield varied
+
+
+def _baseline(spec: TaskSpec, conditions: Sequence[Constraint]) -> dict[str, Level]:
+    """What is named; of the other factors the first value, or the first that a conditional domain has then."""
+    found: dict[str, Level] = {
+        f.name: spec.plan.baseline.get(f.name, f.domain.values[0])
+        for f in spec.factors
+        if not f.nuisance and isinstance(f.domain, Choices)
+    }
+    for condition in conditions:
+        name = condition.scope[0] if condition.conditional else ""
+        if name and name not in spec.plan.baseline:
+            choices = (value for value in condition.domains[name] if condition.holds(found | {name: value}))
+            found[name] = next(choices, found[name])
+    return found
+
+
+def _ranks(columns: Sequence[Column], values: Mapping[str, Level]) -> Ranks | None:
+    ranks = [column.rank([values[n] for n in column.names]) for column in columns]
+    return None if None in ranks else tuple(rank for rank in ranks if rank is not None)
