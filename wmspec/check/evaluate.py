@@ -40,6 +40,9 @@ _OPERATORS: dict[str, Callable[..., Any]] = {
     ">": operator.gt,
     ">=": operator.ge,
     "not": operator.not_,
+    "x": operator.itemgetter(0),
+    "y": operator.itemgetter(1),
+    "z": operator.itemgetter(2),
 }
 
 

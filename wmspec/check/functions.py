@@ -15,6 +15,7 @@ from wmspec.check.kinds import (
     PATH,
     PICTURE,
     PLACE,
+    QUANTITY,
     RELATION,
     TRUTH,
     Kind,
@@ -57,12 +58,12 @@ FUNCTIONS: dict[str, Function] = {
     # colours
     "rgb": Function("a colour by its sRGB parts, 0 to 1", (A_NUMBER, A_NUMBER, A_NUMBER), COLOR, False),
     "shade": Function("a shade of a colour: 0 is the darkest that is still that colour, 1 the lightest", (COLOR, A_NUMBER), COLOR, False),
-    # sums (the result of the first few has the kind of their argument)
-    "min": Function("the smallest of quantities of one kind", (A_NUMBER,), A_NUMBER, False, repeated=True),
-    "max": Function("the largest of quantities of one kind", (A_NUMBER,), A_NUMBER, False, repeated=True),
-    "abs": Function("the size of a quantity without its sign", (A_NUMBER,), A_NUMBER, False),
+    # sums
+    "min": Function("the smallest of quantities of one kind", (QUANTITY,), QUANTITY, False, repeated=True),
+    "max": Function("the largest of quantities of one kind", (QUANTITY,), QUANTITY, False, repeated=True),
+    "abs": Function("the size of a quantity without its sign", (QUANTITY,), QUANTITY, False),
     "floor": Function("the whole number below", (A_NUMBER,), A_NUMBER, False),
-    "mod": Function("what is left of the first after taking away the second as often as it fits", (A_NUMBER, A_NUMBER), A_NUMBER, False),
+    "mod": Function("what is left of the first after taking away the second as often as it fits", (QUANTITY, QUANTITY), QUANTITY, False),
     "sqrt": Function("the square root", (A_NUMBER,), A_NUMBER, False),
     "sin": Function("of an angle", (AN_ANGLE,), A_NUMBER, False),
     "cos": Function("of an angle", (AN_ANGLE,), A_NUMBER, False),

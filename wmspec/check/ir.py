@@ -59,7 +59,7 @@ class Property(Node):
 
 
 class Operation(Node):
-    """An operator applied to operands: `+ - * / == != < <= > >= and or not if`."""
+    """An operator applied to operands: `+ - * / == != < <= > >= and or not if`, and `x y z` of a point."""
 
     kind: Literal["operation"] = "operation"
     operator: str
@@ -67,7 +67,10 @@ class Operation(Node):
 
 
 class Call(Node):
-    """A function of `vocabulary.FUNCTIONS` applied to arguments."""
+    """A function of `functions.FUNCTIONS` applied to arguments, an option that is given last.
+
+    `present` is the one function that has no row there: of things, those that are there.
+    """
 
     kind: Literal["call"] = "call"
     function: str

@@ -29,7 +29,7 @@ class Word:
 
 @dataclass(frozen=True)
 class Plain:
-    """A kind without parameters: truth, text, object, part, camera, joint, robot, action, picture, place, label."""
+    """A kind without parameters: a truth value, a text, a sort of thing, a picture, a place, a label."""
 
     name: str
 
@@ -70,6 +70,10 @@ PICTURE = Plain("picture")
 PART = Plain("part")
 JOINT = Plain("joint")
 ROBOT = Plain("robot")
+LIGHT = Plain("light")
+WORLD = Plain("world")
+#: In a function's parameters and result: a quantity of whatever dimension, the same for all of them.
+QUANTITY = Plain("quantity")
 #: Where something is in the world, as a relation to something else: a point on the ground that is no pair of numbers.
 PLACE = Plain("place")
 #: An object, a text or `neither`: what the options of one question may hold side by side.

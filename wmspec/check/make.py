@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Literal
 
 from wmspec.check import ir
-from wmspec.check.things import default_value
+from wmspec.check.defaults import default_value
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import PROPERTIES, Slot
 from wmspec.errors import WmsError, suggestion

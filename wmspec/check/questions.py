@@ -1,4 +1,4 @@
-"""Checking what is asked: texts, answers, options, gates and counterfactuals."""
+"""Checking what is asked: texts, answers, options and gates."""
 
 from __future__ import annotations
 
@@ -7,199 +7,201 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from wmspec.check import ir
-from wmspec.check.expressions import Expressions, Failed, Typed, constant
-from wmspec.check.kinds import A_TIME, ACTION, CAMERA, OBJECT, PICTURE, TEXT, TRUTH, Kind, List, Quantity, Word, article
-from wmspec.check.things import Things
+from wmspec.check.bounds import within
+from wmspec.check.counterfactuals import Counterfactuals
+from wmspec.check.expressions import Expressions
+from wmspec.check.kinds import (
+    A_LENGTH,
+    LABEL,
+    OBJECT,
+    PICTURE,
+    TEXT,
+    TRUTH,
+    Kind,
+    List,
+    Quantity,
+    Word,
+    article,
+)
+from wmspec.check.typed import ZERO, Failed, Typed, constant, joined
 from wmspec.check.units import NUMBER
-from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import PROPERTIES, Slot
+from wmspec.check.vocabulary import Slot
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note
 from wmspec.parse.parser import parse_expression
 from wmspec.parse.source import Span
 
 T = TypeVar("T")
+C = TypeVar("C")
 _HOLE = re.compile(r"\{([^{}]*)\}")
+_ONCE = ("options", "answer", "distinct", "within", "difference", "stable")
+_APART = Slot((A_LENGTH,), "how far apart", above=0)
+_YES_NO = ir.Items(items=(ir.Value(value=True), ir.Value(value=False)))
 
 
 class Questions:
     """Checks questions; a mistake in one clause is reported and the others are still looked at."""
 
-    def __init__(self, check: Expressions, things: Things) -> None:
+    def __init__(self, check: Expressions) -> None:
         self.check = check
-        self.scope = check.scope
         self.report = check.report
-        self.bounds = things.bounds
+        self.counterfactuals = Counterfactuals(check)
+        self._names: dict[str, Span] = {}
 
     def question(self, question: s.Question) -> ir.Question:
         """A question with all its clauses."""
+        self._named_once(question)
         text = self.text(question.text)
-        by_kind: dict[str, list[s.Clause]] = {}
+        clauses: dict[str, list[s.Clause]] = {}
         for clause in question.clauses:
-            by_kind.setdefault(clause.kind, []).append(clause)
-            if clause.kind in ("options", "answer", "distinct") and len(by_kind[clause.kind]) > 1:
-                notes = (Note("said here first", by_kind[clause.kind][0].span),)
+            clauses.setdefault(clause.kind, []).append(clause)
+            if clause.kind in _ONCE and len(clauses[clause.kind]) > 1:
+                notes = (Note("said here first", clauses[clause.kind][0].span),)
                 self.report.add("WMS202", f"`{clause.kind}` is said twice", clause.span, "remove one", notes)
-        if "answer" not in by_kind:
+        if "answer" not in clauses:
             self.check.fail("WMS501", "this question has no answer", question.text.span, "add `answer EXPRESSION`")
-        answer, options, sort = self.answer(question, by_kind)
-        ensures = [self.tried(lambda c=c: self.ensure(c)) for c in by_kind.get("ensure", [])]  # type: ignore[misc]
-        margins = [self.tried(lambda c=c: self.margin(c)) for c in by_kind.get("margin", [])]  # type: ignore[misc]
-        changes = [self.tried(lambda c=c: self.counterfactual(c)) for c in question.counterfactuals]  # type: ignore[misc]
-        distinct = [self.tried(lambda c=c: self.distinct(c)) for c in by_kind.get("distinct", [])]  # type: ignore[misc]
+        options, answer = self._answer(question, clauses)
+        margins = self._tried(self.margin, clauses.get("margin", []))
+        ensures = self._tried(self.ensure, clauses.get("ensure", []))
+        changes = self._tried(self.counterfactuals.counterfactual, question.counterfactuals)
+        distinct = self._tried(self.apart, clauses.get("distinct", []))
+        difference = self._tried(self.difference, clauses.get("difference", []))
+        stable = self._tried(self.apart, clauses.get("stable", []))
         return ir.Question(
+            name=question.name.id if question.name else "",
             text=text,
-            sort=sort,
+            sort=str(answer.kind),
             options=options,
-            answer=answer,
-            margins=tuple(m for m in margins if m),
-            ensures=tuple(e for e in ensures if e),
-            distinct=distinct[0] if distinct else None,
-            counterfactuals=tuple(c for c in changes if c),
+            answer=answer.expr,
+            margins=tuple(margins),
+            ensures=tuple(ensures),
+            distinct=next(iter(distinct), None),
+            within=self._within(clauses, answer),
+            difference=next(iter(difference), None),
+            stable=next(iter(stable), None),
+            counterfactuals=tuple(changes),
             place=ir.Place.of(question.text.span),
         )
 
-    def tried(self, check: Callable[[], T]) -> T | None:
-        """The result of a check, None if it failed."""
-        try:
-            return check()
-        except Failed:
-            return None
+    def _named_once(self, question: s.Question) -> None:
+        if question.name is None:
+            return
+        name = question.name
+        if name.id in self._names:
+            notes = (Note("the first is here", self._names[name.id]),)
+            message = f"two questions are named `{name.id}`"
+            self.report.add("WMS202", message, name.span, "give one of them another name", notes)
+        self._names.setdefault(name.id, name.span)
 
-    def measuring(self, e: s.Expr, wanted: tuple[Kind, ...], what: str) -> Typed:
-        """Check an expression in which measured functions may stand."""
-        self.check.measured = True
-        try:
-            return self.check.value(e, wanted, what) if wanted else self.check.infer(e)
-        finally:
-            self.check.measured = False
+    def _tried(self, check: Callable[[C], T], clauses: list[C] | tuple[C, ...]) -> list[T]:
+        """What became of clauses, without those that have mistakes."""
+        found = []
+        for clause in clauses:
+            try:
+                found.append(check(clause))
+            except Failed:
+                continue
+        return found
 
-    def answer(self, question: s.Question, clauses: dict[str, list[s.Clause]]) -> tuple[ir.Expr, ir.Expr | None, str]:
-        """The answer, the options (None for pictures) and the kind of both."""
+    # ------------------------------------------------------------ answers
+
+    def _answer(self, question: s.Question, clauses: dict[str, list[s.Clause]]) -> tuple[ir.Expr | None, Typed]:
+        """The options (None for pictures and open numbers) and the answer, with the kind of both."""
         clause = clauses["answer"][0]
-        answer = self.measuring(clause.value, (), "`answer`")
+        answer = self.check.measuring(clause.value)
+        if answer.kind == Quantity(ZERO):
+            answer = Typed(answer.expr, Quantity(NUMBER))
         if answer.kind == PICTURE:
-            if "options" in clauses:
-                self.check.fail(
-                    "WMS502",
-                    "the options of a picture question are its counterfactuals",
-                    clauses["options"][0].span,
-                    "remove `options`",
-                )
-            if not question.counterfactuals:
-                self.check.fail("WMS502", "a picture question needs counterfactuals to choose from", clause.span,
-                                "add `counterfactual NAME { ... }`")  # fmt: skip
-            return answer.expr, None, "picture"
-        if "options" not in clauses:
-            self.check.fail(
-                "WMS502",
-                f"the answer is {article(str(answer.kind))}, but there are no options",
-                clause.span,
-                "add `options [...]`",
-            )
+            self._pictured(question, clauses)
+            return None, answer
         if question.counterfactuals:
             span = question.counterfactuals[0].span
             what = "counterfactuals are the options of picture questions"
             self.check.fail("WMS502", what, span, "answer with `frame(CAMERA, TIME)`")
-        options = self.check.value(clauses["options"][0].value, (List(answer.kind),), "`options`, like the answer,")
-        if not isinstance(options.expr, ir.Items) or len(options.expr.items) < 2:
-            self.check.fail("WMS502", "a question has two or more options", clauses["options"][0].value.span)
-        return answer.expr, options.expr, str(answer.kind)
+        if _said(answer.kind) is None and answer.kind != TRUTH:
+            self.check.fail("WMS502", f"{article(str(answer.kind))} is no answer to a question", clause.value.span)
+        if "options" in clauses:
+            return self._options(clauses["options"][0], answer)
+        if answer.kind == TRUTH:
+            return _YES_NO, answer
+        if isinstance(answer.kind, Quantity) and "within" in clauses:
+            return None, answer
+        open_ = " or, to ask for it openly, `within TOLERANCE`" * isinstance(answer.kind, Quantity)
+        message = f"the answer is {article(str(answer.kind))}, but there are no options"
+        self.check.fail("WMS502", message, clause.span, f"add `options [...]`{open_}")
+
+    def _pictured(self, question: s.Question, clauses: dict[str, list[s.Clause]]) -> None:
+        if "options" in clauses:
+            message = "the options of a picture question are its counterfactuals"
+            self.check.fail("WMS502", message, clauses["options"][0].span, "remove `options`")
+        if not question.counterfactuals:
+            message = "a picture question needs counterfactuals to choose from"
+            self.check.fail("WMS502", message, clauses["answer"][0].span, "add `counterfactual NAME { ... }`")
+
+    def _options(self, clause: s.Clause, answer: Typed) -> tuple[ir.Expr, Typed]:
+        """The options, and the answer as one of their common kind."""
+        wanted = (List(LABEL if answer.kind in (OBJECT, TEXT, LABEL) else answer.kind),)
+        options = self.check.infer(clause.value, wanted)
+        common = joined(options.kind, List(answer.kind))
+        if not isinstance(common, List) or common.item is None:
+            self.check.misfit(clause.value.span, options.kind, (List(answer.kind),), "`options`, like the answer,")
+        if isinstance(options.expr, ir.Items) and len(options.expr.items) < 2:
+            self.check.fail("WMS502", "a question has two or more options", clause.value.span)
+        return options.expr, Typed(answer.expr, common.item)
+
+    def _within(self, clauses: dict[str, list[s.Clause]], answer: Typed) -> ir.Expr | None:
+        """How far an open answer may be off."""
+        if "within" not in clauses:
+            return None
+        clause = clauses["within"][0]
+        if not isinstance(answer.kind, Quantity):
+            message = f"`within` is for answers that are quantities, and this one is {article(str(answer.kind))}"
+            self.check.fail("WMS502", message, clause.span, "remove it")
+        if "options" in clauses:
+            message = "an answer is one of its options or open, not both"
+            self.check.fail("WMS502", message, clause.span, "remove `options` or `within`")
+        typed = self.check.value(clause.value, (answer.kind,), "`within`, like the answer,")
+        within(self.check, typed.expr, Slot((answer.kind,), "", least=0), clause.value.span, "`within`")
+        return typed.expr
+
+    # ------------------------------------------------------------ gates and what is recorded
 
     def ensure(self, clause: s.Clause) -> ir.Require:
         """A condition that an instance must meet."""
-        typed = self.measuring(clause.value, (TRUTH,), "`ensure`")
+        typed = self.check.measuring(clause.value, (TRUTH,), "`ensure`")
         return ir.Require(condition=typed.expr, text=clause.value.span.text, place=ir.Place.of(clause.value.span))
 
     def margin(self, clause: s.Clause) -> ir.Margin:
         """How far a value must be from turning."""
         assert clause.bound is not None
-        value = self.measuring(clause.value, (), "`margin`")
-        if not isinstance(value.kind, Quantity):
-            self.check.fail(
-                "WMS302", f"`margin` wants a quantity, but this is {article(str(value.kind))}", clause.value.span
-            )
-        bound = self.check.value(clause.bound, (value.kind,), "`apart by`")
-        ratio = value.kind.dimension == NUMBER
+        value, kind = self._quantity(clause, "margin")
+        bound = self.check.value(clause.bound, (kind,), "`apart by`")
+        ratio = kind.dimension == NUMBER
         if ratio and (factor := constant(bound.expr)) is not None and factor < 1:
             self.check.fail("WMS304", "a ratio is apart by a factor of 1 or more", clause.bound.span)
-        return ir.Margin(value=value.expr, bound=bound.expr, ratio=ratio, place=ir.Place.of(clause.span))
+        within(self.check, bound.expr, Slot((kind,), "", least=0), clause.bound.span, "`apart by`")
+        unless = self.check.measuring(clause.unless, (TRUTH,), "`unless`").expr if clause.unless else None
+        return ir.Margin(value=value, bound=bound.expr, ratio=ratio, unless=unless, place=ir.Place.of(clause.span))
 
-    def distinct(self, clause: s.Clause) -> ir.Expr:
-        """How far apart options must be."""
-        slot = PROPERTIES["object"]["radius"]
-        typed = self.check.value(clause.value, slot.kinds, "`distinct by`")
-        self.bounds(typed.expr, slot, clause.value.span, "`distinct by`")
+    def difference(self, clause: s.Clause) -> ir.Difference:
+        """How strong the stimulus is."""
+        value, kind = self._quantity(clause, "difference")
+        return ir.Difference(value=value, unit=kind.dimension.symbol)
+
+    def _quantity(self, clause: s.Clause, what: str) -> tuple[ir.Expr, Quantity]:
+        value = self.check.measuring(clause.value)
+        if not isinstance(value.kind, Quantity):
+            message = f"`{what}` wants a quantity, but this is {article(str(value.kind))}"
+            self.check.fail("WMS302", message, clause.value.span)
+        return value.expr, Quantity(NUMBER) if value.kind.dimension == ZERO else value.kind
+
+    def apart(self, clause: s.Clause) -> ir.Expr:
+        """How far apart options must be, or how far objects are nudged."""
+        typed = self.check.value(clause.value, _APART.kinds, f"`{clause.kind} by`")
+        within(self.check, typed.expr, _APART, clause.value.span, f"`{clause.kind} by`")
         return typed.expr
 
-    def counterfactual(self, counterfactual: s.Counterfactual) -> ir.Counterfactual:
-        """A counterfactual: exactly one change."""
-        name = counterfactual.name.id
-        if len(counterfactual.changes) != 1:
-            many = len(counterfactual.changes)
-            what = f"a counterfactual changes exactly one thing, but `{name}` changes {many}"
-            remedy = "make one counterfactual of each change" if many else "say what would be different"
-            self.check.fail("WMS503", what, counterfactual.name.span, remedy)
-        change = counterfactual.changes[0]
-        where = ir.Place.of(change.span)
-        if change.kind == "order":
-            self.check.fail(
-                "WMS405", "a change of order is not supported yet", change.span, "change the actions' `start`"
-            )
-        if change.kind == "without":
-            target = self.check.value(change.target, (ACTION,), "`without`").expr
-            assert isinstance(target, ir.Value)
-            return ir.Counterfactual(
-                name=name, change="without", owner=str(target.value), property="", value=None, sort="", place=where
-            )
-        owner, prop, kinds, slot = self.target(change)
-        assert change.value is not None
-        typed = self.check.value(change.value, kinds, f"`{prop}`")
-        self.bounds(typed.expr, slot, change.value.span, f"`{prop}`")
-        if typed.expr == ir.Property(owner=ir.Value(value=owner), name=prop):
-            self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
-        assert change.kind in ("action", "state")
-        return ir.Counterfactual(
-            name=name,
-            change=change.kind,
-            owner=owner,
-            property=prop,
-            value=typed.expr,
-            sort=str(typed.kind),
-            place=where,
-        )
-
-    def target(self, change: s.Change) -> tuple[str, str, tuple[Kind, ...], Slot]:
-        """What a change is made to: its owner, its name, the kinds it takes and its slot."""
-        target = change.target
-        example = "push.speed" if change.kind == "action" else "ball.mass"
-        if not isinstance(target, s.Member) or not isinstance(target.value, s.Name):
-            self.check.fail(
-                "WMS503", f"`{change.kind}` changes one named value", target.span, f"write something like `{example}`"
-            )
-        owner = self.check.infer(target.value)
-        is_action = owner.kind == ACTION
-        if (
-            not isinstance(owner.expr, ir.Value)
-            or is_action != (change.kind == "action")
-            or owner.kind not in (ACTION, OBJECT, CAMERA)
-        ):
-            wanted = "an action" if change.kind == "action" else "an object or camera"
-            self.check.fail(
-                "WMS503",
-                f"`{change.kind}` changes {wanted}, but this is {article(str(owner.kind))}",
-                target.value.span,
-            )
-        name, prop = str(owner.expr.value), target.name.id
-        if is_action:
-            kinds: tuple[Kind, ...] = (self.check.argument_kind(name, target.name),)
-            declared = self.scope.names[name]
-            assert isinstance(declared, s.Action)
-            slot = VERBS[self.check.verb(declared)].arguments.get(prop, Slot((A_TIME,), "", least=0))
-        else:
-            slot = self.check.slot(PROPERTIES["object" if owner.kind == OBJECT else "camera"], target.name, f"`{name}`")
-            kinds = slot.kinds
-        return name, prop, kinds, slot
+    # ------------------------------------------------------------ texts
 
     def text(self, text: s.Text) -> tuple[str | ir.Said, ...]:
         """Split a text at its `{expression}`s and check them."""
@@ -214,7 +216,7 @@ class Questions:
             if expr is None:
                 raise Failed
             typed = self.check.infer(expr)
-            sort = _sort(typed.kind)
+            sort = _said(typed.kind)
             if sort is None:
                 self.check.fail("WMS302", f"{article(str(typed.kind))} cannot be said in a text", span)
             found.append(ir.Said(value=typed.expr, sort=sort))
@@ -226,7 +228,8 @@ def _unescape(text: str) -> str:
     return re.sub(r"\\(.)", lambda m: {"n": "\n", "t": "\t"}.get(m[1], m[1]), text)
 
 
-def _sort(kind: Kind) -> str | None:
-    if isinstance(kind, Word | Quantity) or kind in (OBJECT, TEXT):
-        return str(kind)
-    return None
+def _said(kind: Kind) -> str | None:
+    """The kind of a value that can be said in words, as it is named; None if it cannot."""
+    if kind == Quantity(ZERO):
+        return str(Quantity(NUMBER))
+    return str(kind) if isinstance(kind, Word | Quantity) or kind in (OBJECT, TEXT, LABEL) else None

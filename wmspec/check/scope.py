@@ -10,44 +10,53 @@ from wmspec.check.vocabulary import WORDS
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note, Report
 
-Declaration = s.Factor | s.Let | s.Block | s.Action
+Declaration = s.Factor | s.Let | s.Block | s.Action | s.Template
 
 #: Names that mean something everywhere.
-BUILTIN = {"end"} | {word for words in WORDS.values() for word in words}
+BUILTIN = {"end", "index"} | {word for words in WORDS.values() for word in words}
+#: Those that nothing may be called. The other words can be told from what is declared by what is wanted at a place.
+RESERVED = {"end", "index", *WORDS["color"], *WORDS["shape"], *WORDS["tie"]}
 
 
 class Scope:
-    """Declarations by name, in the order of the text."""
+    """Declarations by name, in the order of the text, and the members of sets."""
 
     def __init__(self, statements: Iterable[s.Statement], report: Report) -> None:
         self.names: dict[str, Declaration] = {}
+        self.sets: dict[str, str] = {}
+        """The set of every member of one."""
+        self._report = report
         for statement in statements:
-            if isinstance(statement, s.Factor | s.Let | s.Block | s.Action):
-                self._declare(statement, report)
+            if isinstance(statement, s.Factor | s.Let | s.Block | s.Action | s.Template):
+                self.declare(statement)
 
-    def _declare(self, statement: Declaration, report: Report) -> None:
+    def declare(self, statement: Declaration, member_of: str = "") -> None:
+        """Take in a name; complain if it is taken."""
         name = statement.name.id
         if (first := self.names.get(name)) is not None:
-            report.add(
-                "WMS202",
-                f"`{name}` is declared twice",
-                statement.name.span,
-                "give one of them another name",
-                (Note("declared here first", first.name.span),),
-            )
+            notes = (Note("declared here first", first.name.span),)
+            remedy = "give one of them another name"
+            self._report.add("WMS202", f"`{name}` is declared twice", statement.name.span, remedy, notes)
             return
-        if name in BUILTIN:
-            report.add("WMS202", f"`{name}` is a word of the language", statement.name.span, "choose another name")
+        if name in RESERVED:
+            message = f"`{name}` is a word of the language"
+            self._report.add("WMS202", message, statement.name.span, "choose another name")
         self.names[name] = statement
+        if member_of:
+            self.sets[name] = member_of
+
+    def members(self, of: str) -> tuple[str, ...]:
+        """The names of the members of a set, in order."""
+        return tuple(member for member, whole in self.sets.items() if whole == of)
 
     def known(self) -> list[str]:
         """Every word that may be used as a value."""
-        return [*self.names, *BUILTIN, *(f for f in FUNCTIONS), *(v for v in VERBS)]
+        return [*self.names, *BUILTIN, *FUNCTIONS, *VERBS]
 
     def of(self, *types: type[Declaration]) -> list[str]:
         """The names declared by statements of the given types."""
         return [n for n, d in self.names.items() if isinstance(d, types)]
 
     def blocks(self, kind: str) -> list[str]:
-        """The names of the objects, cameras or lights."""
-        return [n for n, d in self.names.items() if isinstance(d, s.Block) and d.kind == kind]
+        """The names of the objects, cameras or lights, but for the members of sets."""
+        return [n for n, d in self.names.items() if isinstance(d, s.Block) and d.kind == kind and n not in self.sets]

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
 from wmspec.check import ir
 from wmspec.check.evaluate import parts
-from wmspec.check.expressions import Expressions, Failed, Typed, constant
+from wmspec.check.expressions import Expressions
 from wmspec.check.factors import Factors
-from wmspec.check.kinds import A_TIME, CAMERA, List
+from wmspec.check.observations import Observations
 from wmspec.check.questions import Questions
 from wmspec.check.scope import Scope
+from wmspec.check.sets import Sets
+from wmspec.check.substitute import Substitute
+from wmspec.check.templates import Templates
 from wmspec.check.things import Things
+from wmspec.check.tolerances import tolerances
+from wmspec.check.typed import Failed, Typed, constant
 from wmspec.check.vocabulary import SETTINGS
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note, Report
@@ -43,18 +49,41 @@ def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
 class _Task:
     def __init__(self, task: s.Task | None, statements: list[s.Statement], report: Report) -> None:
         self.declaration = task
-        self.statements = statements
         self.report = report
-        self.scope = Scope(statements, report)
+        substitute = Substitute()
+        templates = Templates(statements, substitute, report)
+        self.statements = [templates.expanded(statement) for statement in statements]
+        self.scope = Scope(self.statements, report)
         self.check = Expressions(self.scope, report)
         self.factors = Factors(self.check)
         self.things = Things(self.check)
-        self.questions = Questions(self.check, self.things)
+        self.questions = Questions(self.check)
+        self.observations = Observations(self.check)
+        self._replace_sets(Sets(self.check, self.factors, substitute))
+        self.unused = list(templates.unused())
+
+    def _replace_sets(self, sets: Sets) -> None:
+        """Put the members of sets in their place."""
+        statements: list[s.Statement] = []
+        for statement in self.statements:
+            if not isinstance(statement, s.Block) or statement.kind != "objects":
+                statements.append(statement)
+                continue
+            with suppress(Failed):
+                statements += sets.members(statement)
+        self.statements = statements
 
     def library(self) -> None:
         self.each(s.Factor, self.factors.factor)
         self.each(s.Let, self.factors.let)
-        self.each(s.Block, self.things.block)
+        self.blocks()
+
+    def blocks(self) -> list[ir.Thing]:
+        """What there is. Templates that nothing is made of are tried as well."""
+        for block in self.unused:
+            with suppress(Failed):
+                self.things.block(block)
+        return [thing for things in self.each(s.Block, self.things.block) for thing in things]
 
     def task(self) -> ir.TaskSpec | None:
         assert self.declaration is not None
@@ -62,8 +91,8 @@ class _Task:
         factors = self.each(s.Factor, self.factors.factor)
         lets = self.each(s.Let, self.factors.let)
         requires = self.each(s.Require, self.factors.require)
-        things = [*self.each(s.Block, self.things.block), *self.each(s.Action, self.things.action)]
-        observations = self.each(s.Observe, self.observe)
+        things = [*self.blocks(), *self.each(s.Action, self.things.action)]
+        observations = self.each(s.Observe, self.observations.observe)
         settings = self.settings()
         questions = self.each(s.Question, self.questions.question)
         if not observations and not self.report.failed:
@@ -83,6 +112,7 @@ class _Task:
             lets=tuple(lets),
             requires=tuple(requires),
             repeat=self.repeat(),
+            tolerances=tolerances(self.check, (x for x in self.statements if isinstance(x, s.Tolerance))),
             things=tuple(things),
             horizon=self.horizon(observations),
             observations=tuple(observations),
@@ -147,19 +177,6 @@ class _Task:
         if typed is not None:
             return typed.expr
         return ir.Call(function="max", arguments=tuple(o.times for o in observations))
-
-    # ------------------------------------------------------------ observations
-
-    def observe(self, observe: s.Observe) -> ir.Observation:
-        camera = self.check.value(observe.camera, (CAMERA,), "`observe`")
-        times = self.check.value(observe.times, (List(A_TIME), A_TIME), "`at`")
-        expr = times.expr if isinstance(times.kind, List) else ir.Items(items=(times.expr,))
-        assert isinstance(camera.expr, ir.Value)
-        if expr == ir.Items(items=()):
-            self.check.fail(
-                "WMS504", "there is no time here at which to look", observe.times.span, "write `[0 s, 1 s]`"
-            )
-        return ir.Observation(camera=str(camera.expr.value), times=expr, place=ir.Place.of(observe.span))
 
     # ------------------------------------------------------------ what has no effect
 

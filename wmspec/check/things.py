@@ -1,20 +1,26 @@
-"""Checking what is there and what is done to it: objects, cameras, lights, the world, actions."""
+"""Checking what is there and what is done to it: objects and their parts, cameras, lights, joints, robots, actions."""
 
 from __future__ import annotations
 
-from functools import cache
-
-from wmspec.check import ir
-from wmspec.check.expressions import Expressions, Failed, constant
-from wmspec.check.kinds import A_TIME, ACTION, article
-from wmspec.check.scope import Scope
-from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import PROPERTIES, Slot
+from wmspec.check import actions, ir
+from wmspec.check.actions import DURATION, START, Act
+from wmspec.check.bounds import within
+from wmspec.check.defaults import default_value
+from wmspec.check.expressions import Expressions
+from wmspec.check.files import beside
+from wmspec.check.kinds import A_TIME, article
+from wmspec.check.members import setting
+from wmspec.check.owners import Owner, owner, parts
+from wmspec.check.slots import inherited
+from wmspec.check.typed import Failed
+from wmspec.check.verbs import ROBOTS
+from wmspec.check.vocabulary import FILES, JOINTS, Slot
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note, Report
-from wmspec.parse.parser import parse_expression
-from wmspec.parse.source import Source, Span
+from wmspec.parse.diagnostics import Note
+from wmspec.parse.source import Span
+
+_MODELS = {"joint": tuple(JOINTS), "robot": tuple(ROBOTS)}
 
 
 class Things:
@@ -25,147 +31,183 @@ class Things:
         self.scope = check.scope
         self.report = check.report
 
-    def block(self, block: s.Block) -> ir.Thing:
-        """An object, camera, light or the world, with the defaults of what is not written."""
-        table = PROPERTIES[block.kind]
+    # ------------------------------------------------------------ blocks
+
+    def block(self, block: s.Block) -> tuple[ir.Thing, ...]:
+        """A thing, with the defaults of what it leaves out; the parts of an object follow it."""
+        self._fits_kind(block)
+        of = owner(block)
+        whole = ir.Thing(
+            kind=block.kind,  # sets have become objects by now
+            name=of.name,
+            model=block.model.id if block.model else "",
+            set=self.scope.sets.get(of.name, ""),
+            properties=self._properties(of),
+            place=ir.Place.of(of.span),
+        )
+        if block.kind == "joint":
+            self._joins_two(whole, block)
+        return whole, *(self._part(whole, part) for part in parts(block))
+
+    def _fits_kind(self, block: s.Block) -> None:
+        """Complain about a model or parts where they mean nothing."""
+        kind, model = block.kind, block.model
+        if block.parts and kind != "object":
+            self.report.add("WMS405", f"{article(kind)} has no parts", block.parts[0].name.span, "only an object has")
+        if kind in _MODELS and (model is None or model.id not in _MODELS[kind]):
+            known = ", ".join(_MODELS[kind])
+            if model is None:
+                message = f"the {kind} `{block.name.id}` does not say which kind it is"
+                self.check.fail("WMS206", message, block.name.span, f"write `{kind} {block.name.id} : KIND`: {known}")
+            message = f"there is no kind of {kind} `{model.id}`"
+            self.check.fail("WMS201", message, model.span, suggestion(model.id, _MODELS[kind]))
+        if kind not in ("object", *_MODELS) and model is not None:
+            message = f"{article(kind)} has no template"
+            self.report.add("WMS405", message, model.span, "only an object has")
+        seen: dict[str, Span] = {}
+        for part in block.parts:
+            if part.name.id in seen:
+                notes = (Note("declared here first", seen[part.name.id]),)
+                message = f"`{block.name.id}` has two parts `{part.name.id}`"
+                self.report.add("WMS202", message, part.name.span, "give one of them another name", notes)
+            seen.setdefault(part.name.id, part.name.span)
+
+    def _part(self, whole: ir.Thing, of: Owner) -> ir.Thing:
+        """A part: what it does not say of its looks is that of its object."""
+        properties = self._properties(of)
+        for name in inherited(of.said, whole.properties):
+            value = ir.Property(owner=ir.Value(value=whole.name), name=name)
+            properties[name] = ir.Setting(value=value, place=ir.Place.of(of.span))
+        place = ir.Place.of(of.span)
+        return ir.Thing(kind="part", name=of.name, of=whole.name, properties=properties, place=place)
+
+    def _properties(self, of: Owner) -> dict[str, ir.Setting]:
+        """The properties that are written, and the defaults of the others."""
         properties: dict[str, ir.Setting] = {}
         spans: dict[str, Span] = {}
-        for p in block.properties:
-            if p.name.id in spans:
-                notes = (Note("set here first", spans[p.name.id]),)
-                self.report.add("WMS202", f"`{p.name.id}` is set twice", p.name.span, "remove one", notes)
-                continue
-            spans[p.name.id] = p.name.span
+        for p in of.written:
+            for name, span in [(p.name.id, p.name.span)] + ([("at", p.at.span)] if p.at else []):
+                if name in spans:
+                    notes = (Note("set here first", spans[name]),)
+                    self.report.add("WMS202", f"`{name}` is set twice", span, "remove one", notes)
+                spans.setdefault(name, span)
             try:
-                properties |= self.property(block, p, table)
+                for name, made in self._written(of, p).items():
+                    properties.setdefault(name, made)
             except Failed:
                 continue
-        for name, slot in table.items():
-            if name not in properties and name not in spans:
-                if slot.default is not None:
-                    properties[name] = self.default(slot, block.name.span)
-                elif not slot.optional:
-                    self.report.add(
-                        "WMS206", f"the {block.kind} `{block.name.id}` needs `{name}`: {slot.meaning}", block.name.span
-                    )
-        kind = block.kind
-        assert kind in ("object", "camera", "light", "world")
-        return ir.Thing(kind=kind, name=block.name.id, properties=properties, place=ir.Place.of(block.name.span))
+        for name, slot in of.slots.items():
+            if name not in spans and slot.default is not None:
+                properties[name] = ir.Setting(value=default_value(slot), place=ir.Place.of(of.span))
+            elif name not in spans and not slot.optional:
+                message = f"the {of.sort.kind} `{of.name}` needs `{name}`: {slot.meaning}"
+                self.report.add("WMS206", message, of.span)
+        return properties
 
-    def property(self, block: s.Block, p: s.Property, table: dict[str, Slot]) -> dict[str, ir.Setting]:
+    def _written(self, of: Owner, p: s.Property) -> dict[str, ir.Setting]:
         """A written property, and where it is placed with `at`."""
-        slot = self.check.slot(table, p.name, f"{article(block.kind)}")
-        if p.at is not None and p.name.id != "on":
-            self.check.fail("WMS101", "`at` follows `on:` only", p.at.span, "write `at: (x, y, z)`")
-        typed = self.check.setting(block, p, slot)
-        self.bounds(typed.expr, slot, p.value.span, f"`{p.name.id}`")
-        found = {p.name.id: ir.Setting(value=typed.expr, place=ir.Place.of(p.value.span))}
+        if p.name.id not in of.slots:
+            self.check.fail(*of.lacks(p.name))
+        if p.at is not None and p.name.id not in ("on", "inside"):
+            remedy = "write `at: (x, y, z)`"
+            self.check.fail("WMS101", "`at` follows `on:` and `inside:` only", p.at.span, remedy)
+        found = {p.name.id: self._setting(of, p)}
         if p.at is not None:
-            at = self.check.value(p.at, table["at"].kinds, "`at`")
-            found["at"] = ir.Setting(value=at.expr, place=ir.Place.of(p.at.span))
+            at = s.Property(s.Name("at", p.at.span), p.at, None, p.span)
+            found["at"] = self._setting(of, at)
         return found
 
-    def default(self, slot: Slot, span: Span) -> ir.Setting:
-        """The value of a property that is left out."""
-        return ir.Setting(value=default_value(slot), place=ir.Place.of(span))
+    def _setting(self, of: Owner, p: s.Property) -> ir.Setting:
+        name, slot = p.name.id, of.slots[p.name.id]
+        typed = setting(self.check, of, p, slot)
+        within(self.check, typed.expr, slot, p.value.span, f"`{name}`")
+        expr = beside(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
+        return ir.Setting(value=expr, place=ir.Place.of(p.value.span))
 
-    def bounds(self, expr: ir.Expr, slot: Slot, span: Span, what: str) -> None:
-        """Complain about a constant outside its bounds."""
-        value = constant(expr)
-        if value is not None and (reason := slot.fault(value)):
-            self.check.fail("WMS304", f"{what} must be {reason}", span)
+    def _joins_two(self, joint: ir.Thing, block: s.Block) -> None:
+        of, to = joint.properties.get("of"), joint.properties.get("to")
+        if of is not None and to is not None and of.value == to.value and isinstance(of.value, ir.Value):
+            self.check.fail("WMS304", f"`{joint.name}` joins `{of.value.value}` to itself", block.name.span)
 
     # ------------------------------------------------------------ actions
 
     def action(self, action: s.Action) -> ir.Thing:
         """An action: its verb, arguments and timings."""
-        verb = self.check.verb(action)
-        assert isinstance(action.call, s.Call)
-        table = VERBS[verb].arguments
-        written = self.arguments(action.call, table, verb)
+        does = actions.act(self.check, action)
+        self._all_known(does)
         properties: dict[str, ir.Setting] = {}
-        self.check.subject = None
-        for name, slot in table.items():
-            if name not in written:
-                if slot.default is None:
-                    self.report.add("WMS205", f"`{verb}` needs `{name}`: {slot.meaning}", action.call.span)
+        for name, slot in does.verb.arguments.items():
+            if name in does.written:
+                try:
+                    properties[name] = self._argument(action, does, name, slot)
+                except Failed:
                     continue
-                properties[name] = self.default(slot, action.name.span)
-                continue
-            try:
-                typed = self.check.value(written[name].value, slot.kinds, f"`{name}`")
-                self.bounds(typed.expr, slot, written[name].value.span, f"`{name}`")
-            except Failed:
-                continue
-            properties[name] = ir.Setting(value=typed.expr, place=ir.Place.of(written[name].value.span))
-            if name == "object":
-                self.check.subject = typed.expr
-        self.check.subject = None
-        properties |= self.timings(action, verb)
+            elif slot.default is not None:
+                properties[name] = ir.Setting(value=default_value(slot), place=ir.Place.of(action.name.span))
+            elif not slot.optional:
+                self.report.add("WMS205", f"`{does.name}` needs `{name}`: {slot.meaning}", does.call.span)
+        if does.name == "drive" and not does.robot:
+            self._driven(action, does)
         return ir.Thing(
-            kind="action", name=action.name.id, verb=verb, properties=properties, place=ir.Place.of(action.name.span)
+            kind="action",
+            name=action.name.id,
+            verb=does.name,
+            of=does.robot,
+            properties=properties | self._timings(action, does),
+            place=ir.Place.of(action.name.span),
         )
 
-    def arguments(self, call: s.Call, table: dict[str, Slot], verb: str) -> dict[str, s.Argument]:
-        """The written arguments of a verb by name."""
-        found: dict[str, s.Argument] = {}
-        names = list(table)
-        for i, argument in enumerate(call.arguments):
-            name = argument.name.id if argument.name else names[i] if i < len(names) else ""
-            if name not in table:
-                shown, span = (
-                    (argument.name.id, argument.name.span) if argument.name else (argument.span.text, argument.span)
-                )
-                self.report.add("WMS205", f"`{verb}` has no argument `{shown}`", span, suggestion(shown, table))
-            elif name in found:
+    def _argument(self, action: s.Action, does: Act, name: str, slot: Slot) -> ir.Setting:
+        typed = actions.argument(self.check, action, does, name)
+        span = does.written[name].value.span
+        within(self.check, typed.expr, slot, span, f"`{name}`")
+        return ir.Setting(value=typed.expr, place=ir.Place.of(span))
+
+    def _all_known(self, does: Act) -> None:
+        """Complain about arguments that the verb does not know and those that are given twice."""
+        given: set[str] = set()
+        for name, argument in does.assigned:
+            if not name:
+                named = argument.name or s.Name(argument.span.text, argument.span)
+                hint = suggestion(named.id, does.verb.arguments)
+                self.report.add("WMS205", f"`{does.name}` has no argument `{named.id}`", named.span, hint)
+            elif name in given:
                 self.report.add("WMS205", f"`{name}` is given twice", argument.span, "remove one")
-            else:
-                found[name] = argument
-        return found
+            given.add(name)
 
-    def timings(self, action: s.Action, verb: str) -> dict[str, ir.Setting]:
+    def _driven(self, action: s.Action, does: Act) -> None:
+        """Complain about a drive that the joint lacks."""
+        joint = actions.argument(self.check, action, does, "joint").expr if "joint" in does.written else None
+        block = self.scope.names.get(str(joint.value)) if isinstance(joint, ir.Value) else None
+        if not isinstance(block, s.Block):
+            return
+        if "stiffness" not in owner(block).said:
+            message = f"nothing drives `{block.name.id}`: it has no stiffness"
+            notes = (Note(f"`{block.name.id}` is declared here", block.name.span),)
+            self.report.add("WMS206", message, does.call.span, "add `stiffness:` to the joint", notes)
+
+    def _timings(self, action: s.Action, does: Act) -> dict[str, ir.Setting]:
         """When an action starts and how long it lasts, from `at`, `for`, `after` and `with`."""
-        start = ir.Setting(value=ir.Value(value=0.0), place=ir.Place.of(action.name.span))
-        duration = None
+        spans: dict[bool, Span] = {}
         for timing in action.timings:
-            where = ir.Place.of(timing.value.span)
-            if timing.kind in ("after", "with"):
-                start = ir.Setting(value=self.relative(timing), place=where)
-            else:
-                typed = self.check.value(timing.value, (A_TIME,), f"`{timing.kind}`")
-                self.bounds(typed.expr, Slot((A_TIME,), "", least=0), timing.value.span, f"`{timing.kind}`")
-                if timing.kind == "at":
-                    start = ir.Setting(value=typed.expr, place=where)
-                else:
-                    duration = ir.Setting(value=typed.expr, place=where)
-        if VERBS[verb].lasts and duration is None:
-            self.check.fail(
-                "WMS205", f"`{verb}` needs to know how long: `for TIME`", action.call.span, "add for instance `for 2 s`"
-            )
-        if not VERBS[verb].lasts and duration is not None:
-            self.check.fail("WMS205", f"`{verb}` happens at once and cannot last", action.call.span, "remove `for`")
-        return {"start": start} | ({"duration": duration} if duration else {})
-
-    def relative(self, timing: s.Timing) -> ir.Expr:
-        """The start of an action that is timed by another."""
-        other = self.check.value(timing.value, (ACTION,), f"`{timing.kind}`")
-        assert isinstance(other.expr, ir.Value)
-        start = ir.Property(owner=other.expr, name="start")
-        if timing.kind == "with":
-            return start
-        declared = self.scope.names[str(other.expr.value)]
-        assert isinstance(declared, s.Action)
-        if not VERBS[self.check.verb(declared)].lasts:
-            return start
-        return ir.Operation(operator="+", operands=(start, ir.Property(owner=other.expr, name="duration")))
-
-
-@cache
-def default_value(slot: Slot) -> ir.Expr:
-    """The value that a property or argument has when it is left out."""
-    assert slot.default is not None
-    source = Source("<default>", slot.default)
-    report = Report()
-    expr = parse_expression(Span(source, 0, len(slot.default)), report)
-    assert expr is not None, slot
-    return Expressions(Scope((), report), report).value(expr, slot.kinds, "the default").expr
+            lasts = timing.kind == "for"
+            if lasts in spans:
+                notes = (Note("said here first", spans[lasts]),)
+                what = "how long this lasts" if lasts else "when this starts"
+                self.report.add("WMS202", f"{what} is said twice", timing.span, "remove one", notes)
+            spans.setdefault(lasts, timing.span)
+        begin, span = actions.start(self.check, action)
+        within(self.check, begin.expr, START, span, "`at`")
+        found = {"start": ir.Setting(value=begin.expr, place=ir.Place.of(span))}
+        lasting = next((t for t in action.timings if t.kind == "for"), None)
+        if lasting is None and does.verb.lasts:
+            message = f"`{does.name}` needs to know how long: `for TIME`"
+            self.check.fail("WMS205", message, does.call.span, "add for instance `for 2 s`")
+        if lasting is not None:
+            if not does.verb.lasts:
+                message = f"`{does.name}` happens at once and cannot last"
+                self.check.fail("WMS205", message, does.call.span, "remove `for`")
+            typed = self.check.value(lasting.value, (A_TIME,), "`for`")
+            within(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
+            found["duration"] = ir.Setting(value=typed.expr, place=ir.Place.of(lasting.value.span))
+        return found

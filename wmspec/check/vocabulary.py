@@ -69,7 +69,10 @@ WORDS: dict[str, tuple[str, ...]] = {
 #: Headings (rad) that words stand for, as a viewer at the front sees them: +x is right, +y is away.
 HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
 
-#: Kinds of joints, and the models of robots.
+#: The endings of the files that a property can name.
+FILES = {"file": (".obj", ".stl", ".ply", ".glb"), "image": (".png", ".jpg", ".jpeg")}
+
+#: Kinds of joints.
 JOINTS = ("hinge", "slider", "ball", "fixed")
 
 

@@ -1,0 +1,17 @@
+"""Complaints about constants that are out of bounds."""
+
+from __future__ import annotations
+
+from wmspec.check import ir
+from wmspec.check.expressions import Expressions
+from wmspec.check.typed import constant
+from wmspec.check.vocabulary import Slot
+from wmspec.parse.source import Span
+
+
+def within(check: Expressions, expr: ir.Expr, slot: Slot, span: Span, what: str) -> None:
+    """Complain about a constant outside the bounds of its slot, or a point or size with such a part."""
+    for part in expr.items if isinstance(expr, ir.Items) else (expr,):
+        value = constant(part)
+        if value is not None and (reason := slot.fault(value)):
+            check.fail("WMS304", f"{what} must be {reason}", span)

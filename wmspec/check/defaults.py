@@ -1,0 +1,24 @@
+"""The values of what is left out."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from wmspec.check import ir
+from wmspec.check.expressions import Expressions
+from wmspec.check.scope import Scope
+from wmspec.check.vocabulary import Slot
+from wmspec.parse.diagnostics import Report
+from wmspec.parse.parser import parse_expression
+from wmspec.parse.source import Source, Span
+
+
+@cache
+def default_value(slot: Slot) -> ir.Expr:
+    """The value that a property or argument has when it is left out."""
+    assert slot.default is not None
+    source = Source("<default>", slot.default)
+    report = Report()
+    expr = parse_expression(Span(source, 0, len(slot.default)), report)
+    assert expr is not None, slot
+    return Expressions(Scope((), report), report).value(expr, slot.kinds, "the default").expr

@@ -1,0 +1,87 @@
+"""Files that a spec names: beside the file that says so, there when the spec is checked."""
+
+from __future__ import annotations
+
+import ntpath
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from wmspec.check import ir
+from wmspec.check.vocabulary import FILES
+from wmspec.parse import syntax as s
+from wmspec.parse.load import located
+from wmspec.parse.source import Span
+
+if TYPE_CHECKING:
+    from wmspec.check.expressions import Expressions
+
+
+def beside(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.Expr:
+    """The value of a property that names a file, as a path from where wmspec was started.
+
+    What varies stays so: the folder is put before it.
+    """
+    texts = list(_texts(check, written, set()))
+    folders = {str(PurePosixPath(t.span.source.name).parent) for t in texts}
+    for text in texts:
+        _there(check, name, text)
+    if len(folders) > 1:
+        check.fail("WMS210", "these file names stand in specs of different folders", written.span, "say them in one")
+    folder = next(iter(folders), ".")
+    if folder == ".":
+        return expr
+    if isinstance(expr, ir.Value):
+        return ir.Value(value=f"{folder}/{expr.value}")
+    return ir.Operation(operator="+", operands=(ir.Value(value=f"{folder}/"), expr))
+
+
+def _there(check: Expressions, name: str, text: s.Text) -> None:
+    """Complain about a file that is not there, not of a sort that can be read, or not below the spec's folder."""
+    path = PurePosixPath(text.value)
+    if path.is_absolute() or ntpath.isabs(text.value) or "\\" in text.value or ".." in path.parts:
+        check.fail("WMS210", "a file is named from the folder of the spec downwards", text.span,
+                   'put it beside the spec and write `"NAME"` or `"FOLDER/NAME"`')  # fmt: skip
+    if path.suffix.lower() not in FILES[name]:
+        can = ", ".join(FILES[name])
+        check.fail("WMS210", f"`{name}` takes no {path.suffix or 'such'} file", text.span, f"it can be one of: {can}")
+    folder = located(text.span.source.name).parent
+    if not _is_file(folder / text.value):
+        there = sorted(p.name for p in _neighbours(folder) if p.suffix.lower() in FILES[name])[:8]
+        hint = f"files there: {', '.join(there)}" if there else "it is looked for beside the spec"
+        check.fail("WMS210", f"there is no file `{text.value}`", text.span, hint)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name longer than names can be, a null character
+        return False
+
+
+def _neighbours(folder: Path) -> Iterator[Path]:
+    try:
+        yield from folder.iterdir()
+    except OSError:
+        return
+
+
+def _texts(check: Expressions, e: s.Expr, seen: set[Span]) -> Iterator[s.Text]:
+    """The texts that an expression can be, those of the factors and `let`s in it too."""
+    match e:
+        case s.Text():
+            yield e
+        case s.Name():
+            declared = check.scope.names.get(e.id)
+            if isinstance(declared, s.Factor | s.Let) and declared.span not in seen:
+                seen.add(declared.span)
+                yield from _texts(check, declared.domain if isinstance(declared, s.Factor) else declared.value, seen)
+        case s.Operation(operator="if"):
+            for branch in e.operands[1:]:
+                yield from _texts(check, branch, seen)
+        case s.Items():
+            for item in e.items:
+                yield from _texts(check, item, seen)
+        case s.Call():
+            for argument in e.arguments:
+                yield from _texts(check, argument.value, seen)

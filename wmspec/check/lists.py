@@ -1,0 +1,94 @@
+"""Lists, tuples and ranges."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from wmspec.check import ir, units
+from wmspec.check.kinds import A_NUMBER, Kind, List, Quantity, Vector
+from wmspec.check.typed import Typed, constant, fits, joined
+from wmspec.parse import syntax as s
+from wmspec.parse.source import Span
+
+if TYPE_CHECKING:
+    from wmspec.check.expressions import Expressions
+
+#: The most values that a range may have.
+MOST_VALUES = 10_000
+
+
+def items(check: Expressions, e: s.Items, wanted: tuple[Kind, ...]) -> Typed:
+    """A list of values of one kind, or a tuple of two or three quantities."""
+    inner = tuple(k.item for k in wanted if isinstance(k, List) and k.item) or wanted
+    found = [check.infer(i, inner) for i in e.items]
+    if e.unit is not None:
+        found = [_scaled(check, i, e.unit, written.span) for i, written in zip(found, e.items, strict=True)]
+    kind = found[0].kind if found else None
+    for item, written in zip(found, e.items, strict=True):
+        common = joined(kind, item.kind) if kind else None
+        if kind is not None and common is None:
+            check.misfit(written.span, item.kind, (kind,), f"this {e.kind}, like its first item,")
+        kind = common
+    expr = ir.Items(items=tuple(i.expr for i in found))
+    if e.kind == "list":
+        return Typed(expr, List(kind))
+    if not isinstance(kind, Quantity) or len(found) > 3:
+        check.fail("WMS302", "a tuple holds two or three quantities", e.span, "use `[...]` for a list")
+    return Typed(expr, Vector(kind.dimension, len(found)))
+
+
+def _scaled(check: Expressions, item: Typed, unit: str, span: Span) -> Typed:
+    """An item of a list that carries the unit of all its items."""
+    scale, dimension = check.unit(unit, span)
+    if not fits(item.kind, A_NUMBER):
+        check.fail("WMS301", "this value has a unit of its own already, beside that of the list", span)
+    value = item.expr.value if isinstance(item.expr, ir.Value) else None
+    if isinstance(value, float):
+        return Typed(ir.Value(value=units.convert(value, scale)), Quantity(dimension))
+    expr = ir.Operation(operator="*", operands=(item.expr, ir.Value(value=scale)))
+    return Typed(expr, Quantity(dimension))
+
+
+def range_(check: Expressions, e: s.Range) -> Typed:
+    """The values of a range; of an interval, its two ends."""
+    start, stop = check.infer(e.start), check.infer(e.stop)
+    kind = joined(start.kind, stop.kind)
+    if not isinstance(kind, Quantity):
+        check.misfit(e.stop.span, stop.kind, (start.kind,), "`..`, like its start,")
+    if e.step is not None:
+        step = check.value(e.step, (kind,), "`by`")
+        return Typed(_steps(check, e, start.expr, stop.expr, step.expr), List(kind))
+    count = _count(check, e.count) if e.count is not None else 2
+    return Typed(_points(start.expr, stop.expr, count), List(kind))
+
+
+def _count(check: Expressions, e: s.Expr) -> int:
+    count = constant(check.value(e, (A_NUMBER,), "`in`").expr)
+    if count is None or count != int(count) or not 2 <= count <= MOST_VALUES:
+        check.fail("WMS304", f"the number of values is a whole constant from 2 to {MOST_VALUES}", e.span)
+    return int(count)
+
+
+def _steps(check: Expressions, e: s.Range, start: ir.Expr, stop: ir.Expr, step: ir.Expr) -> ir.Items:
+    a, b, by = constant(start), constant(stop), constant(step)
+    if a is None or b is None or by is None:
+        check.fail("WMS304", "a range with steps has constant ends", e.span, "use `a .. b in 5`")
+    if by <= 0 or b < a:
+        check.fail("WMS401", "this range is empty: it goes up from its start to its end", e.span)
+    steps = (b - a) / by + 1e-9
+    if not steps < MOST_VALUES:
+        count = f"{int(steps) + 1}" if math.isfinite(steps) else "endlessly many"
+        message = f"this range has {count} values; {MOST_VALUES} are the most"
+        check.fail("WMS401", message, e.span, "take a larger step")
+    return ir.Items(items=tuple(ir.Value(value=round(a + i * by, 12)) for i in range(int(steps) + 1)))
+
+
+def _points(start: ir.Expr, stop: ir.Expr, count: int) -> ir.Items:
+    a, b = constant(start), constant(stop)
+    if a is not None and b is not None:
+        return ir.Items(items=tuple(ir.Value(value=round(a + (b - a) * i / (count - 1), 12)) for i in range(count)))
+    span = ir.Operation(operator="-", operands=(stop, start))
+    shares = (ir.Value(value=i / (count - 1)) for i in range(count))
+    steps = (ir.Operation(operator="*", operands=(span, share)) for share in shares)
+    return ir.Items(items=tuple(ir.Operation(operator="+", operands=(start, step)) for step in steps))

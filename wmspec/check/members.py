@@ -1,0 +1,116 @@
+"""Members: properties of things, arguments of actions, parts of objects, coordinates of points, members of sets."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmspec.check import actions, ir
+from wmspec.check.kinds import (
+    A_NUMBER,
+    ACTION,
+    OBJECT,
+    PART,
+    Kind,
+    Quantity,
+    Vector,
+    article,
+)
+from wmspec.check.names import BLOCKS
+from wmspec.check.owners import Owner, owner, parts
+from wmspec.check.typed import Failed, Typed, constant
+from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, Slot
+from wmspec.errors import suggestion
+from wmspec.parse import syntax as s
+
+if TYPE_CHECKING:
+    from wmspec.check.expressions import Expressions
+
+#: What has properties of its own.
+_OWNERS = {**{kind: block for block, kind in BLOCKS.items()}, PART: "part"}
+
+
+def member(check: Expressions, e: s.Member) -> Typed:
+    """`ball.mass`, `push.speed`, `rack.left`, `spot.x`."""
+    whole = check.infer(e.value)
+    if isinstance(whole.kind, Vector):
+        return _coordinate(check, whole, whole.kind, e.name)
+    if whole.kind == ACTION and isinstance(whole.expr, ir.Value):
+        return actions.property_(check, str(whole.expr.value), e.name)
+    if whole.kind not in _OWNERS:
+        check.fail("WMS203", f"{article(str(whole.kind))} has no properties", e.name.span)
+    kind = _OWNERS[whole.kind]
+    if not isinstance(whole.expr, ir.Value):  # which one depends on a factor
+        slot = _row(check, PROPERTIES[kind], e.name, kind)
+        return Typed(ir.Property(owner=whole.expr, name=e.name.id), slot.kinds[0])
+    name = str(whole.expr.value)
+    if whole.kind == OBJECT and f"{name}.{e.name.id}" in _parts(check, name):
+        return Typed(ir.Value(value=f"{name}.{e.name.id}"), PART)
+    return Typed(ir.Property(owner=whole.expr, name=e.name.id), _kind(check, named(check, name), e.name))
+
+
+def named(check: Expressions, name: str) -> Owner:
+    """The block or part of this name in the IR."""
+    whole, dot, _ = name.partition(".")
+    if dot:
+        return _parts(check, whole)[name]
+    block = check.scope.names[name]
+    assert isinstance(block, s.Block)
+    return owner(block)
+
+
+def _parts(check: Expressions, name: str) -> dict[str, Owner]:
+    block = check.scope.names[name]
+    assert isinstance(block, s.Block)
+    return {part.name: part for part in parts(block)}
+
+
+def _row(check: Expressions, table: dict[str, Slot], name: s.Name, what: str) -> Slot:
+    if name.id not in table:
+        message = f"{article(what)} has no property `{name.id}`"
+        check.fail("WMS203", message, name.span, suggestion(name.id, table))
+    return table[name.id]
+
+
+def _coordinate(check: Expressions, point: Typed, kind: Vector, name: s.Name) -> Typed:
+    axes = "xyz"[: kind.size]
+    if name.id not in axes or len(name.id) != 1:
+        check.fail("WMS203", f"{article(str(kind))} has no `{name.id}`", name.span, f"it has {', '.join(axes)}")
+    return Typed(ir.Operation(operator=name.id, operands=(point.expr,)), Quantity(kind.dimension))
+
+
+def _kind(check: Expressions, of: Owner, name: s.Name) -> Kind:
+    """The kind of a property: that of the value it is given, or of its default."""
+    if name.id not in of.slots:
+        check.fail(*of.lacks(name))
+    slot = of.slots[name.id]
+    if name.id in of.said:
+        return setting(check, of, of.said[name.id], slot).kind
+    if slot.default is None and name.id not in BY_MATERIAL:
+        check.fail(*of.silent(name))
+    return slot.kinds[0]
+
+
+def setting(check: Expressions, of: Owner, p: s.Property, slot: Slot) -> Typed:
+    """The value of a written property."""
+    key = (of.name, p.name.id)
+    return check.once(key, p.name.span, lambda: check.value(p.value, slot.kinds, f"`{p.name.id}`"))
+
+
+def index(check: Expressions, e: s.Index) -> Typed:
+    """`blocks[2]`: a member of a set of objects."""
+    declared = check.scope.names.get(e.value.id) if isinstance(e.value, s.Name) else None
+    if not isinstance(declared, s.Block) or declared.kind != "objects":
+        found = check.infer(e.value)
+        message = f"only a set of objects has members, and this is {article(str(found.kind))}"
+        check.fail("WMS302", message, e.value.span, "declare it with `objects NAME[NUMBER] { ... }`")
+    members = check.scope.members(declared.name.id)
+    if not members:  # its number is wrong, and that was reported
+        raise Failed
+    number = constant(check.value(e.index, (A_NUMBER,), "`[...]`").expr)
+    if number is None:
+        check.fail("WMS304", "which member of a set is meant is a constant", e.index.span,
+                   "a factor can hold the members themselves: `in [blocks[0], blocks[1]]`")  # fmt: skip
+    if number != int(number) or not 0 <= number < len(members):
+        message = f"`{declared.name.id}` has members 0 to {len(members) - 1}"
+        check.fail("WMS304", message, e.index.span)
+    return Typed(ir.Value(value=members[int(number)]), OBJECT)

@@ -1,0 +1,67 @@
+"""What has properties: blocks and their parts, by the name that the IR knows them by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from wmspec.check.slots import Sort, slots, sort, unfit
+from wmspec.check.vocabulary import Slot
+from wmspec.errors import suggestion
+from wmspec.parse import syntax as s
+from wmspec.parse.diagnostics import Note
+from wmspec.parse.source import Span
+
+
+@dataclass(frozen=True)
+class Owner:
+    """A block or a part: its name in the IR, its sort, and the properties as they are written."""
+
+    name: str
+    sort: Sort
+    written: tuple[s.Property, ...]
+    span: Span
+
+    @property
+    def slots(self) -> dict[str, Slot]:
+        """The properties that it can have."""
+        return slots(self.sort)
+
+    @cached_property
+    def said(self) -> dict[str, s.Property]:
+        """The written properties by name, of two that are alike the first; `on: X at Y` says `at` too."""
+        found: dict[str, s.Property] = {}
+        for p in self.written:
+            found.setdefault(p.name.id, p)
+            if p.at is not None:
+                found.setdefault("at", s.Property(s.Name("at", p.at.span), p.at, None, p.span))
+        return found
+
+    def lacks(self, name: s.Name) -> tuple[str, str, Span, str]:
+        """The complaint about a property that it cannot have: code, message, place and remedy."""
+        if reason := unfit(self.sort, name.id):
+            return "WMS203", reason, name.span, "remove it"
+        kind = self.sort.kind
+        message = f"{'an' if kind == 'object' else 'a'} {kind} has no property `{name.id}`"
+        return "WMS203", message, name.span, suggestion(name.id, self.slots)
+
+    def silent(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
+        """The complaint about a property that it could have and does not say."""
+        notes = (Note(f"`{self.name}` is declared here", self.span),)
+        return "WMS206", f"`{self.name}` does not say its {name.id}", name.span, f"add `{name.id}:` to it", notes
+
+
+def owner(block: s.Block) -> Owner:
+    """A block as an owner of properties."""
+    said = {p.name.id for p in block.properties}
+    model = block.model.id if block.model is not None and block.kind == "joint" else ""
+    of = sort(block.kind, said, model, bool(block.parts))
+    return Owner(block.name.id, of, block.properties, block.name.span)
+
+
+def parts(block: s.Block) -> Iterator[Owner]:
+    """The parts of an object as owners of properties."""
+    for part in block.parts:
+        of = sort("part", ())
+        yield Owner(f"{block.name.id}.{part.name.id}", of, part.properties, part.name.span)

@@ -1,0 +1,44 @@
+"""Checking how far engines may disagree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import suppress
+
+from wmspec.check.bounds import within
+from wmspec.check.expressions import Expressions
+from wmspec.check.typed import Failed, constant
+from wmspec.check.vocabulary import TOLERANCES
+from wmspec.errors import suggestion
+from wmspec.parse import syntax as s
+from wmspec.parse.diagnostics import Note
+from wmspec.parse.source import Span
+
+
+def tolerances(check: Expressions, written: Iterable[s.Tolerance]) -> dict[str, float]:
+    """The tolerances (SI) by name; those with mistakes are reported and left out."""
+    found: dict[str, float] = {}
+    spans: dict[str, Span] = {}
+    for tolerance in written:
+        name = tolerance.name
+        if name.id in spans:
+            notes = (Note("said here first", spans[name.id]),)
+            check.report.add("WMS202", f"the tolerance `{name.id}` is said twice", name.span, "remove one", notes)
+        spans.setdefault(name.id, name.span)
+        with suppress(Failed):
+            found[name.id] = _tolerance(check, tolerance)
+    return found
+
+
+def _tolerance(check: Expressions, tolerance: s.Tolerance) -> float:
+    name = tolerance.name
+    if name.id not in TOLERANCES:
+        message = f"there is no tolerance `{name.id}`"
+        check.fail("WMS203", message, name.span, suggestion(name.id, TOLERANCES))
+    slot = TOLERANCES[name.id]
+    typed = check.value(tolerance.value, slot.kinds, f"`{name.id}`")
+    within(check, typed.expr, slot, tolerance.value.span, f"`{name.id}`")
+    value = constant(typed.expr)
+    if value is None:
+        check.fail("WMS304", "a tolerance is a constant", tolerance.value.span, "write a quantity")
+    return value

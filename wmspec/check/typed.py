@@ -1,0 +1,94 @@
+"""What is known of a checked expression: its IR and its kind; and which kinds go together."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from wmspec.check import ir, units
+from wmspec.check.kinds import LABEL, NEITHER, OBJECT, TEXT, Kind, List, Quantity, Vector, Word
+from wmspec.check.units import Dimension
+from wmspec.check.vocabulary import WORDS
+
+#: The dimension of a bare `0`, which fits wherever a quantity is wanted.
+ZERO = Dimension(99, 99, 99, 99)
+
+#: What can stand side by side as options of one question.
+_LABELS = (OBJECT, TEXT, NEITHER, LABEL)
+
+
+class Failed(Exception):
+    """A mistake was reported; whoever asked for the value goes on without it."""
+
+
+@dataclass(frozen=True)
+class Typed:
+    """A checked expression and its kind."""
+
+    expr: ir.Expr
+    kind: Kind
+
+
+def fits(kind: Kind, wanted: Kind) -> bool:
+    """Whether a value of this kind may stand where the other is wanted."""
+    return joined(kind, wanted) == wanted
+
+
+def joined(a: Kind, b: Kind) -> Kind | None:
+    """The common kind of two values, None if they have none. A bare zero and an empty list give way."""
+    match a, b:
+        case Quantity(dimension), Quantity() if dimension == ZERO:
+            return b
+        case Quantity(), Quantity(dimension) if dimension == ZERO:
+            return a
+        case Vector(dimension, n), Vector(_, m) if dimension == ZERO and n == m:
+            return b
+        case Vector(_, n), Vector(dimension, m) if dimension == ZERO and n == m:
+            return a
+        case List(None), List():
+            return b
+        case List(), List(None):
+            return a
+        case List(x), List(y) if x and y:
+            item = joined(x, y)
+            return List(item) if item else None
+    if a != b and a in _LABELS and b in _LABELS:
+        return LABEL
+    return a if a == b else None
+
+
+def operation(operator: str, operands: list[Typed], kind: Kind) -> Typed:
+    """An operator applied to operands; of constant numbers, its value."""
+    values = [o.expr.value for o in operands if isinstance(o.expr, ir.Value) and isinstance(o.expr.value, float)]
+    expr = ir.Operation(operator=operator, operands=tuple(o.expr for o in operands))
+    if len(values) == len(operands) and (folded := constant(expr)) is not None:
+        return Typed(ir.Value(value=folded), kind)
+    return Typed(expr, kind)
+
+
+def constant(expr: ir.Expr) -> float | None:
+    """The value of an expression of constant numbers; None if it is anything else."""
+    match expr:
+        case ir.Value(value=float(value)):
+            return value
+        case ir.Operation(operator="-", operands=(a,)):
+            return None if (x := constant(a)) is None else -x
+        case ir.Operation(operator=("+" | "-" | "*" | "/") as operator, operands=(a, b)):
+            x, y = constant(a), constant(b)
+            if x is None or y is None or (operator == "/" and y == 0):
+                return None
+            result = {"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[operator]
+            return result if math.isfinite(result) else None
+    return None
+
+
+def example(kind: Kind) -> str:
+    """How a value of a kind may be written, for messages; empty if there is no short way to say it."""
+    match kind:
+        case Quantity(dimension):
+            return units.EXAMPLES.get(dimension, "")
+        case Vector(dimension, size) if dimension in units.EXAMPLES:
+            return f"({', '.join([units.EXAMPLES[dimension]] * size)})"
+        case Word(vocabulary):
+            return WORDS[vocabulary][-1]
+    return ""
