@@ -52,9 +52,14 @@ def joined(a: Kind, b: Kind) -> Kind | None:
         case List(x), List(y) if x and y:
             item = joined(x, y)
             return List(item) if item else None
-    if a != b and a in _LABELS and b in _LABELS:
-        return LABEL
-    return a if a == b else None
+    if a == b:
+        return a
+    return LABEL if _side_by_side(a, b) or _side_by_side(b, a) else None
+
+
+def _side_by_side(a: Kind, b: Kind) -> bool:
+    """Whether the two may be options of one question though they are of different kinds."""
+    return a in _LABELS and (b in _LABELS or (isinstance(b, Word) and a in (NEITHER, LABEL)))
 
 
 def operation(operator: str, operands: list[Typed], kind: Kind) -> Typed:
