@@ -1,12 +1,34 @@
-"""Which factors and properties a value depends on, by looking at the spec alone."""
+"""Which factors and properties a value depends on, by looking at the spec alone.
+
+A source is the name of a factor or nuisance, or an `owner.property` of the spec. Some names stand for several of them:
+`ball.pose` (where an object is and how it is turned), `ball.form` (its shape, size and parts), `push.there` (whether an
+action happens), `push.way` (where its object is when it begins).
+"""
 
 from __future__ import annotations
 
-from wmspec.check.evaluate import parts
-from wmspec.check.ir import Call, Expr, Property, Ref, TaskSpec, Value
+from collections.abc import Callable, Iterable, Iterator
 
-#: What decides where an object's middle is.
-PLACEMENT = ("at", "on", "shape", "size", "radius", "height", "yaw")
+from wmspec.check.evaluate import parts
+from wmspec.check.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
+from wmspec.check.vocabulary import BY_MATERIAL
+from wmspec.design.motion import CARRYING
+from wmspec.design.values import INHERITED
+
+#: What decides the form of an object or part.
+FORM = ("shape", "size", "radius", "height", "file", "scale", "collision")
+#: What decides where an object is.
+PLACEMENT = ("at", "on", "inside", "yaw", "pitch", "roll")
+_SCATTER = ("scatter", "gap")
+
+#: What of its objects a function looks at.
+_LOOKS_AT: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("toward", "left_of", "right_of", "in_front_of", "behind", "polar", "between"), ("pose",)),
+    **dict.fromkeys(("volume", "largest", "smallest"), ("form",)),
+    **dict.fromkeys(("luminance", "darkest", "lightest"), ("color",)),
+    **dict.fromkeys(("count", "present"), ("present",)),
+    "fits": ("form", "pose"),
+}
 
 
 class Dependencies:
@@ -15,56 +37,139 @@ class Dependencies:
     def __init__(self, spec: TaskSpec) -> None:
         self._lets = {let.name: let.value for let in spec.lets}
         self._things = {t.name: t for t in spec.things}
-        self._of: dict[str, frozenset[str]] = {"end": frozenset({"end"})}
-        self._of["end"] |= self.expression(spec.horizon)
+        self._domains = {f.name: f.domain for f in spec.factors}
+        self._next: dict[str, frozenset[str]] = {"end": self._direct(spec.horizon)}
+        self._all: dict[str, frozenset[str]] = {}
         for observation in spec.observations:
             name = f"observe.{observation.camera}"
-            self._of[name] = self._of.get(name, frozenset({name})) | self.expression(observation.times)
+            self._next[name] = self._next.get(name, frozenset()) | self._direct(observation.times)
 
     def expression(self, expr: Expr) -> frozenset[str]:
         """The names of the factors and nuisances, and the `owner.property`s, that the value depends on."""
+        return self._reached(self._direct(expr))
+
+    def source(self, source: str) -> frozenset[str]:
+        """What a source depends on, itself included."""
+        if source not in self._all:
+            self._all[source] = self._reached((source,))
+        return self._all[source]
+
+    # ------------------------------------------------------------ from one to the next
+
+    def _reached(self, sources: Iterable[str]) -> frozenset[str]:
+        found: set[str] = set()
+        waiting = list(sources)
+        while waiting:
+            source = waiting.pop()
+            if source not in found:
+                found.add(source)
+                if source not in self._next:
+                    self._next[source] = self._step(source)
+                waiting += self._next[source]
+        return frozenset(found - self._lets.keys())
+
+    def _step(self, source: str) -> frozenset[str]:
+        """What a source is made of directly."""
+        if source in self._lets:
+            return self._direct(self._lets[source])
+        owner, _, name = source.rpartition(".")
+        if owner not in self._things:
+            return frozenset()
+        made_of: set[str] = set()
+        for other in self._of_property(self._things[owner], name):
+            made_of |= {other} if isinstance(other, str) else self._direct(other)
+        return frozenset(made_of)
+
+    def _direct(self, expr: Expr) -> frozenset[str]:
+        """What is named in an expression."""
         found: set[str] = set()
         for part in parts(expr):
             match part:
                 case Ref(name=name):
-                    found |= self._name(name)
-                case Property(owner=Value(value=owner), name=name):
-                    found |= self.source(f"{owner}.{name}")
-                case Property(name=name):
-                    for thing in self._things.values():
-                        found |= self.source(f"{thing.name}.{name}")
-                case Call(function="toward", arguments=objects):
-                    for obj in objects:
-                        if isinstance(obj, Value):
-                            found |= self.placement(str(obj.value))
+                    found.add(name)
+                case Property(owner=owner, name=name):
+                    found |= {f"{named}.{name}" for named in self._named(owner)}
+                case Call(function=function, arguments=arguments) if function in _LOOKS_AT:
+                    for argument in arguments:
+                        found |= {f"{n}.{aspect}" for n in self._named(argument) for aspect in _LOOKS_AT[function]}
         return frozenset(found)
 
-    def _name(self, name: str) -> frozenset[str]:
-        if name == "end":
-            return self._of["end"]
-        if name in self._lets:
-            if name not in self._of:
-                self._of[name] = self.expression(self._lets[name])
-            return self._of[name]
-        return frozenset({name})
+    # ------------------------------------------------------------ what one property is made of
 
-    def source(self, source: str) -> frozenset[str]:
-        """What `owner.property` depends on, itself included."""
-        if source not in self._of:
-            owner, _, name = source.partition(".")
-            thing = self._things.get(owner)
-            setting = thing.properties.get(name) if thing else None
-            self._of[source] = frozenset({source})  # cut short any circle that the checker let pass
-            if setting is not None:
-                self._of[source] |= self.expression(setting.value)
-        return self._of[source]
+    def _of_property(self, thing: Thing, name: str) -> Iterator[str | Expr]:
+        """The sources and expressions that decide a property of a thing."""
+        if name in _TOGETHER:
+            yield from _TOGETHER[name](self, thing)
+        elif name in thing.properties:
+            yield thing.properties[name].value
+        elif thing.kind == "part" and name in INHERITED:
+            yield f"{thing.of}.{name}"
+        if name in BY_MATERIAL and name not in thing.properties:
+            yield from (f"{thing.name}.material", f"{thing.name}.image")
 
-    def placement(self, owner: str) -> frozenset[str]:
-        """What decides where an object is: its own placement and that of what it rests on."""
+    def _form(self, thing: Thing) -> Iterator[str]:
+        yield from (f"{thing.name}.{name}" for name in FORM)
+        for part in self._parts(thing):
+            yield from (f"{part.name}.{name}" for name in (*FORM, "at", "yaw", "pitch", "roll"))
+
+    def _pose(self, thing: Thing) -> Iterator[str | Expr]:
+        yield f"{thing.name}.form"
+        yield from (f"{thing.name}.{name}" for name in PLACEMENT)
+        for way in ("on", "inside"):
+            if way in thing.properties:
+                yield from (f"{base}.pose" for base in self._named(thing.properties[way].value))
+        if "scatter" in thing.properties:
+            for other in self._things.values():
+                if "scatter" in other.properties:
+                    yield from (f"{other.name}.{n}" for n in (*_SCATTER, "form", "at", "on", "pitch", "roll"))
+        for drop in self._acting(("drop",), thing.name):
+            yield from (f"{drop.name}.{name}" for name in ("there", "object", "height"))
+
+    def _there(self, action: Thing) -> Iterator[str]:
+        if "object" in action.properties:
+            yield f"{action.name}.object"
+            yield from (f"{owner}.present" for owner in self._named(action.properties["object"].value))
+
+    def _way(self, action: Thing) -> Iterator[str]:
+        yield f"{action.name}.start"
+        for owner in self._named(action.properties["object"].value):
+            yield f"{owner}.pose"
+            for move in self._acting(CARRYING, owner):
+                yield from (f"{move.name}.{name}" for name in ("there", "yaw", *move.properties))
+
+    # ------------------------------------------------------------ who is who
+
+    def _parts(self, thing: Thing) -> Iterator[Thing]:
+        return (t for t in self._things.values() if t.kind == "part" and t.of == thing.name)
+
+    def _acting(self, verbs: Iterable[str], owner: str) -> Iterator[Thing]:
+        """The actions of these verbs that may be done to an object."""
+        for thing in self._things.values():
+            acts = thing.kind == "action" and thing.verb in verbs and not thing.of
+            if acts and owner in self._named(thing.properties["object"].value):
+                yield thing
+
+    def _named(self, expr: Expr) -> frozenset[str]:
+        """The names of the things that a value may be, or that a list may hold."""
         found: set[str] = set()
-        for name in PLACEMENT:
-            found |= self.source(f"{owner}.{name}")
-        on = self._things[owner].properties.get("on")
-        if on is not None and isinstance(on.value, Value):
-            found |= self.placement(str(on.value.value))
+        for part in parts(expr):
+            match part:
+                case Value(value=str(name)) if name in self._things:
+                    found.add(name)
+                case Ref(name=name) if name in self._lets:
+                    found |= self._named(self._lets[name])
+                case Ref(name=name) if isinstance(domain := self._domains.get(name), Choices):
+                    found |= {v for v in domain.values if isinstance(v, str) and v in self._things}
+                case Property(owner=owner, name=name):
+                    for thing in self._named(owner):
+                        if name in self._things[thing].properties:
+                            found |= self._named(self._things[thing].properties[name].value)
         return frozenset(found)
+
+
+_TOGETHER: dict[str, Callable[[Dependencies, Thing], Iterator[str | Expr]]] = {
+    "form": Dependencies._form,
+    "pose": Dependencies._pose,
+    "way": Dependencies._way,
+    "there": Dependencies._there,
+}

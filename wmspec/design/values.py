@@ -3,33 +3,55 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any, TypeVar, cast
 
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Counterfactual, TaskSpec
+from wmspec.check.ir import Counterfactual, Place, TaskSpec, Thing
 from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import BY_MATERIAL, COLORS, PROPERTIES, Slot
+from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, Slot
+from wmspec.design import colors, functions, placement
+from wmspec.design.space import Pose
 from wmspec.errors import WmsError
 from wmspec.looks import MATERIALS
 
-Point = tuple[float, float, float]
+T = TypeVar("T")
+
+#: What a part takes from its object when it does not say it itself.
+INHERITED = ("color", "material", "image", "roughness", "metallic")
+#: Gravity where no world says otherwise, m/s².
+EARTH = 9.81
+_MOMENT = Slot((), "", least=0)
 
 
 class Values:
     """An environment for `evaluate`: the design's side of the language, without anything measured.
 
-    `change` is the counterfactual under which to look at the world, if any.
+    `change` is the counterfactual under which to look at the world, if any. `key` is what every draw begins with: those
+    of the places of scattered objects.
     """
 
-    def __init__(self, spec: TaskSpec, assignment: Mapping[str, Any], change: Counterfactual | None = None) -> None:
+    def __init__(
+        self,
+        spec: TaskSpec,
+        assignment: Mapping[str, Any],
+        change: Counterfactual | None = None,
+        key: tuple[object, ...] = (),
+    ) -> None:
         self.spec = spec
         self.assignment = assignment
         self.change = change
+        self.key = key
         self._lets = {let.name: let.value for let in spec.lets}
         self._things = {t.name: t for t in spec.things}
         self._known: dict[tuple[str, str], Any] = {}
         self._open: set[tuple[str, str]] = set()
+
+    @cached_property
+    def truth(self) -> Values:
+        """The same without the counterfactual."""
+        return Values(self.spec, self.assignment, None, self.key) if self.change else self
 
     # ------------------------------------------------------------ the environment
 
@@ -37,120 +59,158 @@ class Values:
         """A factor, nuisance or `let`, or `end`, the end of the episode."""
         if name in self.assignment:
             return self.assignment[name]
-        key = ("", name)
-        if key not in self._known:
-            expr = self.spec.horizon if name == "end" else self._lets[name]
-            self._known[key] = evaluate(expr, self)
-        return self._known[key]
+        return self.once(("", name), lambda: evaluate(self.spec.horizon if name == "end" else self._lets[name], self))
 
     def property(self, owner: str, name: str) -> Any:
         """The value of a property or argument. Raises WmsError with its place if it is impossible."""
         key = (owner, name)
-        if key not in self._known:
-            if key in self._open:
-                raise WmsError(f"{self._things[owner].place}: `{owner}.{name}` depends on itself")
-            self._open.add(key)
-            try:
-                self._known[key] = self._value(owner, name)
-            finally:
-                self._open.discard(key)
-        return self._known[key]
-
-    def has(self, owner: str, name: str) -> bool:
-        """Whether a property is set, by the spec, its default or the counterfactual."""
-        changed = self.change is not None and (self.change.owner, self.change.property) == (owner, name)
-        return changed or name in self._things[owner].properties
+        return self._known[key] if key in self._known else self.once(key, lambda: self._value(owner, name))
 
     def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
         """A function of the design."""
-        match function, arguments:
-            case "toward", (subject, target):
-                (x, y, _), (to_x, to_y, _) = self.position(subject), self.position(target)
-                return math.atan2(to_y - y, to_x - x)
-            case "opposite", (angle,):
-                return angle + math.pi
-            case "rgb", parts:
-                return "rgb:" + ",".join(f"{min(max(p, 0.0), 1.0):.6g}" for p in parts)
-            case "max", times:
-                return max((t for time in times for t in (time if isinstance(time, tuple) else (time,))), default=0.0)
-        raise AssertionError(function)
+        return functions.call(self, function, arguments)
+
+    def once(self, key: tuple[str, str], make: Callable[[], T]) -> T:
+        """What is worked out only once; `key` is its owner and name. Raises WmsError if it needs itself."""
+        if key not in self._known:
+            owner, name = key
+            if key in self._open:
+                where = f"{self.place(owner)}: `{owner}.{name}`" if owner else f"`{name}`"
+                raise WmsError(f"{where} depends on itself")
+            self._open.add(key)
+            try:
+                self._known[key] = make()
+            finally:
+                self._open.discard(key)
+        return cast(T, self._known[key])
+
+    # ------------------------------------------------------------ what there is
+
+    def has(self, owner: str, name: str) -> bool:
+        """Whether a property is set: by the spec, its default, the counterfactual, or for a part by its object."""
+        thing, change = self._things[owner], self.change
+        if name in thing.properties or (change and (change.owner, change.property) == (owner, name)):
+            return True
+        return thing.kind == "part" and name in INHERITED and self.has(thing.of, name)
+
+    def place(self, owner: str, name: str = "") -> Place:
+        """Where a thing, or one of its properties, stands in the text."""
+        thing = self._things[owner]
+        return thing.properties[name].place if name in thing.properties else thing.place
+
+    def parts(self, owner: str) -> tuple[str, ...]:
+        """The names of an object's parts, such as `rack.left`."""
+        return self._parts.get(owner, ())
+
+    def there(self, name: str) -> bool:
+        """Whether an object or action is there at all; an action needs its object, and may be left out."""
+        thing = self._things[name]
+        if thing.kind == "action":
+            change = self.change
+            left_out = change is not None and change.change == "without" and change.owner == name
+            return not left_out and ("object" not in thing.properties or self.there(self.property(name, "object")))
+        return "present" not in thing.properties or bool(self.property(name, "present"))
+
+    def acting(self, verb: str, owner: str) -> list[Thing]:
+        """The actions of a verb that are done to an object."""
+        return [
+            a for a in self._actions.get(verb, ()) if self.property(a.name, "object") == owner and self.there(a.name)
+        ]
+
+    @cached_property
+    def _parts(self) -> dict[str, tuple[str, ...]]:
+        found: dict[str, tuple[str, ...]] = {}
+        for thing in self.spec.things:
+            if thing.kind == "part":
+                found[thing.of] = (*found.get(thing.of, ()), thing.name)
+        return found
+
+    @cached_property
+    def _actions(self) -> dict[str, list[Thing]]:
+        """The actions on objects by their verbs, without those of robots."""
+        found: dict[str, list[Thing]] = {}
+        for thing in self.spec.things:
+            if thing.kind == "action" and not thing.of:
+                found.setdefault(thing.verb, []).append(thing)
+        return found
+
+    @cached_property
+    def world(self) -> str | None:
+        """The name of the world, if the spec says anything about it."""
+        return next((t.name for t in self.spec.things if t.kind == "world"), None)
+
+    @cached_property
+    def gravity(self) -> float:
+        """The acceleration of free fall, m/s²."""
+        return float(self.property(self.world, "gravity")) if self.world else EARTH
+
+    # ------------------------------------------------------------ where things are
+
+    def pose(self, owner: str) -> Pose:
+        """Where an object is in the world at the start. What rests on something touches it exactly."""
+        return self.once((owner, "pose"), lambda: placement.pose(self, owner))
+
+    # ------------------------------------------------------------ working a value out
 
     def _value(self, owner: str, name: str) -> Any:
-        thing = self._things[owner]
+        thing, change = self._things[owner], self.change
         setting = thing.properties.get(name)
-        change = self.change
+        if change is not None and change.change == "order" and name == "start":
+            return self._turn(change, owner)
         if change is not None and change.value is not None and (change.owner, change.property) == (owner, name):
-            before = Values(self.spec, self.assignment)  # the change is said in terms of what was
-            value, place = evaluate(change.value, before), change.place
-        elif setting is None and name in BY_MATERIAL:
-            return self._of_material(owner, name)
-        elif setting is None:
-            raise WmsError(f"{thing.place}: `{owner}` does not say its {name}")
-        else:
+            value, place = evaluate(change.value, self.truth), change.place  # the change is said in terms of what was
+        elif setting is not None:
             value, place = evaluate(setting.value, self), setting.place
-        table = VERBS[thing.verb].arguments if thing.kind == "action" else PROPERTIES[thing.kind]
-        slot = table.get(name, Slot((), "", least=0))
-        for number in value if isinstance(value, tuple) and name == "size" else (value,):
-            if isinstance(number, float) and (reason := slot.fault(number)):
-                raise WmsError(f"{place}: `{name}` of `{owner}` is {number:g} here; it must be {reason}")
-            if isinstance(number, float) and not math.isfinite(number):
-                raise WmsError(f"{place}: `{name}` of `{owner}` is not finite")
+        elif thing.kind == "part" and name in INHERITED and self.has(thing.of, name):
+            return self.property(thing.of, name)
+        elif name in BY_MATERIAL:
+            return self._of_material(owner, name)
+        else:
+            raise WmsError(f"{thing.place}: `{owner}` does not say its {name}")
+        self._check(thing, name, value, place)
         return value
+
+    def _check(self, thing: Thing, name: str, value: Any, place: Place) -> None:
+        """Complain about numbers that are out of bounds."""
+        slot = _slot(thing, name)
+        for number in value if isinstance(value, tuple) else (value,):
+            if isinstance(number, float) and slot and (reason := slot.fault(number)):
+                raise WmsError(f"{place}: `{name}` of `{thing.name}` is {number:g} here; it must be {reason}")
+            if isinstance(number, float) and not math.isfinite(number):
+                raise WmsError(f"{place}: `{name}` of `{thing.name}` is not finite")
 
     def _of_material(self, owner: str, name: str) -> Any:
         """What an object's material decides; a picture on it keeps its own colours."""
         if name != "color":
             return getattr(MATERIALS[self.property(owner, "material")], name)
-        if self.has(owner, "image"):
-            return "rgb:1,1,1"
-        return word(MATERIALS[self.property(owner, "material")].color)
+        return colors.word(
+            (1.0, 1.0, 1.0) if self.has(owner, "image") else MATERIALS[self.property(owner, "material")].color
+        )
 
-    # ------------------------------------------------------------ geometry
+    def _turn(self, change: Counterfactual, owner: str) -> Any:
+        """When an action starts if two have exchanged their turns; all others keep their time.
 
-    def extent(self, owner: str) -> Point:
-        """The edges (m) of the upright box around an object that is not turned."""
-        size = self.property(owner, "size")
-        if isinstance(size, tuple):
-            if self.property(owner, "shape") != "box":
-                raise WmsError(f"{self._things[owner].properties['size'].place}: only a box has three edges")
-            x, y, z = size
-            return (x, y, z)
-        across, up = size, size
-        shape = self.property(owner, "shape")
-        if shape == "capsule":
-            across = size / 2
-        if self.has(owner, "radius"):
-            across = up = 2 * self.property(owner, "radius")
-        if self.has(owner, "height") and shape in ("cylinder", "cone", "capsule"):
-            up = self.property(owner, "height")
-        if shape == "capsule" and up <= across:
-            raise WmsError(f"{self._things[owner].place}: the capsule `{owner}` is not higher than it is wide")
-        return (across, across, up)
+        The later one takes the start of the earlier one, which now ends when the later one would have.
+        """
+        start = self.truth.property(owner, "start")
+        if owner not in (change.owner, change.property):
+            return start
+        early, late = sorted((change.owner, change.property), key=lambda a: float(self.truth.property(a, "start")))
+        first, second = self.truth.property(early, "start"), self.truth.property(late, "start")
+        return first if owner == late else second + self._lasts(late) - self._lasts(early)
 
-    def position(self, owner: str) -> Point:
-        """Where the middle of an object is in the world (m). Resting objects touch what they rest on exactly."""
-        at = self.property(owner, "at")
-        if not self.has(owner, "on"):
-            return (*at, self.extent(owner)[2] / 2) if len(at) == 2 else at
-        if len(at) == 3:
-            raise WmsError(f"{self._things[owner].place}: `{owner}` rests on something, so its place there is (x, y)")
-        base = self.property(owner, "on")
-        x, y, z = self.position(base)
-        top = z + self.extent(base)[2] / 2
-        turn = self.property(base, "yaw")
-        cos, sin = math.cos(turn), math.sin(turn)
-        return (x + cos * at[0] - sin * at[1], y + sin * at[0] + cos * at[1], top + self.extent(owner)[2] / 2)
+    def _lasts(self, action: str) -> float:
+        return float(self.truth.property(action, "duration")) if self.has(action, "duration") else 0.0
 
 
-def rgb(color: str) -> Point:
-    """The sRGB parts of a colour word or of `rgb(...)`."""
-    if color.startswith("rgb:"):
-        r, g, b = (float(p) for p in color[4:].split(","))
-        return (r, g, b)
-    return COLORS[color]
+def _slot(thing: Thing, name: str) -> Slot | None:
+    if thing.kind != "action":
+        return PROPERTIES[thing.kind].get(name)
+    if name in ("start", "duration"):
+        return _MOMENT
+    return None if thing.of else VERBS[thing.verb].arguments.get(name)
 
 
-def word(color: Point) -> str:
-    """The word for a colour by its sRGB parts, or else `rgb:...`."""
-    said = next((name for name, parts in COLORS.items() if parts == color), None)
-    return said or "rgb:" + ",".join(f"{part:.6g}" for part in color)
+def rgb(color: str) -> colors.Color:
+    """The sRGB parts (0..1) of a colour word or of `rgb:r,g,b`."""
+    return colors.rgb(color)

@@ -12,17 +12,22 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Attribute:
-    """A value with its USD type. `sources` are the `owner.property`s of the spec that decide it."""
+    """A value with its USD type, or the `connection` to another attribute that it is taken from.
+
+    `sources` are the `owner.property`s of the spec that decide it. `varies` is the interpolation of a primvar.
+    """
 
     type: str
     value: Any
     sources: frozenset[str] = frozenset()
     uniform: bool = False
+    connection: str = ""
+    varies: str = ""
 
 
 @dataclass(frozen=True)
 class Relation:
-    """A relationship to prims, or with `connection` an attribute's connection to another attribute."""
+    """A relationship to prims."""
 
     targets: tuple[str, ...]
     sources: frozenset[str] = frozenset()
@@ -38,9 +43,14 @@ class Prim:
     relations: dict[str, Relation] = field(default_factory=dict)
     sources: frozenset[str] = frozenset()
 
-    def set(self, name: str, type: str, value: Any, *sources: str, uniform: bool = False) -> Prim:
+    def set(self, name: str, type: str, value: Any, *sources: str, uniform: bool = False, varies: str = "") -> Prim:
         """Give the prim an attribute; returns the prim."""
-        self.attributes[name] = Attribute(type, value, frozenset(sources), uniform)
+        self.attributes[name] = Attribute(type, value, frozenset(sources), uniform, varies=varies)
+        return self
+
+    def connect(self, name: str, type: str, target: str, *sources: str) -> Prim:
+        """Give the prim an attribute that is taken from another, at the path `target`; returns the prim."""
+        self.attributes[name] = Attribute(type, None, frozenset(sources), connection=target)
         return self
 
     def relate(self, name: str, target: str, *sources: str) -> Prim:
@@ -85,4 +95,4 @@ def _property(prim: Prim | None, name: str) -> Attribute | Relation | None:
 
 
 def _content(prop: Attribute | Relation) -> tuple[Any, ...]:
-    return (prop.type, prop.value) if isinstance(prop, Attribute) else prop.targets
+    return (prop.type, prop.value, prop.connection) if isinstance(prop, Attribute) else prop.targets

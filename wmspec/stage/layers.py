@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
 from pxr import Gf, Sdf, Usd, Vt
@@ -11,17 +12,25 @@ import wmspec.scene.schema  # noqa: F401  importing it registers the schemas, wh
 from wmspec.stage.document import Attribute, Document, Prim, Relation
 
 _VALUES: dict[str, Callable[[Any], Any]] = {
+    "asset": Sdf.AssetPath,
     "double2": lambda v: Gf.Vec2d(*v),
     "double3": lambda v: Gf.Vec3d(*v),
     "float2": lambda v: Gf.Vec2f(*v),
+    "float4": lambda v: Gf.Vec4f(*v),
+    "point3f": lambda v: Gf.Vec3f(*v),
     "float3": lambda v: Gf.Vec3f(*v),
     "vector3f": lambda v: Gf.Vec3f(*v),
     "color3f": lambda v: Gf.Vec3f(*v),
     "quatd": lambda v: Gf.Quatd(*v),
+    "quatf": lambda v: Gf.Quatf(*v),
     "matrix4d": lambda v: Gf.Matrix4d(*(x for row in v for x in row)),
     "token[]": Vt.TokenArray,
     "double[]": Vt.DoubleArray,
+    "double3[]": lambda v: Vt.Vec3dArray([Gf.Vec3d(*x) for x in v]),
     "float3[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
+    "int[]": Vt.IntArray,
+    "point3f[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
+    "texCoord2f[]": lambda v: Vt.Vec2fArray([Gf.Vec2f(*x) for x in v]),
 }
 
 
@@ -85,8 +94,9 @@ def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
         n: r for n, r in after.relations.items() if (b := before.relations.get(n)) is None or b.targets != r.targets
     }
     lost = before.attributes.keys() - after.attributes.keys()
+    unrelated = before.relations.keys() - after.relations.keys()
     retyped, reapplied = before.type != after.type, before.schemas != after.schemas
-    if not (attributes or relations or lost or retyped or reapplied):
+    if not (attributes or relations or lost or unrelated or retyped or reapplied):
         return
     spec = Sdf.CreatePrimInLayer(layer, path)
     if retyped:
@@ -94,40 +104,51 @@ def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
     if reapplied:
         _apply(spec, after.schemas)
     for name, attribute in attributes.items():
-        _attribute(spec, name, attribute)
+        _attribute(spec, name, *_over(before.attributes.get(name), attribute))
     for name in sorted(lost):
         gone = before.attributes[name]
-        _attribute(spec, name, Attribute(gone.type, Sdf.ValueBlock(), gone.sources, gone.uniform))
+        _attribute(spec, name, replace(gone, value=Sdf.ValueBlock(), connection=""), bool(gone.connection))
     for name, relation in relations.items():
         _relation(spec, name, relation)
+    for name in sorted(unrelated):
+        _relation(spec, name, replace(before.relations[name], targets=()))
+
+
+def _over(before: Attribute | None, after: Attribute) -> tuple[Attribute, bool]:
+    """The attribute as an override, and whether it ends a connection. One that begins hides the value."""
+    if before is None or bool(before.connection) == bool(after.connection):
+        return after, False
+    return (replace(after, value=Sdf.ValueBlock()), False) if after.connection else (after, True)
 
 
 def _same(a: Attribute | None, b: Attribute) -> bool:
-    return a is not None and (a.type, a.value) == (b.type, b.value)
+    return a is not None and (a.type, a.value, a.connection) == (b.type, b.value, b.connection)
 
 
 def _apply(spec: Sdf.PrimSpec, schemas: Iterable[str]) -> None:
     spec.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=list(schemas)))
 
 
-def _attribute(spec: Sdf.PrimSpec, name: str, attribute: Attribute) -> None:
+def _attribute(spec: Sdf.PrimSpec, name: str, attribute: Attribute, disconnect: bool = False) -> None:
     variability = Sdf.VariabilityUniform if attribute.uniform else Sdf.VariabilityVarying
     made = Sdf.AttributeSpec(spec, name, Sdf.ValueTypeNames.Find(attribute.type), variability)
     if attribute.value is not None:
         convert = _VALUES.get(attribute.type)
         blocked = isinstance(attribute.value, Sdf.ValueBlock)
         made.default = convert(attribute.value) if convert and not blocked else attribute.value
+    if disconnect:
+        made.connectionPathList.ClearEditsAndMakeExplicit()
+    if attribute.connection:
+        made.connectionPathList.explicitItems = [attribute.connection]
+    if attribute.varies:
+        made.SetInfo("interpolation", attribute.varies)
     if attribute.sources:
         made.customData = {"wms": {"from": " ".join(sorted(attribute.sources))}}
 
 
 def _relation(spec: Sdf.PrimSpec, name: str, relation: Relation) -> None:
-    target = relation.targets[0]
-    if "." in target:  # a property: the attribute is connected to it
-        made = Sdf.AttributeSpec(spec, name, Sdf.ValueTypeNames.Token)
-        made.connectionPathList.explicitItems = [target]
-        return
     rel = Sdf.RelationshipSpec(spec, name, custom=False)
+    rel.targetPathList.ClearEditsAndMakeExplicit()
     rel.targetPathList.explicitItems = list(relation.targets)
     if relation.sources:
         rel.customData = {"wms": {"from": " ".join(sorted(relation.sources))}}

@@ -1,0 +1,75 @@
+"""What an object is made of: one solid, the mesh in a file, or its parts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmspec.design.solids import SLAB, Piece, Solid
+from wmspec.design.space import HERE, Pose, Vector, turn
+from wmspec.errors import WmsError
+
+if TYPE_CHECKING:
+    from wmspec.design.values import Values
+
+_TALL = ("cylinder", "cone", "capsule")
+
+
+def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
+    """The solids that an object is made of, each in the object's frame. Raises WmsError if a size makes no sense."""
+    return values.once((owner, "pieces"), lambda: _pieces(values, owner))
+
+
+def volume(values: Values, owner: str) -> float:
+    """How much room an object or part takes (m³): the sum over its parts."""
+    return sum(piece.solid.volume for piece in pieces(values, owner))
+
+
+def own_turn(values: Values, owner: str) -> tuple[float, float, float]:
+    """Yaw, pitch and roll (rad) of an object or part."""
+    return (values.property(owner, "yaw"), values.property(owner, "pitch"), values.property(owner, "roll"))
+
+
+def _pieces(values: Values, owner: str) -> tuple[Piece, ...]:
+    parts = values.parts(owner)
+    if not parts:
+        return (Piece(_solid(values, owner), HERE),)
+    return tuple(Piece(_solid(values, p), Pose(values.property(p, "at"), turn(*own_turn(values, p)))) for p in parts)
+
+
+def _solid(values: Values, owner: str) -> Solid:
+    if not values.has(owner, "file"):
+        return Solid(values.property(owner, "shape"), _edges(values, owner))
+    from wmspec.design.meshes import load
+
+    path, scale, touched = (values.property(owner, name) for name in ("file", "scale", "collision"))
+    try:
+        mesh = load(path, scale, touched)
+    except WmsError as error:
+        raise WmsError(f"{values.place(owner, 'file')}: {error}") from None
+    return Solid("mesh", mesh.edges, mesh)
+
+
+def _edges(values: Values, owner: str) -> Vector:
+    """The edges (m) of the upright box around a shape that is not turned."""
+    size, shape = values.property(owner, "size"), values.property(owner, "shape")
+    if isinstance(size, tuple):
+        return _given(values, owner, size, shape)
+    if shape == "plane":
+        return (size, size, SLAB)
+    across, up = size / 2 if shape == "capsule" else size, size
+    if values.has(owner, "radius"):
+        across = up = 2 * values.property(owner, "radius")
+    if values.has(owner, "height") and shape in _TALL:
+        up = values.property(owner, "height")
+    if shape == "capsule" and up <= across:
+        raise WmsError(f"{values.place(owner)}: the capsule `{owner}` is not higher than it is wide")
+    return (across, across, up)
+
+
+def _given(values: Values, owner: str, size: tuple[float, ...], shape: str) -> Vector:
+    if len(size) == 3 and shape in ("box", "wedge"):
+        return (size[0], size[1], size[2])
+    if len(size) == 2 and shape == "plane":
+        return (size[0], size[1], SLAB)
+    many = "only a plane has two edges" if len(size) == 2 else "only a box or a wedge has three edges"
+    raise WmsError(f"{values.place(owner, 'size')}: `{owner}` is a {shape}, and {many}")

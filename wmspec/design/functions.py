@@ -1,0 +1,131 @@
+"""The functions of the language that need nothing to have happened: places, colours, sums, what is there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+from wmspec.design import colors, forms
+from wmspec.design.hollow import fits
+from wmspec.design.motion import angle
+from wmspec.design.surfaces import WORLD
+from wmspec.errors import WmsError
+
+if TYPE_CHECKING:
+    from wmspec.design.values import Values
+
+Place = tuple[str, float, float]
+
+
+def call(values: Values, function: str, arguments: tuple[Any, ...]) -> Any:
+    """The value of a function of the design. Raises WmsError if it has none."""
+    return FUNCTIONS[function](values, *arguments)
+
+
+# ---------------------------------------------------------------- places
+
+
+def _toward(values: Values, subject: str, target: str) -> float:
+    (x, y, _), (to_x, to_y, _) = values.pose(subject).position, values.pose(target).position
+    return math.atan2(to_y - y, to_x - x)
+
+
+def _beside(dx: float, dy: float) -> Callable[[Values, str, float], Place]:
+    def beside(values: Values, owner: str, far: float) -> Place:
+        x, y, _ = values.pose(owner).position
+        return (WORLD, x + dx * far, y + dy * far)
+
+    return beside
+
+
+def _polar(values: Values, owner: str, far: float, direction: str | float) -> Place:
+    heading = angle(direction)
+    return _beside(math.cos(heading), math.sin(heading))(values, owner, far)
+
+
+def _between(values: Values, first: str, second: str) -> Place:
+    (x, y, _), (to_x, to_y, _) = values.pose(first).position, values.pose(second).position
+    return (WORLD, (x + to_x) / 2, (y + to_y) / 2)
+
+
+# ---------------------------------------------------------------- sums
+
+
+def _numbers(given: Iterable[Any]) -> list[float]:
+    """Numbers, and those in lists of numbers."""
+    return [n for item in given for n in (item if isinstance(item, tuple) else (item,))]
+
+
+def _mod(_values: Values, a: float, b: float) -> float:
+    if b == 0:
+        raise WmsError("`mod` by 0")
+    return a - b * math.floor(a / b)
+
+
+def _sqrt(_values: Values, x: float) -> float:
+    if x < 0:
+        raise WmsError(f"`sqrt` of {x:g}, which has no root")
+    return math.sqrt(x)
+
+
+# ---------------------------------------------------------------- what is there
+
+
+def _present(values: Values, objects: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(name for name in objects if values.there(name))
+
+
+def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> str:
+    """The name with the largest or smallest of sizes; of equals the first, or `neither` within `tie` times."""
+    ordered = sorted(sizes, key=lambda name: -sizes[name] if most else sizes[name])
+    if not ordered:
+        raise WmsError("there is none to choose from")
+    if tie is not None and len(ordered) > 1:
+        low, high = sorted((sizes[ordered[0]], sizes[ordered[1]]))
+        if high <= low * tie:
+            return "neither"
+    return ordered[0]
+
+
+def _pick(size: Callable[[Values, str], float], most: bool) -> Callable[..., str]:
+    def pick(values: Values, objects: tuple[str, ...], tie: float | None = None) -> str:
+        return extreme({name: size(values, name) for name in objects}, most, tie)
+
+    return pick
+
+
+def _luminance(values: Values, owner: str) -> float:
+    return colors.luminance(values.property(owner, "color"))
+
+
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "toward": _toward,
+    "opposite": lambda _, a: angle(a) + math.pi,
+    "left_of": _beside(-1.0, 0.0),
+    "right_of": _beside(1.0, 0.0),
+    "in_front_of": _beside(0.0, -1.0),
+    "behind": _beside(0.0, 1.0),
+    "polar": _polar,
+    "between": _between,
+    "rgb": lambda _, *parts: colors.word(parts),
+    "shade": lambda _, color, share: colors.shade(color, share),
+    "min": lambda _, *given: min(_numbers(given), default=0.0),
+    "max": lambda _, *given: max(_numbers(given), default=0.0),
+    "abs": lambda _, x: abs(x),
+    "floor": lambda _, x: float(math.floor(x)),
+    "mod": _mod,
+    "sqrt": _sqrt,
+    "sin": lambda _, a: math.sin(a),
+    "cos": lambda _, a: math.cos(a),
+    "present": _present,
+    "count": lambda values, objects: float(len(_present(values, objects))),
+    "volume": forms.volume,
+    "largest": _pick(forms.volume, most=True),
+    "smallest": _pick(forms.volume, most=False),
+    "luminance": _luminance,
+    "darkest": _pick(_luminance, most=False),
+    "lightest": _pick(_luminance, most=True),
+    "fits": fits,
+}
+"""Function -> what works it out from the values and the arguments."""

@@ -1,0 +1,183 @@
+"""What is done to objects as prims, one function for each verb."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from wmspec.check.ir import TaskSpec, Thing
+from wmspec.design import motion
+from wmspec.design.forms import pieces
+from wmspec.design.space import Vector, heading, times
+from wmspec.design.surfaces import WORLD, holder, under
+from wmspec.design.values import Values
+from wmspec.errors import WmsError
+from wmspec.stage.document import Document, Prim
+from wmspec.stage.joints import has_drive, joint_path
+from wmspec.stage.objects import object_path
+
+#: What a verb is called on the stage, if not by its own name.
+_STAGED = {"slide": "launch", "drop": "release"}
+
+
+def carriers(spec: TaskSpec, values: Values) -> dict[str, str]:
+    """The objects that are carried, which makes them kinematic, each with one of the actions that carry it."""
+    found: dict[str, str] = {}
+    for action in spec.things:
+        if action.kind == "action" and not action.of and action.verb in motion.CARRYING and values.there(action.name):
+            found.setdefault(values.property(action.name, "object"), action.name)
+    return found
+
+
+def carrier_sources(spec: TaskSpec) -> frozenset[str]:
+    """The sources that decide which objects are carried."""
+    acting = (t.name for t in spec.things if t.kind == "action" and not t.of and t.verb in motion.CARRYING)
+    return frozenset(f"{name}.{what}" for name in acting for what in ("there", "object"))
+
+
+def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, str]) -> None:
+    """The prim of an action that happens. Raises WmsError with its place if it cannot."""
+    name = action.name
+    there = (f"{name}.there", f"{name}.object", f"{name}.joint")
+    prim = doc.add(f"/World/Episode/Actions/{name}", "WmsAction", (), there)
+    prim.set("wms:verb", "token", _STAGED.get(action.verb, action.verb), uniform=True)
+    if "object" in action.properties:
+        target = values.property(name, "object")
+        _able(action, target, values, carried)
+        prim.relate("wms:object", object_path(target), f"{name}.object")
+    prim.set("wms:start", "double", values.property(name, "start"), f"{name}.start", uniform=True)
+    if values.has(name, "duration"):
+        prim.set("wms:duration", "double", values.property(name, "duration"), f"{name}.duration", uniform=True)
+    _VERBS[action.verb](prim, action, values)
+
+
+def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -> None:
+    """Complain if the object cannot do what the verb asks."""
+    if values.property(target, "fixed"):
+        raise WmsError(f"{action.place}: `{target}` is fixed, so nothing can {action.verb} it")
+    if action.verb not in motion.CARRYING and target in carried:
+        raise WmsError(
+            f"{action.place}: `{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it; "
+            "use verbs that carry it, or none of them"
+        )
+
+
+def _heading(action: Thing, values: Values) -> Vector:
+    climb = values.property(action.name, "climb") if values.has(action.name, "climb") else 0.0
+    return heading(motion.angle(values.property(action.name, "direction")), climb)
+
+
+def _toward(action: Thing) -> tuple[str, ...]:
+    return (f"{action.name}.direction", f"{action.name}.climb")
+
+
+def _vector(prim: Prim, name: str, value: Vector, *sources: str) -> None:
+    prim.set(name, "double3", value, *sources, uniform=True)
+
+
+# ---------------------------------------------------------------- sudden velocities
+
+
+def _launch(prim: Prim, action: Thing, values: Values) -> None:
+    name, target = action.name, values.property(action.name, "object")
+    speed = values.property(name, "speed")
+    _velocity(prim, action, values, speed, f"{name}.speed")
+    spin = _rolling(action, target, speed, values) if values.property(name, "rolling") else (0.0, 0.0, 0.0)
+    sources = (f"{name}.{p}" for p in ("speed", "direction", "rolling", "object"))
+    _vector(prim, "wms:spin", spin, *sources, f"{target}.form")
+
+
+def _velocity(prim: Prim, action: Thing, values: Values, speed: float, *sources: str) -> None:
+    prim.set("wms:speed", "double", speed, *sources, uniform=True)
+    _vector(prim, "wms:direction", _heading(action, values), *_toward(action))
+
+
+def _rolling(action: Thing, target: str, speed: float, values: Values) -> Vector:
+    """The angular velocity of a ball that rolls without slipping: up x velocity / radius."""
+    if values.parts(target) or values.has(target, "file") or values.property(target, "shape") != "sphere":
+        raise WmsError(f"{action.place}: `{target}` is not a sphere, so it cannot set off rolling")
+    angle = motion.angle(values.property(action.name, "direction"))
+    rate = speed / (pieces(values, target)[0].solid.edges[0] / 2)
+    return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
+
+
+def _slide(prim: Prim, action: Thing, values: Values) -> None:
+    """What friction stops after a distance d sets off with the speed sqrt(2 mu g d)."""
+    name, target = action.name, values.property(action.name, "object")
+    held, here = holder(values, target), values.pose(target).position
+    face = under(values, target, (WORLD, *here[:2]))
+    if held is None or face is None:
+        raise WmsError(f"{action.place}: `{target}` rests on nothing, so it cannot slide; say `on:` what it rests")
+    base = held[1]
+    if face.normal[2] < 1 - 1e-9:
+        raise WmsError(f"{action.place}: what `{target}` rests on is not level, so it would not stop there")
+    rub = math.sqrt(values.property(target, "friction") * values.property(base, "friction"))
+    speed = math.sqrt(2 * rub * values.gravity * values.property(name, "distance"))
+    if speed == 0:
+        raise WmsError(f"{action.place}: nothing would stop `{target}` sliding: there is no friction or no gravity")
+    sources = (f"{name}.distance", f"{name}.object", f"{target}.friction", f"{base}.friction", "world.gravity")
+    _velocity(prim, action, values, speed, *sources, f"{target}.{held[0]}")
+    _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
+
+
+# ---------------------------------------------------------------- carried
+
+
+def _glide(prim: Prim, action: Thing, values: Values) -> None:
+    _velocity(prim, action, values, values.property(action.name, "speed"), f"{action.name}.speed")
+
+
+def _follow(prim: Prim, action: Thing, values: Values) -> None:
+    points, moments = motion.way(values, action, motion.before(values, action).pose.position)
+    form = tuple(f"{action.name}.{p}" for p in ("path", "length", "width"))
+    prim.set("wms:points", "double3[]", points, *form, *_toward(action), f"{action.name}.way", uniform=True)
+    prim.set("wms:times", "double[]", moments, *form, f"{action.name}.duration", uniform=True)
+
+
+def _teleport(prim: Prim, action: Thing, values: Values) -> None:
+    name = action.name
+    pose = motion.landed(values, action, motion.before(values, action)).pose
+    sources = (f"{name}.to", f"{name}.yaw", f"{name}.way")
+    _vector(prim, "wms:position", pose.position, *sources)
+    prim.set("wms:orientation", "quatd", pose.orientation, *sources, uniform=True)
+
+
+# ---------------------------------------------------------------- pushed, released, driven
+
+
+def _impulse(prim: Prim, action: Thing, values: Values) -> None:
+    strength = times(values.property(action.name, "impulse"), _heading(action, values))
+    _vector(prim, "wms:impulse", strength, f"{action.name}.impulse", *_toward(action))
+
+
+def _force(prim: Prim, action: Thing, values: Values) -> None:
+    strength = times(values.property(action.name, "force"), _heading(action, values))
+    _vector(prim, "wms:force", strength, f"{action.name}.force", *_toward(action))
+
+
+def _release(_prim: Prim, action: Thing, values: Values) -> None:
+    target = values.property(action.name, "object")
+    if len(values.acting("drop", target)) + len(values.acting("release", target)) > 1:
+        raise WmsError(f"{action.place}: `{target}` is let go more than once; keep one `release` or `drop`")
+
+
+def _drive(prim: Prim, action: Thing, values: Values) -> None:
+    joint = values.spec.thing(values.property(action.name, "joint"))
+    if not has_drive(joint, values):
+        raise WmsError(f"{action.place}: the joint `{joint.name}` has no drive; give it a `stiffness:`")
+    prim.relate("wms:joint", joint_path(joint.name), f"{action.name}.joint")
+    prim.set("wms:target", "double", values.property(action.name, "target"), f"{action.name}.target", uniform=True)
+
+
+_VERBS: dict[str, Callable[[Prim, Thing, Values], None]] = {
+    "launch": _launch,
+    "slide": _slide,
+    "glide": _glide,
+    "follow": _follow,
+    "teleport": _teleport,
+    "impulse": _impulse,
+    "force": _force,
+    "release": _release,
+    "drop": _release,
+    "drive": _drive,
+}

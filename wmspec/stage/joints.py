@@ -1,0 +1,110 @@
+"""Joints as prims of UsdPhysics, which counts angles in degrees."""
+
+from __future__ import annotations
+
+import math
+
+from wmspec.check.ir import Thing
+from wmspec.design.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, unit
+from wmspec.design.values import Values
+from wmspec.errors import WmsError
+from wmspec.stage.document import Document, Prim
+from wmspec.stage.objects import object_path
+
+_TYPES = {
+    "hinge": "PhysicsRevoluteJoint",
+    "slider": "PhysicsPrismaticJoint",
+    "ball": "PhysicsSphericalJoint",
+    "fixed": "PhysicsFixedJoint",
+}
+#: Kinds with one coordinate: the drive's token, and how many of USD's units are one of ours.
+_COORDINATES = {"hinge": ("angular", 180 / math.pi), "slider": ("linear", 1.0)}
+_OF_COORDINATE = ("low", "high", "target")
+
+
+def joint_path(name: str) -> str:
+    """Where the prim of a joint is."""
+    return f"/World/Joints/{name}"
+
+
+def add_joint(doc: Document, joint: Thing, values: Values) -> None:
+    """The prim of a joint whose objects are there. Raises WmsError with its place if it makes no sense."""
+    name = joint.name
+    of, to = values.property(name, "of"), values.property(name, "to") if values.has(name, "to") else None
+    sources = (f"{name}.of", f"{name}.to", f"{of}.present", *((f"{to}.present",) if to else ()))
+    if not values.there(of) or (to and not values.there(to)):
+        return
+    if values.property(of, "fixed"):
+        raise WmsError(f"{values.place(name, 'of')}: `{of}` is fixed, so no joint can move it; exchange `of` and `to`")
+    if of == to:
+        raise WmsError(f"{values.place(name, 'to')}: the joint `{name}` joins `{of}` to itself")
+    if "/World/Joints" not in doc.prims:
+        doc.add("/World/Joints", "Scope", (), sources)
+    driven = _driven(joint, values)
+    schemas = (f"PhysicsDriveAPI:{_COORDINATES[joint.model][0]}",) if driven else ()
+    prim = doc.add(joint_path(name), _TYPES[joint.model], schemas, (*sources, *_drive_sources(name)))
+    frame = Pose(values.property(name, "at"), _frame(joint, values))
+    for number, body in enumerate((to, of)):
+        _side(prim, number, name, body, frame, values)
+    if joint.model in _COORDINATES:
+        _coordinate(prim, joint, values, driven)
+
+
+def has_drive(joint: Thing, values: Values) -> bool:
+    """Whether a joint has a drive, whose target an action can change."""
+    return joint.model in _COORDINATES and _driven(joint, values)
+
+
+def _side(prim: Prim, number: int, name: str, body: str | None, frame: Pose, values: Values) -> None:
+    """One of the two bodies, and the joint's frame as seen from there; the world if there is none."""
+    here = values.pose(body) if body else HERE
+    sources = (f"{name}.at", f"{name}.axis", *((f"{body}.pose",) if body else ()))
+    ends = (f"{name}.of", f"{name}.to")
+    if body:
+        prim.relate(f"physics:body{number}", object_path(body), ends[1 - number])
+    turn = multiply(inverse(here.orientation), frame.orientation)
+    prim.set(f"physics:localPos{number}", "point3f", here.seen(frame.position), *sources, *ends)
+    prim.set(f"physics:localRot{number}", "quatf", turn, *sources, *ends)
+
+
+def _frame(joint: Thing, values: Values) -> Quaternion:
+    """Its x axis is that of the joint."""
+    if joint.model not in _COORDINATES:
+        return LEVEL
+    axis = values.property(joint.name, "axis")
+    if math.hypot(*axis) < 1e-9:
+        raise WmsError(f"{values.place(joint.name, 'axis')}: the joint `{joint.name}` has no axis; it is 0 here")
+    return facing(unit(axis))
+
+
+def _driven(joint: Thing, values: Values) -> bool:
+    name = joint.name
+    springy = values.property(name, "stiffness") > 0 or values.property(name, "damping") > 0
+    said = [p for p in _OF_COORDINATE if values.has(name, p)] + ["stiffness"] * springy
+    if joint.model not in _COORDINATES and said:
+        raise WmsError(f"{values.place(name, said[0])}: a {joint.model} joint takes no `{said[0]}`; leave it out")
+    if values.has(name, "target") and not values.property(name, "stiffness"):
+        raise WmsError(f"{values.place(name, 'target')}: nothing takes `{name}` to its target; add `stiffness:`")
+    return bool(springy)
+
+
+def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
+    name, (kind, scale) = joint.name, _COORDINATES[joint.model]
+    prim.set("physics:axis", "token", "X", uniform=True)
+    limits = {p: values.property(name, p) for p in ("low", "high") if values.has(name, p)}
+    if limits.get("low", -math.inf) > limits.get("high", math.inf):
+        raise WmsError(f"{values.place(name, 'low')}: `low` of `{name}` is above its `high`")
+    for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):
+        if side in limits:
+            prim.set(f"physics:{attribute}", "float", limits[side] * scale, f"{name}.{side}")
+    if driven:
+        drive = f"drive:{kind}:physics"
+        target = values.property(name, "target") if values.has(name, "target") else 0.0
+        prim.set(f"{drive}:type", "token", "force", *_drive_sources(name), uniform=True)
+        prim.set(f"{drive}:stiffness", "float", values.property(name, "stiffness") / scale, f"{name}.stiffness")
+        prim.set(f"{drive}:damping", "float", values.property(name, "damping") / scale, f"{name}.damping")
+        prim.set(f"{drive}:targetPosition", "float", target * scale, f"{name}.target")
+
+
+def _drive_sources(name: str) -> tuple[str, ...]:
+    return (f"{name}.stiffness", f"{name}.damping", f"{name}.target")

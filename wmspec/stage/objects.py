@@ -1,0 +1,133 @@
+"""Objects as prims: a frame for each, and below it the geometries that it is made of, with mass and material."""
+
+from __future__ import annotations
+
+from wmspec.design.forms import pieces
+from wmspec.design.meshes import Mesh
+from wmspec.design.solids import SLAB, Piece, Solid
+from wmspec.design.space import HERE, Vector
+from wmspec.design.values import Values
+from wmspec.errors import WmsError
+from wmspec.stage import looks
+from wmspec.stage.document import Document, Prim
+
+#: What a shape is in USD; a wedge and the mesh of a file are meshes.
+PRIMS = {
+    "box": "Cube",
+    "cube": "Cube",
+    "plane": "Cube",
+    "sphere": "Sphere",
+    "cylinder": "Cylinder",
+    "cone": "Cone",
+    "capsule": "Capsule",
+}
+_TALL = ("cylinder", "cone", "capsule")
+_APPROXIMATIONS = {"hull": "convexHull", "pieces": "convexDecomposition", "bounds": "boundingCube"}
+
+
+def object_path(name: str) -> str:
+    """Where the prim of an object is."""
+    return f"/World/Objects/{name}"
+
+
+def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
+    """The prims of an object that is there; `carriers` are the sources of `carried`, whether actions carry it."""
+    fixed, solid = values.property(name, "fixed"), values.property(name, "solid")
+    if fixed and carried:
+        raise WmsError(f"{values.place(name)}: `{name}` is fixed, so nothing can carry it")
+    if not fixed and not solid:
+        raise WmsError(f"{values.place(name)}: `{name}` cannot be touched, so it must be fixed")
+    schemas = () if fixed else ("PhysicsRigidBodyAPI",)
+    body = doc.add(object_path(name), "Xform", schemas, (f"{name}.fixed", f"{name}.present"))
+    pose = values.pose(name)
+    body.set("xformOp:translate", "double3", pose.position, f"{name}.pose")
+    body.set("xformOp:orient", "quatd", pose.orientation, f"{name}.pose")
+    body.set("xformOpOrder", "token[]", ("xformOp:translate", "xformOp:orient"), uniform=True)
+    if carried:
+        body.set("physics:kinematicEnabled", "bool", True, *carriers)
+    if values.has(name, "damping"):
+        for kind in ("linear", "angular"):
+            share = values.property(name, "damping")
+            body.set(f"physxRigidBody:{kind}Damping", "float", share, f"{name}.damping")
+    _pieces(doc, name, values, fixed, solid)
+
+
+def _pieces(doc: Document, name: str, values: Values, fixed: bool, solid: bool) -> None:
+    made, parts = pieces(values, name), values.parts(name)
+    whole = sum(piece.solid.volume for piece in made)
+    for piece, part in zip(made, parts or (name,), strict=True):
+        below = part.removeprefix(f"{name}.") if parts else piece.solid.kind
+        prim = _piece(doc, f"{object_path(name)}/{below}", piece, part, name, values, solid)
+        if values.has(name, "mass"):
+            share = values.property(name, "mass") * (piece.solid.volume / whole)
+            prim.set("physics:mass", "float", share, f"{name}.mass", *((f"{name}.form",) if parts else ()))
+        elif not fixed:
+            prim.set("physics:density", "float", values.property(name, "density"), f"{name}.density")
+        prim.relate("material:binding", looks.add_material(doc, part, name, values))
+
+
+def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values: Values, solid: bool) -> Prim:
+    made = piece.solid
+    touched = ("PhysicsCollisionAPI", "PhysicsMassAPI") if solid else ()
+    meshed = ("PhysicsMeshCollisionAPI",) if solid and made.kind not in PRIMS else ()
+    sources = (f"{part}.form", f"{name}.solid", f"{name}.present")
+    prim = doc.add(path, PRIMS.get(made.kind, "Mesh"), (*touched, *meshed, "MaterialBindingAPI"), sources)
+    form, ops = f"{part}.form", []
+    position, orientation = piece.pose.position, piece.pose.orientation
+    if made.kind == "plane":
+        position = piece.pose.apply((0.0, 0.0, -SLAB / 2))
+    if piece.pose != HERE or made.kind == "plane":
+        ops += [_op(prim, "translate", "double3", position, form), _op(prim, "orient", "quatd", orientation, form)]
+    if PRIMS.get(made.kind) == "Cube":
+        ops.append(_op(prim, "scale", "double3", made.edges, form))
+    if ops:
+        prim.set("xformOpOrder", "token[]", tuple(ops), form, uniform=True)
+    _shape(prim, made, form)
+    if meshed:
+        way = _APPROXIMATIONS[values.property(name, "collision")] if values.has(name, "file") else "convexHull"
+        prim.set("physics:approximation", "token", way, form, uniform=True)
+    return prim
+
+
+def _op(prim: Prim, kind: str, type: str, value: tuple[float, ...], source: str) -> str:
+    prim.set(f"xformOp:{kind}", type, value, source)
+    return f"xformOp:{kind}"
+
+
+def _shape(prim: Prim, made: Solid, form: str) -> None:
+    x, y, z = made.edges
+    corner = (x / 2, y / 2, z / 2)
+    if isinstance(made.hull, Mesh):
+        _mesh(prim, made.hull.points, [tuple(face) for face in made.hull.faces], form)
+        if made.hull.st:
+            prim.set("primvars:st", "texCoord2f[]", made.hull.st, form, varies="vertex")
+        return
+    if made.kind == "wedge":
+        _mesh(prim, *_wedge(corner), form)
+        return
+    if PRIMS[made.kind] == "Cube":
+        prim.set("size", "double", 1.0, form)
+        corner = (0.5, 0.5, 0.5)
+    else:
+        prim.set("radius", "double", x / 2, form)
+    if made.kind in _TALL:
+        prim.set("height", "double", z - x if made.kind == "capsule" else z, form)
+        prim.set("axis", "token", "Z", form, uniform=True)
+    prim.set("extent", "float3[]", (tuple(-c for c in corner), corner), form)
+
+
+def _wedge(corner: Vector) -> tuple[tuple[Vector, ...], list[tuple[int, ...]]]:
+    """The right prism whose top falls from the left to the right: its points and faces, seen from outside."""
+    x, y, z = corner
+    points = ((-x, -y, -z), (x, -y, -z), (x, y, -z), (-x, y, -z), (-x, -y, z), (-x, y, z))
+    return points, [(0, 3, 2, 1), (0, 4, 5, 3), (1, 2, 5, 4), (0, 1, 4), (3, 5, 2)]
+
+
+def _mesh(prim: Prim, points: tuple[Vector, ...], faces: list[tuple[int, ...]], form: str) -> None:
+    prim.set("points", "point3f[]", points, form)
+    prim.set("faceVertexCounts", "int[]", tuple(len(face) for face in faces), form)
+    prim.set("faceVertexIndices", "int[]", tuple(i for face in faces for i in face), form)
+    prim.set("subdivisionScheme", "token", "none", form, uniform=True)
+    low = tuple(min(p[i] for p in points) for i in range(3))
+    high = tuple(max(p[i] for p in points) for i in range(3))
+    prim.set("extent", "float3[]", (low, high), form)
