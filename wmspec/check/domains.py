@@ -9,6 +9,7 @@ from itertools import product
 
 from wmspec.check import ir
 from wmspec.check.expressions import Expressions
+from wmspec.check.functions import FUNCTIONS
 from wmspec.check.kinds import A_NUMBER, TRUTH, Kind, List, Quantity, Vector, article
 from wmspec.check.lists import MOST_VALUES
 from wmspec.check.typed import constant, joined
@@ -55,6 +56,8 @@ def read(check: Expressions, e: s.Expr) -> Written:
             return _either(check, e)
         case s.Call(function=s.Name(id=name)) if name in FORMS:
             return FORMS[name](check, e)
+        case s.Call(function=s.Name(id=name)) if name not in FUNCTIONS:
+            check.fail("WMS204", f"there is no domain `{name}`", e.function.span, suggestion(name, FORMS))
         case s.Range(step=None, count=None):
             return _interval(check, e)
         case s.Name(id=name) if isinstance(let := check.scope.names.get(name), s.Let):
@@ -84,13 +87,8 @@ def _level(check: Expressions, expr: ir.Expr, span: Span) -> Level:
         case ir.Value(value=value):
             return value
         case ir.Items(items=items):
-            point = tuple(constant(i) for i in items)
-            if None not in point:
-                return tuple(x for x in point if x is not None)
-    value = constant(expr)
-    if value is None:
-        check.fail("WMS401", "the values of a domain are constants", span, "write them out")
-    return value
+            return tuple(_number(check, i, span) for i in items)
+    return _number(check, expr, span)
 
 
 def _no_value_twice(check: Expressions, options: tuple[Option, ...]) -> None:

@@ -1,11 +1,21 @@
-"""Checking what varies: factors, nuisances, `let`s and `require`s."""
+"""Checking what varies: factors, nuisances, `let`s, `require`s, and which combinations make up the design."""
 
 from __future__ import annotations
 
 from wmspec.check import ir
-from wmspec.check.expressions import ZERO, Expressions, constant
-from wmspec.check.kinds import TRUTH, Quantity
+from wmspec.check.domains import Level, Written, conditions, read
+from wmspec.check.evaluate import parts
+from wmspec.check.expressions import Expressions
+from wmspec.check.kinds import A_NUMBER, TRUTH, Kind, Quantity, Vector
+from wmspec.check.typed import ZERO, Failed, constant
+from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
+from wmspec.parse.diagnostics import Note
+
+#: The plans by name, and whether each is `of` a number of instances.
+PLANS: dict[str, bool] = {"factorial": False, "sample": True, "latin": True, "one_at_a_time": False}
+#: More instances are not drawn.
+MOST_DRAWN = 10_000_000
 
 
 class Factors:
@@ -13,45 +23,57 @@ class Factors:
 
     def __init__(self, check: Expressions) -> None:
         self.check = check
+        check.domain_of = self.kind
+
+    def kind(self, factor: s.Factor) -> Kind:
+        """The kind of a factor's values."""
+        return read(self.check, factor.domain).kind
+
+    # ------------------------------------------------------------ factors
 
     def factor(self, factor: s.Factor) -> ir.Factor:
         """A factor or nuisance with its domain."""
-        name = factor.name.id
-        typed = self.check.infer(factor.domain)
-        kind = self.check.factor_kind(factor)
-        interval = isinstance(factor.domain, s.Range) and factor.domain.step is None and factor.domain.count is None
-        if interval and not factor.nuisance:
-            self.check.fail("WMS401", f"`{name}` is a factor and so needs separate values", factor.domain.span,
-                            "add `by STEP` or `in COUNT`; only a nuisance is drawn from a whole interval")  # fmt: skip
-        values = self.values(typed.expr, factor)
-        domain = (
-            ir.Interval(low=float(values[0]), high=float(values[1])) if interval else ir.Choices(values=tuple(values))
-        )
-        if isinstance(domain, ir.Interval) and domain.high < domain.low:
-            self.check.fail(
-                "WMS401", "this interval is empty: it goes up from its start to its end", factor.domain.span
-            )
-        unit = kind.dimension.symbol if isinstance(kind, Quantity) and kind.dimension != ZERO else ""
+        written = read(self.check, factor.domain)
+        domain = self._drawn(factor, written) if factor.nuisance else self._studied(factor, written)
+        kind = written.kind
+        dimension = kind.dimension if isinstance(kind, Quantity | Vector) and kind.dimension != ZERO else None
         return ir.Factor(
-            name=name, domain=domain, nuisance=factor.nuisance, unit=unit, place=ir.Place.of(factor.name.span)
+            name=factor.name.id,
+            domain=domain,
+            nuisance=factor.nuisance,
+            unit=dimension.symbol if dimension else "",
+            place=ir.Place.of(factor.name.span),
         )
 
-    def values(self, domain: ir.Expr, factor: s.Factor) -> list[bool | float | str]:
-        """The constants of a domain. Two equal ones are a mistake."""
-        assert isinstance(domain, ir.Items)
-        written = factor.domain.items if isinstance(factor.domain, s.Items) else ()
-        spans = [w.span for w in written] or [factor.domain.span] * len(domain.items)
-        values: list[bool | float | str] = []
-        for item, span in zip(domain.items, spans, strict=True):
-            value = item.value if isinstance(item, ir.Value) else constant(item)
-            if value is None:
-                self.check.fail("WMS401", "the values of a domain are constants", span, "write them out")
-            if value in values and len(written) > 0:
-                self.check.fail("WMS401", "this value is in the domain twice", span, "remove one")
-            values.append(value)
-        if not values:
-            self.check.fail("WMS401", f"`{factor.name.id}` has no values", factor.domain.span)
-        return values
+    def _drawn(self, factor: s.Factor, written: Written) -> ir.Domain:
+        """What a nuisance is drawn from. Not from what depends on factors: instances would differ in two things."""
+        name = factor.name.id
+        if written.conditional:
+            message = f"what the nuisance `{name}` is drawn from depends on a condition"
+            remedy = "draw from each domain by itself, and choose between the nuisances with `let`"
+            self.check.fail("WMS407", message, factor.domain.span, remedy)
+        return written.spread or ir.Choices(values=tuple(o.value for o in written.options), weights=written.weights)
+
+    def _studied(self, factor: s.Factor, written: Written) -> ir.Domain:
+        """The values of a factor; only a Latin hypercube takes them from an interval or a distribution."""
+        name, span = factor.name.id, factor.domain.span
+        if written.weights is not None:
+            message = f"`{name}` is a factor, and all values of a factor count alike"
+            self.check.fail("WMS401", message, span, "only a nuisance is `weighted`; of a factor, write the list")
+        if written.spread is not None:
+            if not any(d.kind.id == "latin" for d in self.check.scope.designs):
+                message = f"`{name}` is a factor and so needs separate values"
+                remedy = "add `by STEP` or `in COUNT`; only a nuisance is drawn from a whole interval"
+                self.check.fail("WMS401", message, span, remedy)
+            return written.spread
+        if not written.conditional:
+            return ir.Choices(values=tuple(o.value for o in written.options))
+        values, when = zip(*conditions(self.check, written), strict=True)
+        if any(part == ir.Ref(name=name) for condition in when for part in parts(condition)):
+            self.check.fail("WMS209", f"the values of `{name}` depend on itself", span, "let them depend on others")
+        return ir.Choices(values=values, when=when)
+
+    # ------------------------------------------------------------ lets and requires
 
     def let(self, let: s.Let) -> ir.Let:
         """A named value."""
@@ -64,3 +86,86 @@ class Factors:
         return ir.Require(
             condition=typed.expr, text=require.condition.span.text, place=ir.Place.of(require.condition.span)
         )
+
+    # ------------------------------------------------------------ the design
+
+    def plan(self) -> ir.Plan:
+        """Which combinations of the factors there are; all of them if nothing is said. Mistakes are reported."""
+        if not self.check.scope.designs:
+            return ir.Plan()
+        first, *more = self.check.scope.designs
+        for other in more:
+            notes = (Note("said here first", first.span),)
+            self.check.report.add("WMS202", "`design` is said twice", other.span, "remove one", notes)
+        try:
+            return self._plan(first)
+        except Failed:
+            return ir.Plan()
+
+    def _plan(self, design: s.Design) -> ir.Plan:
+        kind, name = design.kind.id, design.kind
+        if kind not in PLANS:
+            self.check.fail("WMS201", f"there is no design `{kind}`", name.span, suggestion(kind, PLANS))
+        if PLANS[kind] and design.count is None:
+            self.check.fail(
+                "WMS408", f"how many instances is this {kind} of?", name.span, f"write `design {kind} of 500`"
+            )
+        if design.count is not None and not PLANS[kind]:
+            remedy = "write `design sample of N` for N of them"
+            self.check.fail(
+                "WMS408", f"how many instances `{kind}` has follows from the factors", design.count.span, remedy
+            )
+        if design.baseline and kind != "one_at_a_time":
+            remedy = "only `design one_at_a_time { ... }` varies factors around one"
+            self.check.fail("WMS408", f"`{kind}` has no baseline", design.baseline[0].span, remedy)
+        return ir.Plan.model_validate(
+            {
+                "kind": kind,
+                "count": None if design.count is None else self._count(design.count),
+                "baseline": self._baseline(design),
+                "place": ir.Place.of(design.span),
+            }
+        )
+
+    def _count(self, e: s.Expr) -> int:
+        count = constant(self.check.value(e, (A_NUMBER,), "`of`").expr)
+        if count is None or count != int(count) or not 1 <= count <= MOST_DRAWN:
+            self.check.fail("WMS408", f"the number of instances is a whole constant from 1 to {MOST_DRAWN:,}", e.span)
+        return int(count)
+
+    def _baseline(self, design: s.Design) -> dict[str, Level]:
+        found: dict[str, Level] = {}
+        for p in design.baseline:
+            name = p.name.id
+            factor = self.check.scope.names.get(name)
+            if not isinstance(factor, s.Factor) or factor.nuisance:
+                factors = [f for f, x in self.check.scope.names.items() if isinstance(x, s.Factor) and not x.nuisance]
+                self.check.fail("WMS201", f"there is no factor `{name}`", p.name.span, suggestion(name, factors))
+            if name in found:
+                self.check.fail("WMS202", f"`{name}` is set twice", p.name.span, "remove one")
+            if p.at is not None:
+                self.check.fail("WMS101", "`at` has no meaning here", p.at.span, "write one value")
+            found[name] = self._level(factor, p.value)
+        return found
+
+    def _level(self, factor: s.Factor, e: s.Expr) -> Level:
+        """One of the values of a factor."""
+        written = read(self.check, factor.domain)
+        expr = self.check.value(e, (written.kind,), f"`{factor.name.id}`").expr
+        for option in written.options:
+            if _same(option.value, expr):
+                return option.value
+        message = f"`{e.span.text}` is none of the values of `{factor.name.id}`"
+        notes = (Note("they are these", factor.domain.span),)
+        self.check.fail("WMS304", message, e.span, "add it to them, or begin from another", notes)
+
+
+def _same(value: Level, expr: ir.Expr) -> bool:
+    """Whether a constant is a value, but for the rounding of units."""
+    if isinstance(value, tuple):
+        items = expr.items if isinstance(expr, ir.Items) else ()
+        return len(items) == len(value) and all(map(_same, value, items))
+    number = constant(expr)
+    if isinstance(value, float) and number is not None:
+        return abs(value - number) <= 1e-9 * max(1.0, abs(value))
+    return expr == ir.Value(value=value)

@@ -25,10 +25,13 @@ class Scope:
         self.names: dict[str, Declaration] = {}
         self.sets: dict[str, str] = {}
         """The set of every member of one."""
+        self.designs: list[s.Design] = []
         self._report = report
         for statement in statements:
             if isinstance(statement, s.Factor | s.Let | s.Block | s.Action | s.Template):
                 self.declare(statement)
+            elif isinstance(statement, s.Design):
+                self.designs.append(statement)
 
     def declare(self, statement: Declaration, member_of: str = "") -> None:
         """Take in a name; complain if it is taken."""

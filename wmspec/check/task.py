@@ -94,6 +94,7 @@ class _Task:
         things = [*self.blocks(), *self.each(s.Action, self.things.action)]
         observations = self.each(s.Observe, self.observations.observe)
         settings = self.settings()
+        plan = self.factors.plan()
         questions = self.each(s.Question, self.questions.question)
         if not observations and not self.report.failed:
             self.report.add(
@@ -112,6 +113,7 @@ class _Task:
             lets=tuple(lets),
             requires=tuple(requires),
             repeat=self.repeat(),
+            plan=plan,
             tolerances=tolerances(self.check, (x for x in self.statements if isinstance(x, s.Tolerance))),
             things=tuple(things),
             horizon=self.horizon(observations),
