@@ -140,8 +140,7 @@ class Questions:
 
     def _options(self, clause: s.Clause, answer: Typed) -> tuple[ir.Expr, Typed]:
         """The options, and the answer as one of their common kind."""
-        wanted = (List(LABEL if answer.kind in (OBJECT, TEXT, LABEL) else answer.kind),)
-        options = self.check.infer(clause.value, wanted)
+        options = self.check.infer(clause.value, (List(answer.kind), List(LABEL)))
         common = joined(options.kind, List(answer.kind))
         if not isinstance(common, List) or common.item is None:
             self.check.misfit(clause.value.span, options.kind, (List(answer.kind),), "`options`, like the answer,")

@@ -15,6 +15,7 @@ from wmspec.check.observations import Observations
 from wmspec.check.questions import Questions
 from wmspec.check.scope import Scope
 from wmspec.check.sets import Sets
+from wmspec.check.standing import no_circles
 from wmspec.check.substitute import Substitute
 from wmspec.check.templates import Templates
 from wmspec.check.things import Things
@@ -83,7 +84,9 @@ class _Task:
         for block in self.unused:
             with suppress(Failed):
                 self.things.block(block)
-        return [thing for things in self.each(s.Block, self.things.block) for thing in things]
+        things = [thing for found in self.each(s.Block, self.things.block) for thing in found]
+        no_circles(self.check, things)
+        return things
 
     def task(self) -> ir.TaskSpec | None:
         assert self.declaration is not None

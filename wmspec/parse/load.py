@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -34,7 +35,7 @@ def load(path: Path, report: Report) -> Program:
 
 
 def load_source(source: Source, folder: Path, report: Report) -> Program:
-    """Parse a spec from text; its libraries are looked for in `folder`, then in wmspec's own library."""
+    """Parse a spec from text. Its libraries are looked for in `folder`, on WMSPEC_PATH, then in wmspec's own library."""
     file = parse(source, report)
     libraries: dict[Path, File] = {}
     _collect(file, folder, report, libraries, ())
@@ -73,6 +74,11 @@ def library_folder() -> Path:
     return Path(str(files("wmspec").joinpath("specs/library")))
 
 
+def search_path() -> tuple[Path, ...]:
+    """The folders in WMSPEC_PATH, in which libraries are looked for too, parted as in PATH."""
+    return tuple(Path(folder) for folder in os.environ.get("WMSPEC_PATH", "").split(os.pathsep) if folder)
+
+
 def _uses(file: File) -> Iterator[Use]:
     for item in file.items:
         yield from (s for s in (item.body if isinstance(item, Task) else (item,)) if isinstance(s, Use))
@@ -101,7 +107,7 @@ def _collect(
 
 
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
-    places = (folder, library_folder())
+    places = (folder, *search_path(), library_folder())
     for place in places:
         with suppress(OSError):  # a name longer than file names can be
             if (path := place / f"{name.id}.wms").is_file():
@@ -109,7 +115,7 @@ def _find(name: Name, folder: Path, report: Report) -> Path | None:
     known = [p.stem for place in places for p in sorted(place.glob("*.wms"))]
     report.add(
         "WMS207",
-        f"there is no library `{name.id}` next to the spec or in wmspec's own",
+        f"there is no library `{name.id}` next to the spec, on WMSPEC_PATH or in wmspec's own",
         name.span,
         suggestion(name.id, known),
     )
