@@ -6,13 +6,14 @@ Values are SI numbers, truth values, words and names as strings, tuples and list
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 from wmspec.check import ir
 from wmspec.check.defaults import default_value
-from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import PROPERTIES, Slot
+from wmspec.check.slots import Sort, inherited, slots, sort, unfit
+from wmspec.check.verbs import ROBOTS, VERBS, Verb
+from wmspec.check.vocabulary import JOINTS, TOLERANCES, Slot
 from wmspec.errors import WmsError, suggestion
 
 #: The place of whatever stands in no text.
@@ -35,10 +36,16 @@ def expression(value: Any) -> ir.Expr:
     raise WmsError(f"{value!r} is no value of a task; give a number, a truth value, a string, a tuple or an ir.Expr")
 
 
-def factor(name: str, values: Iterable[float | bool | str], unit: str = "") -> ir.Factor:
-    """A factor with these values, all of one kind; `unit` is the SI unit of numbers, such as `m/s`."""
-    choices = tuple(float(v) if isinstance(v, int) and not isinstance(v, bool) else v for v in values)
+def factor(name: str, values: Iterable[float | bool | str | Sequence[float]], unit: str = "") -> ir.Factor:
+    """A factor with these values, all of one kind; `unit` is the SI unit of numbers and points, such as `m/s`."""
+    choices = tuple(_constant(v) for v in values)
     return ir.Factor(name=name, domain=ir.Choices(values=choices), nuisance=False, unit=unit, place=HERE)
+
+
+def _constant(value: float | bool | str | Sequence[float]) -> ir.Scalar | tuple[float, ...]:
+    if isinstance(value, bool | str):
+        return value
+    return float(value) if isinstance(value, int | float) else tuple(float(v) for v in value)
 
 
 def nuisance(name: str, low: float, high: float, unit: str = "") -> ir.Factor:
@@ -51,35 +58,86 @@ def let(name: str, value: Any) -> ir.Let:
     return ir.Let(name=name, value=expression(value), place=HERE)
 
 
-def thing(kind: Literal["object", "camera", "light", "world"], name: str, **properties: Any) -> ir.Thing:
+def thing(
+    kind: Literal["object", "camera", "light", "world"], name: str, *, set: str = "", **properties: Any
+) -> ir.Thing:
     """An object, camera, light or the world. Raises WmsError for a property that its kind lacks or that is missing."""
-    return ir.Thing(kind=kind, name=name, properties=_filled(PROPERTIES[kind], properties, kind, name), place=HERE)
+    return _thing(name, sort(kind, properties), properties, set=set)
 
 
-def action(name: str, verb: str, *, start: Any = 0.0, duration: Any = None, **arguments: Any) -> ir.Thing:
-    """An action: `start` (s), for verbs that last a `duration` (s), and the arguments of the verb."""
-    if verb not in VERBS:
-        raise WmsError(f"there is no verb `{verb}`; {suggestion(verb, VERBS)}")
-    if VERBS[verb].lasts != (duration is not None):
-        raise WmsError(f"`{verb}` {'needs a' if VERBS[verb].lasts else 'happens at once and has no'} duration")
-    properties = _filled(VERBS[verb].arguments, arguments, "action", name) | {"start": _setting(start)}
+def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: Any) -> tuple[ir.Thing, ...]:
+    """An object made of parts (their properties by name), followed by these. Raises WmsError as `thing` does."""
+    whole = _thing(name, sort("object", properties, parts=True), properties)
+    return whole, *(_part(whole, part, said) for part, said in parts.items())
+
+
+def objects(
+    name: str, most: int, properties: Callable[[int], Mapping[str, Any]], count: Any = None
+) -> tuple[ir.Thing, ...]:
+    """The members of a set, `name_0` to `name_{most - 1}`, with properties from their index.
+
+    With a `count`, which is an expression, only so many of them are present.
+    """
+    members = [thing("object", f"{name}_{i}", set=name, **properties(i)) for i in range(most)]
+    return tuple(members if count is None else (_below(m, i, expression(count)) for i, m in enumerate(members)))
+
+
+def joint(name: str, model: str, **properties: Any) -> ir.Thing:
+    """A joint of a model: hinge, slider, ball or fixed. Raises WmsError as `thing` does."""
+    if model not in JOINTS:
+        raise WmsError(f"there is no kind of joint `{model}`; {suggestion(model, JOINTS)}")
+    return _thing(name, sort("joint", properties, model), properties, model=model)
+
+
+def robot(name: str, model: str, **properties: Any) -> ir.Thing:
+    """A robot of a model. Raises WmsError as `thing` does."""
+    if model not in ROBOTS:
+        raise WmsError(f"there is no kind of robot `{model}`; {suggestion(model, ROBOTS)}")
+    return _thing(name, sort("robot", properties), properties, model=model)
+
+
+def action(
+    name: str, verb: str, *, by: ir.Thing | None = None, start: Any = 0.0, duration: Any = None, **arguments: Any
+) -> ir.Thing:
+    """An action: `start` (s), for verbs that last a `duration` (s), and the arguments of the verb.
+
+    `by` is the robot that acts, if it is a verb of robots.
+    """
+    verbs: Mapping[str, Verb] = ROBOTS[by.model] if by is not None else VERBS
+    if verb not in verbs:
+        raise WmsError(f"there is no verb `{verb}`; {suggestion(verb, verbs)}")
+    if verbs[verb].lasts != (duration is not None):
+        raise WmsError(f"`{verb}` {'needs a' if verbs[verb].lasts else 'happens at once and has no'} duration")
+    properties = _filled(verbs[verb].arguments, arguments, f"the action `{name}`") | {"start": _setting(start)}
     if duration is not None:
         properties["duration"] = _setting(duration)
-    return ir.Thing(kind="action", name=name, verb=verb, properties=properties, place=HERE)
+    of = by.name if by is not None else ""
+    return ir.Thing(kind="action", name=name, verb=verb, of=of, properties=properties, place=HERE)
 
 
-def observe(camera: str, times: Sequence[Any]) -> ir.Observation:
-    """What a camera sees at times (s)."""
-    return ir.Observation(camera=camera, times=expression(list(times)), place=HERE)
+def observe(camera: str, times: Sequence[Any], channels: tuple[ir.Channel, ...] = ("rgb",)) -> ir.Observation:
+    """What a camera sees at times (s), and what is kept of each picture."""
+    return ir.Observation(camera=camera, times=expression(list(times)), channels=channels, place=HERE)
 
 
 def task(
-    name: str, *parts: Part, dimension: str = "custom", repeat: int = 1, horizon: Any = None, **about: str
+    name: str,
+    *parts: Part,
+    dimension: str = "custom",
+    repeat: int = 1,
+    horizon: Any = None,
+    plan: ir.Plan | None = None,
+    tolerances: Mapping[str, float] | None = None,
+    **about: str,
 ) -> ir.TaskSpec:
     """A task of parts in any order. It lasts until `horizon` (s), or else until the last observation.
 
-    `about` may hold `title`, `description`, `license` and `source`.
+    `tolerances` (SI) are how far engines may disagree. `about` may hold `title`, `description`, `license` and `source`.
+    Raises WmsError for an unknown tolerance.
     """
+    for key in tolerances or {}:
+        if key not in TOLERANCES:
+            raise WmsError(f"there is no tolerance `{key}`; {suggestion(key, TOLERANCES)}")
     by_type: dict[type, list[Any]] = {}
     for part in parts:
         by_type.setdefault(type(part), []).append(part)
@@ -90,6 +148,8 @@ def task(
             "name": name,
             "dimension": dimension,
             "repeat": repeat,
+            "plan": plan or ir.Plan(),
+            "tolerances": dict(tolerances or {}),
             "factors": by_type.get(ir.Factor, ()),
             "lets": by_type.get(ir.Let, ()),
             "requires": by_type.get(ir.Require, ()),
@@ -106,14 +166,43 @@ def _setting(value: Any) -> ir.Setting:
     return ir.Setting(value=expression(value), place=HERE)
 
 
-def _filled(table: dict[str, Slot], given: dict[str, Any], kind: str, name: str) -> dict[str, ir.Setting]:
+def _thing(name: str, of: Sort, properties: dict[str, Any], *, model: str = "", set: str = "") -> ir.Thing:
+    """A thing of a sort. Raises WmsError for a property that it cannot have or that is missing."""
+    whose = f"the {of.kind} `{name}`"
+    for key in properties:
+        if reason := unfit(of, key):
+            raise WmsError(f"{whose}: {reason}")
+    filled = _filled(slots(of), properties, whose)
+    return ir.Thing.model_validate(
+        {"kind": of.kind, "name": name, "model": model, "set": set, "properties": filled, "place": HERE}
+    )
+
+
+def _part(whole: ir.Thing, name: str, said: Mapping[str, Any]) -> ir.Thing:
+    name = f"{whole.name}.{name}"
+    properties = _filled(slots(sort("part", ())), said, f"the part `{name}`")
+    for look in inherited(said, whole.properties):
+        properties[look] = _setting(ir.Property(owner=ir.Value(value=whole.name), name=look))
+    return ir.Thing(kind="part", name=name, of=whole.name, properties=properties, place=HERE)
+
+
+def _below(member: ir.Thing, index: int, count: ir.Expr) -> ir.Thing:
+    """The member, present where its index is below the number."""
+    there: ir.Expr = ir.Operation(operator="<", operands=(ir.Value(value=float(index)), count))
+    said = member.properties["present"].value
+    if said != ir.Value(value=True):
+        there = ir.Operation(operator="and", operands=(there, said))
+    return member.model_copy(update={"properties": member.properties | {"present": _setting(there)}})
+
+
+def _filled(table: Mapping[str, Slot], given: Mapping[str, Any], whose: str) -> dict[str, ir.Setting]:
     for key in given:
         if key not in table:
-            raise WmsError(f"the {kind} `{name}` has no `{key}`; {suggestion(key, table)}")
+            raise WmsError(f"{whose} has no `{key}`; {suggestion(key, table)}")
     found = {key: _setting(value) for key, value in given.items()}
     for key, slot in table.items():
         if key not in found and slot.default is not None:
             found[key] = _setting(default_value(slot))
         elif key not in found and not slot.optional:
-            raise WmsError(f"the {kind} `{name}` needs `{key}`: {slot.meaning}")
+            raise WmsError(f"{whose} needs `{key}`: {slot.meaning}")
     return found

@@ -35,7 +35,7 @@ def load(path: Path, report: Report) -> Program:
 
 
 def load_source(source: Source, folder: Path, report: Report) -> Program:
-    """Parse a spec from text. Its libraries are looked for in `folder`, on WMSPEC_PATH, then in wmspec's own library."""
+    """Parse a spec from text. Libraries are looked for in `folder`, on WMSPEC_PATH, then in wmspec's own."""
     file = parse(source, report)
     libraries: dict[Path, File] = {}
     _collect(file, folder, report, libraries, ())
