@@ -14,7 +14,7 @@ from wmspec.audit.cases import SIDE, Case, Small
 Array = NDArray[np.float64]
 
 #: Pixels a side that a probe sees of a picture, and levels of each colour in a histogram.
-PIXELS, LEVELS = 12, 4
+PIXELS, LEVELS = 8, 4
 #: The most words, names and texts that are told apart: the most frequent ones.
 MOST_WORDS = 40
 
@@ -40,7 +40,8 @@ def _histogram(picture: Small) -> Array:
 
 def positions(cases: Sequence[Case]) -> Array:
     """Where an option stands."""
-    return np.concatenate([np.eye(max(c.count for c in cases))[: c.count] for c in cases])
+    places = np.eye(max(c.count for c in cases))
+    return np.concatenate([places[: c.count] for c in cases])
 
 
 def options(cases: Sequence[Case]) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,6 +34,8 @@ def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictur
 
     Exit code 1 if anything fails.
     """
+    # Before NumPy starts: its matrices are small here, and the same sums must come out on any number of cores.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from wmspec.audit.audit import audit
     from wmspec.audit.page import page
     from wmspec.write.finished import Finished

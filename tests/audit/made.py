@@ -1,0 +1,173 @@
+"""Datasets with drawn pictures whose answers can be had in the ways that a test wants, and in no others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wmspec.ask.ask import groups
+from wmspec.ask.model import Asked, Change, Option, Picture
+from wmspec.check.ir import TaskSpec
+from wmspec.check.task import check
+from wmspec.design.design import Design
+from wmspec.design.draws import permuted
+from wmspec.parse.diagnostics import Report
+from wmspec.write.dataset import Dataset
+from wmspec.write.plan import Plan, Task
+from wmspec.write.rows import encode
+
+SIDE = 48
+SPECS = Path(__file__).parent / "specs"
+TONES = {"red": (200, 50, 50), "green": (50, 160, 80), "blue": (50, 90, 200), "yellow": (220, 190, 50)}
+
+Ask = Callable[[Asked, np.random.Generator], Asked]
+
+
+@cache
+def spec(name: str) -> TaskSpec:
+    report = Report()
+    tasks = check(SPECS / f"{name}.wms", report)
+    assert tasks, report
+    return tasks[0]
+
+
+def make(folder: Path, name: str, ask: Ask, count: int = 400, engines: tuple[str, ...] = ("mujoco",)) -> Path:
+    """A finished dataset of `count` instances of a task, asked by `ask` from a blank question."""
+    design = Design(spec(name), 3)
+    plan = Plan(
+        texts={f"{name}.wms": (SPECS / f"{name}.wms").read_text()},
+        tasks=(Task(spec(name), tuple(sorted(design.sample(count)))),),
+        engines=engines,
+        size=(SIDE, SIDE),
+        seed=3,
+        consensus=True,
+        versions={"wmspec": "0.1.0"},
+    )
+    with Dataset.open(folder, plan, force=True) as dataset:
+        for shard in dataset.pending():
+            rows = [encode(ask(blank(design, i, e), np.random.default_rng(i))) for i in shard.indices for e in engines]
+            dataset.write(shard, rows, ())
+        dataset.finish()
+    return folder
+
+
+def blank(design: Design, index: int, engine: str) -> Asked:
+    instance = design[index]
+    return Asked(
+        task=design.spec.name,
+        dimension=design.spec.dimension,
+        index=index,
+        block=instance.block,
+        question=0,
+        seed=design.seed,
+        engine=engine,
+        renderer=engine,
+        text="",
+        context=(),
+        options=(),
+        answer=0,
+        value="",
+        factors=instance.factors,
+        nuisances=instance.nuisances,
+        groups=groups(instance),
+        margin=None,
+        measured={},
+        agreement=((engine, 0),),
+    )
+
+
+def race(favoured: float = 0.5, level: bool = False, telling: bool = False) -> Ask:
+    """Which of two balls is faster? They go in a circle from anywhere; from the same place if they start `level`.
+
+    The first option is true with the share `favoured`. If `telling`, the true option is the longer text.
+    """
+
+    def ask(asked: Asked, random: np.random.Generator) -> Asked:
+        truth, place = str(asked.factors["faster"]), int(asked_in_turn(asked, 320) >= favoured)
+        far = {b: 0.15 * float(asked.factors["ratio"]) if b == truth else 0.15 for b in ROWS}
+        starts = {b: 0.15 if level else random.random() for b in ROWS}
+        tones = {"upper": TONES[str(asked.factors["tone"])], "lower": (20, 20, 20)}
+        views = ([(starts[b] + late * far[b], y, tones[b]) for b, y in ROWS.items()] for late in (0, 1))
+        order = [truth, other(truth)] if place == 0 else [other(truth), truth]
+        texts = {b: f"the {b} ball{', surely' * (telling and b == truth)}" for b in ROWS}
+        return replace(
+            asked,
+            text="Which ball is faster?",
+            context=tuple(Picture("front", 2.0 * late, picture(balls)) for late, balls in enumerate(views)),
+            options=tuple(Option("truth" if b == truth else "label", b, text=texts[b]) for b in order),
+            answer=place,
+            value=truth,
+        )
+
+    return ask
+
+
+def asked_in_turn(asked: Asked, count: int) -> float:
+    """A share from 0 to 1, evenly spread over the design, as wmspec spreads the places of true options."""
+    return permuted(asked.index, count, "place") / count
+
+
+ROWS = {"upper": 0.3, "lower": 0.7}
+
+
+def other(ball: str) -> str:
+    return "lower" if ball == "upper" else "upper"
+
+
+def roll(betrayed: str = "", alike: bool = False) -> Ask:
+    """Where does a ball roll that goes in a circle by the same step twice? All options are anywhere, unless the truth
+    is `betrayed`: by its colour, or because it lies in the middle. If `alike`, two of them are the same.
+    """
+
+    def ask(asked: Asked, random: np.random.Generator) -> Asked:
+        tone, place = TONES[str(asked.factors["tone"])], int(4 * asked_in_turn(asked, 336))
+        ends = _apart(random)
+        if betrayed == "middle":  # each of the others differs from it in one thing
+            x = ends[0][0]
+            ends = [(x - 0.08, 0.5), (x + 0.08, 0.5), (x, 0.58)]
+            ends.insert(place, (x, 0.5))
+        if alike:
+            ends[place - 1] = ends[place - 2]
+        step = random.random()
+        context = ((0.0, ends[place][0] - 2 * step), (0.5, ends[place][0] - step))
+        paler = tuple(min(255, c + 40) for c in tone) if betrayed == "colour" else tone
+        names = ["slower", "faster", "aside"]
+        names.insert(place, "truth")
+        options = tuple(
+            option(n, picture([(*end, paler if n == "truth" else tone)])) for n, end in zip(names, ends, strict=True)
+        )
+        shown = tuple(Picture("front", t, picture([(x, 0.5, tone)])) for t, x in context)
+        return replace(asked, text="Where next?", context=shown, options=options, answer=place, value="front at 1 s")
+
+    return ask
+
+
+def _apart(random: np.random.Generator) -> list[tuple[float, float]]:
+    """Four places (x, y) on the circle, none close to another."""
+    found: list[float] = []
+    while len(found) < 4:
+        place = random.random()
+        if all(abs((place - other + 0.5) % 1 - 0.5) > 0.1 for other in found):
+            found.append(place)
+    return [(place, 0.5) for place in found]
+
+
+def option(name: str, rgb: Any) -> Option:
+    kind, change = ("truth", None) if name == "truth" else ("counterfactual", Change("action", "push.speed", "1", "2"))
+    return Option(kind, name, picture=Picture("front", 1.0, rgb), change=change)  # type: ignore[arg-type]
+
+
+def picture(balls: list[tuple[float, float, tuple[int, ...]]]) -> np.ndarray:
+    """Balls (x, y, colour) on a pale ground, smooth at their edges; what leaves at the right comes in at the left."""
+    y, x = np.mgrid[0:SIDE, 0:SIDE] / SIDE
+    image = np.full((SIDE, SIDE, 3), 225.0)
+    for u, v, color in balls:
+        aside = (x - u + 0.5) % 1 - 0.5
+        cover = np.clip((0.08 - np.hypot(aside, y - v)) * SIDE + 0.5, 0, 1)[..., None]
+        image = image * (1 - cover) + np.array(color) * cover
+    return image.round().astype(np.uint8)

@@ -1,0 +1,213 @@
+"""The audit finds what is wrong with a dataset, says when it cannot tell, and leaves a sound one alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from tests.audit.made import Ask, make, race, roll
+from wmspec.ask.model import Asked
+from wmspec.audit.audit import audit
+from wmspec.audit.model import Audit, Finding
+from wmspec.errors import WmsError
+
+Make = Callable[..., Audit]
+
+
+@pytest.fixture
+def audited(tmp_path: Path) -> Make:
+    def made(name: str, ask: Ask, count: int = 240, **more: object) -> Audit:
+        return look(make(tmp_path / "made", name, ask, count, **more))  # type: ignore[arg-type]
+
+    return made
+
+
+def look(folder: Path, most: int = 2000) -> Audit:
+    return audit(folder, most, lambda task, count: None)
+
+
+def failing(found: Audit, check: str = "") -> list[Finding]:
+    return [f for f in found.findings if f.verdict == "fails" and check in f.check]
+
+
+def share(found: Audit, sees: str) -> float:
+    (probe,) = [p for p in found.probes if p.sees == sees]
+    return probe.accuracy
+
+
+@pytest.mark.parametrize(("name", "ask"), [("race", race()), ("roll", roll())])
+def test_a_sound_dataset_passes(name: str, ask: Ask, audited: Make) -> None:
+    found = audited(name, ask)
+    assert found.passed, failing(found)
+    assert {f.check for f in found.findings} == {"files", "counts", "balance", "duplicates", "options", "shortcut"}
+    held = [f for f in found.findings if f.check == "shortcut" and f.verdict == "holds"]
+    assert len(held) >= 5
+    for probe in found.probes:
+        assert probe.low <= probe.chance <= probe.high, probe
+
+
+# ---------------------------------------------------------------- shortcuts
+
+
+@pytest.mark.parametrize(
+    ("name", "ask", "sees", "least"),
+    [
+        ("race", race(level=True), "the last picture", 0.7),
+        ("race", race(favoured=0.85), "the place of the options", 0.75),
+        ("race", race(telling=True), "the options", 0.99),
+        ("race", race(telling=True), "the text", 0.99),
+        ("roll", roll("colour"), "the options", 0.9),
+        ("roll", roll("colour"), "the options' colours", 0.9),
+        ("roll", roll("middle"), "the options", 0.6),
+    ],
+)
+def test_a_shortcut_is_found(name: str, ask: Ask, sees: str, least: float, audited: Make) -> None:
+    found = audited(name, ask)
+    assert share(found, sees) > least
+    assert any(f"from {sees} alone" in f.what for f in failing(found, "shortcut"))
+
+
+def test_the_other_probes_see_nothing_of_a_last_picture_that_tells(audited: Make) -> None:
+    found = audited("race", race(level=True))
+    assert all("the last picture" in f.what for f in failing(found))
+
+
+def still(asked: Asked, random: np.random.Generator) -> Asked:
+    """The same question with one picture: who is ahead?"""
+    moving = race(level=True)(asked, random)
+    return replace(moving, text="Which ball is ahead?", context=moving.context[1:])
+
+
+def test_a_question_about_one_moment_may_be_answered_from_its_picture(audited: Make) -> None:
+    found = audited("race", still)
+    assert share(found, "the picture") > 0.7
+    assert found.passed
+    (told,) = [f for f in found.findings if "from the picture alone" in f.what]
+    assert told.verdict == "told"
+    assert "one moment" in told.what
+
+
+def test_too_few_questions_are_said_to_be_too_few(audited: Make) -> None:
+    found = audited("race", race(), 12)
+    assert found.passed
+    assert any("12 instances are too few" in f.what and f.verdict == "unclear" for f in found.findings)
+    found = audited("race", race(), 40)
+    assert any(f.verdict == "unclear" and "too few questions to tell" in f.what for f in found.findings)
+
+
+def test_engines_are_not_counted_as_questions(audited: Make) -> None:
+    found = audited("race", race(), 100, engines=("mujoco", "pybullet"))
+    assert {p.asked for p in found.probes} == {100}
+    assert {sum(map(sum, t.counts)) for t in found.tests} == {100}
+
+
+# ---------------------------------------------------------------- balance
+
+
+def leaning(asked: Asked, random: np.random.Generator) -> Asked:
+    """Red questions have the truth in the first place."""
+    made = race()(asked, random)
+    first = asked.factors["tone"] == "red"
+    options = tuple(sorted(made.options, key=lambda o: (o.kind != "truth") == first))
+    return replace(made, options=options, answer=[o.kind for o in options].index("truth"))
+
+
+def test_a_place_that_goes_with_a_factor_fails(audited: Make) -> None:
+    found = audited("race", leaning)
+    assert any("place of the truth goes with tone" in f.what for f in failing(found, "balance"))
+
+
+def test_a_favoured_place_fails_and_the_deciding_factor_is_told(audited: Make) -> None:
+    found = audited("race", race(favoured=0.8))
+    assert any("the place of the truth is not uniform" in f.what for f in failing(found, "balance"))
+    (decides,) = [f for f in found.findings if "answer goes with faster" in f.what]
+    assert decides.verdict == "told"
+
+
+# ---------------------------------------------------------------- duplicates and options
+
+
+def copied(contrary: bool, noise: int = 0) -> Ask:
+    """The question of instance 40 is asked again as one other instance."""
+    from tests.audit.made import blank, spec
+    from wmspec.design.design import Design
+
+    def ask(asked: Asked, random: np.random.Generator) -> Asked:
+        if asked.index != 41:
+            return race()(asked, random)
+        source = race()(blank(Design(spec("race"), 3), 40, asked.engine), np.random.default_rng(40))
+        context = tuple(
+            replace(p, rgb=p.rgb ^ random.integers(0, noise + 1, p.rgb.shape, np.uint8)) for p in source.context
+        )
+        options = tuple(replace(o, kind="label" if o.kind == "truth" else "truth") for o in source.options)
+        if contrary:
+            return replace(
+                asked, text=source.text, context=context, options=options, answer=1 - source.answer, value=""
+            )
+        return replace(source, index=41, context=context)
+
+    return ask
+
+
+@pytest.mark.parametrize("noise", [0, 3])
+def test_the_same_question_with_another_answer_fails(noise: int, audited: Make) -> None:
+    found = audited("race", copied(True, noise), 320)
+    (finding,) = failing(found, "duplicates")
+    assert "race/000040/q0/mujoco and race/000041/q0/mujoco" in finding.what
+    assert "different answers" in finding.what
+
+
+@pytest.mark.parametrize(("noise", "exact"), [(0, "1 to the byte"), (3, "0 to the byte")])
+def test_a_question_asked_twice_is_told(noise: int, exact: str, audited: Make) -> None:
+    found = audited("race", copied(False, noise), 320)
+    (finding,) = [f for f in found.findings if f.check == "duplicates"]
+    assert finding.verdict == "told"
+    assert exact in finding.what
+
+
+def test_options_that_look_the_same_fail(audited: Make) -> None:
+    (finding,) = failing(audited("roll", roll(alike=True), 40), "options")
+    assert "the same option twice" in finding.what
+
+
+# ---------------------------------------------------------------- files
+
+
+def shard(folder: Path) -> Path:
+    return next((folder / "data").rglob("*.parquet"))
+
+
+def test_a_file_that_was_changed_or_is_gone_is_named(tmp_path: Path) -> None:
+    folder = make(tmp_path, "race", race(), 30)
+    table = pq.read_table(shard(folder))
+    pq.write_table(table.slice(1), shard(folder))
+    found = look(folder)
+    assert "is not as it was written" in failing(found, "files")[0].what
+    assert "29 of 29 rows, 30 in the manifest" not in failing(found, "counts")[0].what
+    assert "29 rows" in failing(found, "counts")[0].what
+    shard(folder).unlink()
+    with pytest.raises(WmsError, match="cannot be read"):
+        look(folder)
+
+
+def test_an_answer_that_points_at_a_false_option_fails(tmp_path: Path) -> None:
+    folder = make(tmp_path, "race", race(), 30)
+    table = pq.read_table(shard(folder))
+    wrong = [1 - a for a in table["answer"].to_pylist()[:1]] + table["answer"].to_pylist()[1:]
+    place = table.schema.get_field_index("answer")
+    pq.write_table(table.set_column(place, table.schema.field(place), [wrong]), shard(folder))
+    assert any("no or another true option" in f.what for f in failing(look(folder), "counts"))
+
+
+def test_what_is_not_a_dataset_is_told(tmp_path: Path) -> None:
+    with pytest.raises(WmsError, match="no finished dataset"):
+        look(tmp_path)
+    (tmp_path / "manifest.json").write_text(json.dumps({"tasks": {}}))
+    with pytest.raises(WmsError, match="not one that `wmspec generate` writes"):
+        look(tmp_path)

@@ -1,0 +1,62 @@
+"""The report as a user gets it: exit codes, a page that stands alone, the same bytes again."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+from tests.audit.made import make, race
+from tests.endtoend.test_commands import wmspec
+
+
+class Page(HTMLParser):
+    """What a page loads, and whether its tags are closed in order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.loads: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.loads += [v or "" for k, v in attrs if k in ("src", "href")]
+        if tag not in ("meta", "br", "link"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """A tag that is closed at once."""
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_a_sound_dataset_and_an_unsound_one(tmp_path: Path) -> None:
+    make(tmp_path / "sound", "race", race(), 240)
+    make(tmp_path / "leaky", "race", race(level=True), 240)
+    assert "Nothing fails" in wmspec("audit", "sound", folder=tmp_path).stdout
+    assert {p.name for p in tmp_path.iterdir()} == {"sound", "leaky"}, "without -o nothing is written"
+    told = wmspec("audit", "leaky", "-o", "report", folder=tmp_path, code=1).stdout
+    assert re.search(r"fails: shortcut race: from the last picture alone, \d\d% of 240 answered", told)
+    found = json.loads((tmp_path / "report/audit.json").read_text())
+    assert not found["passed"]
+    assert found["findings"][0]["verdict"] == "fails"
+    page = Page()
+    page.feed((tmp_path / "report/audit.html").read_text())
+    assert not page.open
+    assert not page.loads, "the page stands alone"
+    assert str(tmp_path) not in (tmp_path / "report/audit.html").read_text()
+
+
+def test_the_same_bytes_again_and_json_for_machines(tmp_path: Path) -> None:
+    make(tmp_path / "made", "race", race(), 60)
+    wmspec("audit", "made", "-o", "a", folder=tmp_path)
+    said = wmspec("audit", "made", "-o", "b", "--json", folder=tmp_path).stdout
+    for name in ("audit.json", "audit.html"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    assert said == (tmp_path / "a/audit.json").read_text()
+    assert json.loads(said)["passed"]
+
+
+def test_what_cannot_be_audited_is_told(tmp_path: Path) -> None:
+    assert "no finished dataset" in wmspec("audit", "nowhere", folder=tmp_path, code=2).stderr
