@@ -280,7 +280,7 @@ class TaskSpec(Node):
     lets: tuple[Let, ...]
     requires: tuple[Require, ...]
     repeat: int
-    plan: Plan = Plan()
+    plan: Plan = Field(default_factory=Plan)
     tolerances: dict[str, float] = {}
     things: tuple[Thing, ...]
     horizon: Expr

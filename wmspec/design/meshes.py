@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from wmspec.design.space import Vector
 from wmspec.errors import WmsError
+
+if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
+    import numpy as np
+    from numpy.typing import NDArray
 
 #: What a mesh can be read from, by the end of the file's name.
 SUFFIXES = (".obj", ".stl", ".ply", ".glb")
@@ -55,6 +56,7 @@ def load(path: str, scale: float, collision: str) -> Mesh:
 
 @lru_cache(maxsize=256)
 def _load(path: str, _changed: int, _size: int, scale: float, collision: str) -> Mesh:
+    import numpy as np
     import trimesh
 
     try:
