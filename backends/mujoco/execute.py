@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
 
 from wmspec.backends.mujoco.impact import solref
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.world import World
 from wmspec.errors import EngineError, WmsError
+from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import Episode, play
 from wmspec.scene.honoured import honoured
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.recording import trace
+from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
 from wmspec.scene.validate import validate
@@ -30,15 +31,14 @@ def execute(scene: Scene) -> Trace:
 
     Raises WmsError for a scene that MuJoCo can't honour, EngineError when MuJoCo loses track of it.
     """
-    validate(scene)
-    timeline = episode(scene, STEPS_PER_SECOND)
+    whole, timeline = prepare(scene)
     with unlogged():
         try:
-            model = mujoco.MjModel.from_xml_string(mjcf(scene, timeline))
+            model = mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole.trees))
         except ValueError as error:
             raise WmsError(f"MuJoCo can't load the scene: {error}") from error
-        world = World(model, damping(scene))
-        verify(model, scene, timeline)
+        world = World(model, whole)
+        verify(world, scene, timeline)
         try:
             recording = play(world, timeline)
         except FloatingPointError as error:
@@ -46,24 +46,24 @@ def execute(scene: Scene) -> Trace:
     return trace("mujoco", scene, timeline, recording)
 
 
-def damping(scene: Scene) -> dict[int, tuple[float, float]]:
-    """The bodies that have any, and their linear and angular rates."""
-    return {
-        i: (float(body.linear_damping), float(body.angular_damping))
-        for i, body in enumerate(scene.bodies)
-        if body.motion == "dynamic" and (body.linear_damping or body.angular_damping)
-    }
+def prepare(scene: Scene) -> tuple[Assembly, Episode]:
+    """The scene in MuJoCo's words. Raises WmsError, with the prim path, for what MuJoCo doesn't have."""
+    validate(scene)
+    require("mujoco", scene)
+    timeline = episode(scene, STEPS_PER_SECOND)
+    return assembly(scene, timeline), timeline
 
 
-def verify(model: Any, scene: Scene, timeline: Episode) -> None:
+def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless MuJoCo has the scene's physics."""
+    model = world.model
     honoured("MuJoCo", "the time step", model.opt.timestep, timeline.step)
     honoured("MuJoCo", "gravity", model.opt.gravity, scene.gravity)
-    for i, body in enumerate(scene.bodies):
+    for i, body in zip(world.ids, scene.bodies, strict=True):
         if body.inertia is not None:
-            honoured(body.path, "the mass", model.body_mass[i + 1], body.inertia.mass)
-            honoured(body.path, "the inertia", model.body_inertia[i + 1], body.inertia.moments)
-    for i, (a, g, _, h) in enumerate(touchable(scene.bodies)):
+            honoured(body.path, "the mass", model.body_mass[i], body.inertia.mass)
+            honoured(body.path, "the inertia", model.body_inertia[i], body.inertia.moments)
+    for i, (a, g, _, h) in enumerate(touchable(scene)):
         pair = mix(g.friction, h.friction)
         honoured(f"{a.path}/{g.name}", "friction", model.pair_friction[i, :2], [pair.dynamic] * 2)
         honoured(f"{a.path}/{g.name}", "restitution", model.pair_solref[i], solref(pair, timeline.step))

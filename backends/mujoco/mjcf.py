@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from math import degrees
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wmspec.backends.mujoco.impact import IMPEDANCE, solref, solreffriction
+from wmspec.backends.mujoco.joints import actuator, control, hang
+from wmspec.backends.mujoco.text import text
 from wmspec.backends.mujoco.world import HEAVY
-from wmspec.scene.centred import centred, placed
+from wmspec.scene.centred import centred, mount, placed
 from wmspec.scene.contact import mix, touchable
-from wmspec.scene.episode import TOUCH, Episode
+from wmspec.scene.episode import TOUCH, Episode, Kick, Vector
 from wmspec.scene.hull import corners
 from wmspec.scene.model import (
     Array,
@@ -30,38 +32,68 @@ from wmspec.scene.model import (
     Scene,
     Sphere,
 )
-from wmspec.scene.transform import conjugate, rotate
+from wmspec.scene.transform import compose, conjugate, inverse, rotate
+from wmspec.scene.trees import WORLD, Limb, Tree
 
 SPIN, ROLL = 0.005, 0.0001  # required by the format, without effect at condim 3
 _HIDDEN = "3"  # the group of geoms that viewers don't show at first
 
 
-def mjcf(scene: Scene, episode: Episode) -> str:
-    """A model: bodies in the scene's order, frames at their centres of mass, one `pair` per pair that may touch."""
+def mjcf(scene: Scene, episode: Episode, trees: tuple[Tree, ...] = ()) -> str:
+    """A model: bodies in the scene's order, those in trees below their parents, frames at their centres of mass, one
+
+    `pair` per pair that may touch.
+    """
     root = ET.Element("mujoco", model=scene.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
-    _options(root, episode)
+    _options(root, episode, driven=any(limb.drive for tree in trees for limb in tree))
     asset, world, contact = (ET.SubElement(root, tag) for tag in ("asset", "worldbody", "contact"))
     _light(world, scene.light)
+    bodies = tuple(map(centred, scene.bodies))
+    elements = _bodies(world, asset, bodies, trees)
+    limbs = {limb.body: limb for tree in trees for limb in tree}
+    for i, body in enumerate(bodies):
+        if i in limbs:
+            hang(elements[i], limbs[i], scene, episode.step)
+        elif body.motion != "static":
+            elements[i].insert(0, ET.Element("freejoint", name=body.name))
     for camera in scene.cameras:
-        _camera(world, camera)
-    for body in map(centred, scene.bodies):
-        _body(world, asset, body)
-    for a, g, b, h in touchable(scene.bodies):
+        rides = next((i for i, body in enumerate(scene.bodies) if body.name == camera.body), WORLD)
+        pose = camera.pose if rides == WORLD else compose(mount(scene.bodies[rides]), camera.pose)
+        _camera(elements[rides], camera, pose)
+    for a, g, b, h in touchable(scene):
         _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", mix(g.friction, h.friction), episode)
-    _keyframe(root, scene, episode)
+    drives = [limb for tree in trees for limb in tree if limb.drive]
+    actuators = ET.SubElement(root, "actuator") if drives else root
+    for limb in drives:
+        actuator(actuators, limb, scene)
+    _keyframe(root, scene, episode, limbs, [control(limb) for limb in drives])
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _options(root: ET.Element, episode: Episode) -> None:
+def _bodies(
+    world: ET.Element, asset: ET.Element, bodies: Sequence[Body], trees: Sequence[Tree]
+) -> dict[int, ET.Element]:
+    """The elements of the bodies by their numbers, and the world's by `WORLD`."""
+    parents = {limb.body: limb.parent for tree in trees for limb in tree}
+    elements = {WORLD: world}
+    for i in _order(bodies, trees):
+        parent = parents.get(i, WORLD)
+        place = bodies[i].pose if parent == WORLD else compose(inverse(bodies[parent].pose), bodies[i].pose)
+        elements[i] = _body(elements[parent], asset, bodies[i], place)
+    return elements
+
+
+def _options(root: ET.Element, episode: Episode, *, driven: bool) -> None:
+    """MuJoCo's settings; stiff drives are damped without bounds on the step by one of its integrators only."""
     option = ET.SubElement(
         root,
         "option",
-        timestep=_text([episode.step]),
-        gravity=_text(episode.gravity),
+        timestep=text([episode.step]),
+        gravity=text(episode.gravity),
         cone="elliptic",
-        integrator="Euler",
+        integrator="implicitfast" if driven else "Euler",
         solver="Newton",
         iterations="100",
         tolerance="1e-10",
@@ -76,33 +108,42 @@ def _light(world: ET.Element, light: Light) -> None:
         "light",
         directional="true",
         pos="0 0 3",
-        dir=_text(light.direction),
-        diffuse=_text([light.diffuse] * 3),
-        ambient=_text([light.ambient] * 3),
+        dir=text(light.direction),
+        diffuse=text([light.diffuse] * 3),
+        ambient=text([light.ambient] * 3),
         specular="0 0 0",
     )
 
 
-def _camera(world: ET.Element, camera: Camera) -> None:
-    ET.SubElement(world, "camera", {"name": camera.name, "fovy": _text([degrees(camera.fovy)]), **_pose(camera.pose)})
+def _camera(around: ET.Element, camera: Camera, pose: Pose) -> None:
+    ET.SubElement(around, "camera", {"name": camera.name, "fovy": text([degrees(camera.fovy)]), **_pose(pose)})
 
 
-def _body(world: ET.Element, asset: ET.Element, body: Body) -> None:
-    """A body at its pose; a kinematic one is a heavy free body whose state is set before every step."""
-    element = ET.SubElement(world, "body", {"name": body.name, **_pose(body.pose)})
+def _order(bodies: Sequence[Body], trees: Sequence[Tree]) -> Iterator[int]:
+    """The bodies in order, those of a tree right after its root."""
+    found = {tree[0].body: tree for tree in trees}
+    below = {limb.body for tree in trees for limb in tree[1:]}
+    for i in range(len(bodies)):
+        if i not in below:
+            yield from (limb.body for limb in found[i]) if i in found else (i,)
+
+
+def _body(around: ET.Element, asset: ET.Element, body: Body, pose: Pose) -> ET.Element:
+    """A body at its pose in the one around it; a kinematic one is a heavy body whose state is set before every step."""
+    element = ET.SubElement(around, "body", {"name": body.name, **_pose(pose)})
     if body.motion != "static":
-        ET.SubElement(element, "freejoint", name=body.name)
         mass, moments = (HEAVY, [HEAVY] * 3) if body.inertia is None else (body.inertia.mass, body.inertia.moments)
-        ET.SubElement(element, "inertial", pos="0 0 0", mass=_text([mass]), diaginertia=_text(moments))
+        ET.SubElement(element, "inertial", pos="0 0 0", mass=text([mass]), diaginertia=text(moments))
     if body.motion == "kinematic":
         element.set("gravcomp", "1")
     for geom in body.geoms:
         _geom(element, asset, f"{body.name}/{geom.name}", geom)
+    return element
 
 
 def _geom(element: ET.Element, asset: ET.Element, name: str, geom: Geom) -> None:
     """What collides and what is drawn: one geom, but for meshes, whose hull collides out of sight."""
-    look = {"rgba": _text([*geom.surface.color, 1.0])}
+    look = {"rgba": text([*geom.surface.color, 1.0])}
     hidden = {} if geom.visible else {"group": _HIDDEN}
     match geom.shape:
         case Box() | Sphere() | Cylinder() | Capsule():
@@ -115,13 +156,13 @@ def _geom(element: ET.Element, asset: ET.Element, name: str, geom: Geom) -> None
                 _hull(asset, name, placed(geom.pose, corners(geom.shape)))
                 _add(element, name, {"type": "mesh", "mesh": name, "group": _HIDDEN, **look})
             if geom.visible:
-                seen = {"name": f"{name}/seen", "vertex": _text(points), "face": _text(faces), "inertia": "shell"}
+                seen = {"name": f"{name}/seen", "vertex": text(points), "face": text(faces), "inertia": "shell"}
                 ET.SubElement(asset, "mesh", seen)
                 _add(element, f"{name}/seen", {"type": "mesh", "mesh": f"{name}/seen", **_pose(geom.pose), **look})
 
 
 def _hull(asset: ET.Element, name: str, points: Array) -> None:
-    ET.SubElement(asset, "mesh", name=name, vertex=_text(points), inertia="convex")
+    ET.SubElement(asset, "mesh", name=name, vertex=text(points), inertia="convex")
 
 
 def _add(element: ET.Element, name: str, attributes: dict[str, str]) -> None:
@@ -132,13 +173,13 @@ def _add(element: ET.Element, name: str, attributes: dict[str, str]) -> None:
 def _primitive(shape: Box | Sphere | Cylinder | Capsule) -> dict[str, str]:
     match shape:
         case Box(half):
-            return {"type": "box", "size": _text(half)}
+            return {"type": "box", "size": text(half)}
         case Sphere(r):
-            return {"type": "sphere", "size": _text([r])}
+            return {"type": "sphere", "size": text([r])}
         case Cylinder(r, h):
-            return {"type": "cylinder", "size": _text([r, h / 2])}
+            return {"type": "cylinder", "size": text([r, h / 2])}
         case Capsule(r, h):
-            return {"type": "capsule", "size": _text([r, h / 2])}
+            return {"type": "capsule", "size": text([r, h / 2])}
 
 
 def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode: Episode) -> None:
@@ -148,33 +189,43 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
         geom1=first,
         geom2=second,
         condim="3" if pair.dynamic > 0 else "1",
-        friction=_text([pair.dynamic, pair.dynamic, SPIN, ROLL, ROLL]),
-        solref=_text(solref(pair, episode.step)),
-        solreffriction=_text(solreffriction(episode.step)),
-        solimp=_text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
-        gap=_text([TOUCH]),  # seen from there on, pushed from 0 on
+        friction=text([pair.dynamic, pair.dynamic, SPIN, ROLL, ROLL]),
+        solref=text(solref(pair, episode.step)),
+        solreffriction=text(solreffriction(episode.step)),
+        solimp=text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
+        gap=text([TOUCH]),  # seen from there on, pushed from 0 on
     )
 
 
-def _keyframe(root: ET.Element, scene: Scene, episode: Episode) -> None:
-    """The start, with initial velocities; MuJoCo wants angular ones in the body's axes."""
-    free = [i for i, body in enumerate(scene.bodies) if body.motion != "static"]
-    if not free:
-        return
-    speed = np.zeros((len(scene.bodies), 6))
-    for kick in episode.kicks:
-        if kick.step == 0:
-            turn = np.array(episode.start[kick.body][3:])
-            speed[kick.body] = [*kick.linear, *rotate(conjugate(turn), np.array(kick.angular))]
-    qpos = [number for i in free for number in episode.start[i]]
-    ET.SubElement(
-        ET.SubElement(root, "keyframe"), "key", name="start", qpos=_text(qpos), qvel=_text(speed[free].ravel())
-    )
+def _keyframe(
+    root: ET.Element, scene: Scene, episode: Episode, limbs: Mapping[int, Limb], controls: Sequence[float]
+) -> None:
+    """The start, with initial velocities, bodies as they are nested; MuJoCo wants angular ones in the body's axes."""
+    index = {body.name: i for i, body in enumerate(scene.bodies)}
+    kicks = {kick.body: kick for kick in episode.kicks if kick.step == 0}
+    places: list[float] = []
+    speeds: list[float] = []
+    for i in (index[element.attrib["name"]] for element in root.iter("body")):
+        kind = limbs[i].kind if i in limbs else "static" if scene.bodies[i].motion == "static" else "free"
+        match kind:
+            case "free":
+                places += episode.start[i]
+                speeds += _speeds(kicks[i], episode.start[i]) if i in kicks else [0.0] * 6
+            case "ball":
+                places += [1.0, 0.0, 0.0, 0.0]
+                speeds += [0.0] * 3
+            case "hinge" | "slider":
+                places.append(limbs[i].start)
+                speeds.append(0.0)
+    if places:
+        key = ET.SubElement(ET.SubElement(root, "keyframe"), "key", name="start", qpos=text(places), qvel=text(speeds))
+        if controls:
+            key.set("ctrl", text(controls))
+
+
+def _speeds(kick: Kick, start: Vector) -> list[float]:
+    return [*kick.linear, *rotate(conjugate(np.array(start[3:])), np.array(kick.angular)).tolist()]
 
 
 def _pose(pose: Pose) -> dict[str, str]:
-    return {"pos": _text(pose.position), "quat": _text(pose.orientation)}
-
-
-def _text(numbers: ArrayLike) -> str:
-    return " ".join(repr(n) for n in np.ravel(np.asarray(numbers)).tolist())
+    return {"pos": text(pose.position), "quat": text(pose.orientation)}

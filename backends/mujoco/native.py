@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from wmspec.backends.mujoco.execute import STEPS_PER_SECOND, damping
+from wmspec.backends.mujoco.execute import prepare
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.world import HEAVY, World
 from wmspec.scene.model import Scene
+from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
-from wmspec.scene.timeline import episode
-from wmspec.scene.validate import validate
+from wmspec.scene.trees import Limb
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))
-world = World(model, DAMPING)"""
+world = World(model, ASSEMBLY)"""
 
 
 def native(scene: Scene) -> dict[str, str]:
@@ -19,8 +19,7 @@ def native(scene: Scene) -> dict[str, str]:
 
     Raises WmsError for a scene that MuJoCo can't honour.
     """
-    validate(scene)
-    timeline = episode(scene, STEPS_PER_SECOND)
-    values = {"HEAVY": HEAVY, "DAMPING": damping(scene), "EPISODE": timeline}
-    run = script("MuJoCo", "mujoco", scene, parts=[World], values=values, world=WORLD)
-    return {"scene.xml": mjcf(scene, timeline), "run.py": run}
+    whole, timeline = prepare(scene)
+    values = {"HEAVY": HEAVY, "ASSEMBLY": whole, "EPISODE": timeline}
+    run = script("MuJoCo", "mujoco", scene, parts=[Piece, Rigid, Limb, Assembly, World], values=values, world=WORLD)
+    return {"scene.xml": mjcf(scene, timeline, whole.trees), "run.py": run}

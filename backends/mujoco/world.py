@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.scene.rigid import Assembly
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import conjugate, rotate
 
@@ -16,25 +17,33 @@ HEAVY = 1e6  # kg and kg m²: a body that nothing in the scene can push
 
 
 class World:
-    """A model whose bodies are the scene's, in order, frames at their centres of mass."""
+    """A model made of the scene's bodies, frames at their centres of mass."""
 
-    def __init__(self, model: Any, damping: dict[int, tuple[float, float]]) -> None:
-        """`damping`: body -> linear and angular rate, 1/s; MJCF has only one number for both, so it is set here."""
-        self.model, self.data = model, mujoco.MjData(model)
-        joints = model.body_jntadr[1:]  # body 0 is the world
+    def __init__(self, model: Any, assembly: Assembly) -> None:
+        self.model, self.data, self.bodies = model, mujoco.MjData(model), assembly.bodies
+        self.ids = np.array([model.body(body.name).id for body in assembly.bodies])
+        self.number = np.full(model.nbody, -1)
+        self.number[self.ids] = np.arange(len(self.ids))
+        self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
+        joints = model.body_jntadr[self.ids]
         self.qpos = np.where(joints < 0, -1, model.jnt_qposadr[joints] if model.njnt else -1)
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
         self.warned = self.data.warning.number  # a view
         self.pairs: dict[bytes, set[tuple[int, int]]] = {}
-        self.held: dict[int, tuple[float, Any]] = {}
-        self.pushed = False
-        for body, (linear, angular) in damping.items():
-            at = self.qvel[body]
-            model.dof_damping[at : at + 3] = linear * model.body_mass[body + 1]
-            model.dof_damping[at + 3 : at + 6] = angular * model.body_inertia[body + 1]
+        self.held: set[int] = set()
+        self.pushed, self.current = False, False
+        self.start = self.data.qpos.copy()
+        self.drives = {limb.joint: limb.drive for tree in assembly.trees for limb in tree if limb.drive}
+        self.actuators = {joint: i for i, joint in enumerate(self.drives)}
+        for joint, drive in self.drives.items():
+            self.aim(joint, drive[2])
+        for body, rigid in enumerate(assembly.bodies):  # MJCF has only one number for both rates of damping
+            if rigid.motion == "dynamic" and body not in self.trees:
+                at, (linear, angular) = self.qvel[body], rigid.damping
+                model.dof_damping[at : at + 6] = [linear * rigid.mass] * 3 + [angular * m for m in rigid.moments]
 
     def kick(self, body: int, linear: Any, angular: Any) -> None:
-        """Set the velocities of a dynamic body."""
+        """Set the velocities of a free body."""
         at, turn = self.qvel[body], self.data.qpos[self.qpos[body] + 3 : self.qpos[body] + 7]
         self.data.qvel[at : at + 3] = linear
         self.data.qvel[at + 3 : at + 6] = rotate(conjugate(turn), angular)
@@ -46,26 +55,47 @@ class World:
         self.data.qvel[speed : speed + 3] = speeds[:3]
         self.data.qvel[speed + 3 : speed + 6] = rotate(conjugate(pose[3:]), speeds[3:])
 
-    def push(self, body: int, force: Any) -> None:
-        """Let a force act at the centre of mass of a dynamic body during the next step."""
-        self.data.xfrc_applied[body + 1, :3] += force
+    def push(self, body: int, force: Any, torque: Any) -> None:
+        """Let a force and a torque act at the centre of mass of a dynamic body during the next step."""
+        self.data.xfrc_applied[self.ids[body]] += [*force, *torque]
         self.pushed = True
 
+    def aim(self, joint: int, target: float) -> None:
+        """Give the drive of a joint this target."""
+        stiffness, damping, _, velocity, _ = self.drives[joint]
+        self.data.ctrl[self.actuators[joint]] = stiffness * target + damping * velocity
+
     def hold(self, body: int) -> None:
-        """Put a dynamic body back where it began, as heavy as a kinematic one, and hold it against gravity."""
+        """Put a dynamic body back where it began: a free one as heavy as a kinematic one and held against gravity."""
+        if body in self.trees:
+            for limb in self.trees[body]:
+                self.rest(limb.body)
+            return
         if body not in self.held:
-            self.held[body] = self.model.body_mass[body + 1], self.model.body_inertia[body + 1].copy()
+            self.held.add(body)
             self.weigh(body, HEAVY, np.full(3, HEAVY))
-        self.drive(body, self.model.qpos0[self.qpos[body] : self.qpos[body] + 7], np.zeros(6))
-        self.push(body, -HEAVY * self.model.opt.gravity)
+        self.rest(body)
+        self.push(body, -HEAVY * self.model.opt.gravity, np.zeros(3))
+
+    def rest(self, body: int) -> None:
+        """Put the joint of a body back where it began, at rest."""
+        for joint in range(self.model.body_jntnum[self.ids[body]]):
+            kind = self.model.jnt_type[self.model.body_jntadr[self.ids[body]] + joint]
+            places, speeds = {0: (7, 6), 1: (4, 3)}.get(int(kind), (1, 1))
+            at, speed = self.qpos[body], self.qvel[body]
+            self.data.qpos[at : at + places] = self.start[at : at + places]
+            self.data.qvel[speed : speed + speeds] = 0
+        self.current = False
 
     def free(self, body: int) -> None:
         """Let go of what has been held."""
-        self.weigh(body, *self.held.pop(body))
+        if body not in self.trees:
+            self.held.remove(body)
+            self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
 
     def weigh(self, body: int, mass: float, moments: Any) -> None:
         """Set the mass and the moments of inertia; of a free body, MuJoCo takes them from its degrees of freedom."""
-        self.model.body_mass[body + 1], self.model.body_inertia[body + 1] = mass, moments
+        self.model.body_mass[self.ids[body]], self.model.body_inertia[self.ids[body]] = mass, moments
         self.model.dof_M0[self.qvel[body] : self.qvel[body] + 6] = [mass] * 3 + list(moments)
 
     def step(self) -> None:
@@ -76,12 +106,26 @@ class World:
         if self.pushed:
             self.data.xfrc_applied[:] = 0
             self.pushed = False
+        self.current = False
 
     def state(self, body: int) -> Any:
         """Position, quaternion, linear and angular velocity of a body in world axes, (13,)."""
+        if body in self.trees:
+            return self.limb(self.ids[body])
         pose = self.data.qpos[self.qpos[body] : self.qpos[body] + 7]
         speed = self.data.qvel[self.qvel[body] : self.qvel[body] + 6]
         return np.concatenate([pose, speed[:3], rotate(pose[3:], speed[3:])])
+
+    def limb(self, number: int) -> Any:
+        """The same of a body in a tree, for which MuJoCo has the state of its joint only."""
+        if not self.current:
+            mujoco.mj_kinematics(self.model, self.data)
+            mujoco.mj_comPos(self.model, self.data)
+            mujoco.mj_comVel(self.model, self.data)
+            self.current = True
+        speeds = np.zeros(6)
+        mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_BODY, number, speeds, 0)
+        return np.concatenate([self.data.xpos[number], self.data.xquat[number], speeds[3:], speeds[:3]])
 
     def touching(self) -> set[tuple[int, int]]:
         """The pairs of bodies in contact in the last step; mostly the same geometries as in the step before."""
@@ -90,6 +134,6 @@ class World:
         geoms = self.data.contact.geom
         key = geoms.tobytes()
         if key not in self.pairs:
-            bodies = np.sort(self.model.geom_bodyid[geoms] - 1, axis=1)
+            bodies = np.sort(self.number[self.model.geom_bodyid[geoms]], axis=1)
             self.pairs[key] = set(map(tuple, bodies.tolist()))
         return self.pairs[key]

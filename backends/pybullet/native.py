@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from wmspec.backends.pybullet import world
+from wmspec.backends.pybullet import shapes, trees, world
 from wmspec.backends.pybullet.execute import prepare
 from wmspec.scene.model import Scene
-from wmspec.scene.rigid import Piece, Rigid
+from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
+from wmspec.scene.trees import Limb
 
-CONSTANTS = ("HEAVY_MASS", "HEAVY_INERTIA", "DYNAMIC", "GIVEN", "ROUND", "HERE", "KINDS")
-PARTS = (Piece, Rigid, world.World, world.xyzw, world.single, world.several)
+CONSTANTS = {
+    world: ("HEAVY_MASS", "HEAVY_INERTIA", "DYNAMIC", "GIVEN", "ROUND", "SOFT_ERP", "FASTEST"),
+    shapes: ("HERE", "KINDS"),
+    trees: ("JOINTS", "MEETING"),
+}
+PARTS = (
+    *(Piece, Rigid, Limb, Assembly),
+    *(shapes.shape, shapes.inside, shapes.xyzw, shapes.single, shapes.several),
+    *(trees.branches, trees.still, trees.put),
+    world.World,
+)
 
 
 def native(scene: Scene) -> dict[str, str]:
     """`run.py`: file name -> text. Raises WmsError for a scene that PyBullet can't honour."""
-    bodies, timeline = prepare(scene)
-    values = {name: getattr(world, name) for name in CONSTANTS} | {"BODIES": bodies, "EPISODE": timeline}
-    line = "world = World(BODIES, EPISODE.gravity, EPISODE.step)"
+    whole, timeline = prepare(scene)
+    constants = {name: getattr(module, name) for module, names in CONSTANTS.items() for name in names}
+    values = constants | {"ASSEMBLY": whole, "EPISODE": timeline}
+    line = "world = World(ASSEMBLY)"
     return {"run.py": script("PyBullet", "pybullet", scene, parts=PARTS, values=values, world=line)}

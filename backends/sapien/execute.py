@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from wmspec.backends.sapien.joints import ignored
 from wmspec.backends.sapien.world import BITS, World, lanes, mean
 from wmspec.errors import WmsError
+from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play
 from wmspec.scene.honoured import honoured
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.recording import trace
-from wmspec.scene.rigid import Rigid, rigids
+from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.timeline import episode
 from wmspec.scene.validate import validate
 
@@ -21,17 +23,19 @@ def execute(scene: Scene) -> Trace:
 
     Raises WmsError for a scene that SAPIEN can't honour, EngineError when SAPIEN loses track of it.
     """
-    bodies, timeline = prepare(scene)
-    world = World(bodies, timeline.gravity, timeline.step)
+    whole, timeline = prepare(scene)
+    world = World(whole)
     verify(world, scene, timeline)
     return trace("sapien", scene, timeline, play(world, timeline))
 
 
-def prepare(scene: Scene) -> tuple[tuple[Rigid, ...], Episode]:
+def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     """The scene in SAPIEN's words. Raises WmsError, with the prim path, for what SAPIEN doesn't have."""
     validate(scene)
-    bodies = rigids(scene)
-    needed = lanes(bodies)
+    require("sapien", scene)
+    timeline = episode(scene, STEPS_PER_SECOND)
+    whole = assembly(scene, timeline)
+    bodies, needed = whole.bodies, lanes(whole.bodies)
     over = {material for pair, bit in needed.items() if bit >= BITS for material in pair}
     if over:
         paths = [b.path for b, r in zip(scene.bodies, bodies, strict=True) if over & {p.material for p in r.pieces}]
@@ -39,7 +43,12 @@ def prepare(scene: Scene) -> tuple[tuple[Rigid, ...], Episode]:
             f"{', '.join(paths)}: SAPIEN tells {BITS} pairs of touching materials apart, this scene has {len(needed)}; "
             "give some bodies the same friction and restitution"
         )
-    return bodies, episode(scene, STEPS_PER_SECOND)
+    if any(word >= 1 << BITS for word, _ in ignored(whole.apart, len(bodies))):
+        raise WmsError(
+            f"{scene.name}: SAPIEN tells {BITS} groups of bodies apart that pass through each other, this scene has "
+            "more; filter fewer pairs"
+        )
+    return whole, timeline
 
 
 def verify(world: World, scene: Scene, timeline: Episode) -> None:

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from wmspec.backends.sapien import world
+from wmspec.backends.sapien import joints, world
 from wmspec.backends.sapien.execute import prepare
 from wmspec.scene.model import Scene
-from wmspec.scene.rigid import Piece, Rigid
+from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
+from wmspec.scene.trees import Limb
 
-CONSTANTS = ("CONTACT_OFFSET", "FASTEST_SPIN", "ALONG_X", "JUMP")
-PARTS = (Piece, Rigid, world.World, world.lanes, world.mean, world.groups, world.shape, world.solve, world.pose)
+CONSTANTS = {
+    world: ("CONTACT_OFFSET", "FASTEST_SPIN", "ALONG_X", "JUMP"),
+    joints: ("HERE", "JOINTS", "FASTEST_JOINT"),
+}
+PARTS = (
+    *(Piece, Rigid, Limb, Assembly),
+    *(joints.branches, joints.connect, joints.ball, joints.ignored, joints.frame),
+    *(world.World, world.entity, world.lanes, world.mean, world.groups, world.shape, world.solve, world.iterate),
+)
 
 
 def native(scene: Scene) -> dict[str, str]:
     """`run.py`: file name -> text. Raises WmsError for a scene that SAPIEN can't honour."""
-    bodies, timeline = prepare(scene)
-    values = {name: getattr(world, name) for name in CONSTANTS} | {"BODIES": bodies, "EPISODE": timeline}
-    line = "world = World(BODIES, EPISODE.gravity, EPISODE.step)"
-    return {"run.py": script("SAPIEN", "sapien", scene, parts=PARTS, values=values, world=line)}
+    whole, timeline = prepare(scene)
+    constants = {name: getattr(module, name) for module, names in CONSTANTS.items() for name in names}
+    values = constants | {"ASSEMBLY": whole, "EPISODE": timeline}
+    return {"run.py": script("SAPIEN", "sapien", scene, parts=PARTS, values=values, world="world = World(ASSEMBLY)")}

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.backends.sapien.joints import HERE, ball, branches, connect, frame, ignored
 from wmspec.scene.episode import TOUCH, Vector
-from wmspec.scene.rigid import Piece, Rigid
+from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import multiply, turning
+from wmspec.scene.trees import Limb
 
 with silence():
     import sapien
@@ -32,9 +34,9 @@ class World:
     other material's copies only. One material needs one copy.
     """
 
-    def __init__(self, bodies: tuple[Rigid, ...], gravity: Vector, step: float) -> None:
+    def __init__(self, assembly: Assembly) -> None:
         sapien.physx.set_scene_config(
-            gravity=np.array(gravity, np.float32),
+            gravity=np.array(assembly.gravity, np.float32),
             bounce_threshold=0.01,  # m/s; the default of 2 swallows bounces
             enable_pcm=True,
             enable_tgs=True,
@@ -44,57 +46,131 @@ class World:
         )
         self.system = sapien.physx.PhysxCpuSystem()
         self.scene = sapien.Scene([self.system])
-        self.scene.set_timestep(step)
-        self.step_size, self.bodies = step, bodies
+        self.scene.set_timestep(assembly.step)
+        self.step_size, self.bodies, self.gravity = assembly.step, assembly.bodies, np.array(assembly.gravity)
         self.targets: dict[int, Any] = {}
-        self.lanes = lanes(bodies)
-        self.parts = [self.add(i, body) for i, body in enumerate(bodies)]
+        self.lanes = lanes(assembly.bodies)
+        self.ignored = ignored(assembly.apart, len(self.bodies))
+        self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
+        self.joints: dict[int, Any] = {}
+        made: dict[int, Any] = {}
+        for i in range(len(self.bodies)):
+            if i not in self.trees:
+                made[i] = self.add(i)
+            elif i not in made:
+                for branch in branches(self.trees[i]):
+                    made |= self.grow(branch, made)
+        self.parts = [made[i] for i in range(len(self.bodies))]
 
-    def add(self, number: int, body: Rigid) -> Any:
+    def add(self, number: int) -> Any:
         """Make a body; its entity's name is its number."""
-        physx = sapien.physx
+        physx, body = sapien.physx, self.bodies[number]
         part = physx.PhysxRigidStaticComponent() if body.motion == "static" else physx.PhysxRigidDynamicComponent()
-        for piece in body.pieces:
-            for pair, bit in self.lanes.items():
-                if piece.material in pair:
-                    part.attach(shape(piece, mean(*pair), groups(piece.material, pair, bit)))
+        self.clothe(part, number)
         if body.motion == "dynamic":
             solve(part, body)
+            iterate(part)
         if body.motion == "kinematic":
             part.set_kinematic(True)
-        entity = sapien.Entity()
-        entity.set_name(str(number))
-        entity.add_component(part)
-        entity.set_pose(pose(body.start))
-        self.scene.add_entity(entity)
+        self.scene.add_entity(entity(part, number, body.start))
         return part
 
+    def clothe(self, part: Any, number: int) -> None:
+        """Give a body its shapes."""
+        for piece in self.bodies[number].pieces:
+            for pair, bit in self.lanes.items():
+                if piece.material in pair:
+                    meets = groups(piece.material, pair, bit)
+                    part.attach(shape(piece, mean(*pair), [*meets, *self.ignored[number]]))
+
+    def grow(self, branch: tuple[Limb, ...], made: dict[int, Any]) -> dict[int, Any]:
+        """Make a part of a tree without ball joints inside: an articulation, or a single body."""
+        top = branch[0]
+        if len(branch) == 1 and top.kind in ("free", "ball"):
+            parts = {top.body: self.add(top.body)}
+        else:
+            parts = self.articulate(branch)
+        if top.kind == "ball":
+            self.joints[top.joint] = ball(top, parts[top.body], made.get(top.parent))
+        return parts
+
+    def articulate(self, branch: tuple[Limb, ...]) -> dict[int, Any]:
+        """Make an articulation; what hangs on the world hangs on a fixed link without shape at its joint."""
+        physx, top = sapien.physx, branch[0]
+        links: dict[int, Any] = {}
+        entities = []
+        if top.kind not in ("free", "ball"):
+            links[-1] = physx.PhysxArticulationLinkComponent(None)
+            links[-1].joint.set_type("fixed")
+            entities.append(entity(links[-1], -1, top.above))
+        for limb in branch:
+            parent = links.get(-1 if limb is top else limb.parent)
+            link = links[limb.body] = physx.PhysxArticulationLinkComponent(parent)
+            self.clothe(link, limb.body)
+            solve(link, self.bodies[limb.body])
+            entities.append(entity(link, limb.body, self.bodies[limb.body].start))
+            if parent is not None:
+                self.joints[limb.joint] = link.joint
+                connect(link.joint, limb, limb.above if limb.parent >= 0 else HERE)
+        for one in entities:
+            self.scene.add_entity(one)
+        iterate(next(iter(links.values())).articulation)
+        self.rest(links, branch)
+        return {body: link for body, link in links.items() if body >= 0}
+
+    def rest(self, links: dict[int, Any], branch: tuple[Limb, ...]) -> None:
+        """Put an articulation where it begins, at rest."""
+        top = branch[0]
+        articulation = links[top.body].articulation
+        if top.kind in ("free", "ball"):
+            articulation.set_root_pose(frame(self.bodies[top.body].start))
+            articulation.set_root_linear_velocity(np.zeros(3, np.float32))
+            articulation.set_root_angular_velocity(np.zeros(3, np.float32))
+        starts = {links[limb.body].index: limb.start for limb in branch if limb.kind in ("hinge", "slider")}
+        order = [starts[joint.child_link.index] for joint in articulation.get_active_joints()]
+        articulation.set_qpos(np.array(order, np.float32))
+        articulation.set_qvel(np.zeros(len(order), np.float32))
+
     def kick(self, body: int, linear: Any, angular: Any) -> None:
-        """Set the velocities of a dynamic body."""
+        """Set the velocities of a free body."""
         self.parts[body].set_linear_velocity(np.array(linear, np.float32))
         self.parts[body].set_angular_velocity(np.array(angular, np.float32))
 
-    def drive(self, body: int, pose_: Any, speeds: Any) -> None:
+    def drive(self, body: int, place: Any, speeds: Any) -> None:
         """Tell a kinematic body where to be after the next step; put it where it's to be before, if it isn't there."""
-        here, h = np.asarray(pose_), self.step_size
+        here, h = np.asarray(place), self.step_size
         if np.abs(self.targets.setdefault(body, here) - here).max() > JUMP:
-            self.parts[body].entity.set_pose(pose(here))
+            self.parts[body].entity.set_pose(frame(here))
         there = [*(here[:3] + speeds[:3] * h), *multiply(turning(speeds[3:] * h), here[3:])]
         self.targets[body] = np.array(there)
-        self.parts[body].set_kinematic_target(pose(there))
+        self.parts[body].set_kinematic_target(frame(there))
 
-    def push(self, body: int, force: Any) -> None:
-        """Let a force act at the centre of mass of a dynamic body during the next step."""
-        self.parts[body].add_force_torque(np.array(force, np.float32), np.zeros(3, np.float32))
+    def push(self, body: int, force: Any, torque: Any) -> None:
+        """Let a force and a torque act at the centre of mass of a dynamic body during the next step."""
+        self.parts[body].add_force_torque(np.array(force, np.float32), np.array(torque, np.float32))
+
+    def aim(self, joint: int, target: float) -> None:
+        """Give the drive of a joint this target."""
+        self.joints[joint].set_drive_target(target)
 
     def hold(self, body: int) -> None:
-        """Put a dynamic body back where it began, and make it kinematic."""
-        self.parts[body].set_kinematic(True)
-        self.drive(body, np.array(self.bodies[body].start), np.zeros(6))
+        """Put a dynamic body back where it began, and make a free one kinematic."""
+        if body not in self.trees:
+            self.parts[body].set_kinematic(True)
+            self.drive(body, np.array(self.bodies[body].start), np.zeros(6))
+            return
+        for branch in branches(self.trees[body]):
+            part = self.parts[branch[0].body]
+            if isinstance(part, sapien.physx.PhysxArticulationLinkComponent):
+                self.rest({limb.body: self.parts[limb.body] for limb in branch}, branch)
+            else:
+                part.entity.set_pose(frame(self.bodies[branch[0].body].start))
+                self.kick(branch[0].body, np.zeros(3), np.zeros(3))
 
     def free(self, body: int) -> None:
         """Let go of what has been held."""
-        self.parts[body].set_kinematic(False)
+        if body not in self.trees:
+            self.parts[body].set_kinematic(False)
 
     def step(self) -> None:
         """Advance."""
@@ -116,6 +192,15 @@ class World:
         return pairs
 
 
+def entity(part: Any, number: int, place: Any) -> Any:
+    """An entity of one part, named by the number of its body."""
+    made = sapien.Entity()
+    made.set_name(str(number))
+    made.add_component(part)
+    made.set_pose(frame(place))
+    return made
+
+
 def lanes(bodies: tuple[Rigid, ...]) -> Lanes:
     """A number for every pair of materials of which two pieces may meet, in the order of the bodies."""
     numbers: Lanes = {}
@@ -134,7 +219,7 @@ def mean(a: Vector, b: Vector) -> list[float]:
 
 def groups(material: Vector, pair: tuple[Vector, Vector], bit: int) -> list[int]:
     """Collision groups on a lane: shapes meet if one's first word and the other's second share a bit."""
-    return [(1 << bit) * (material == pair[0]), (1 << bit) * (material == pair[1]), 0, 0]
+    return [(1 << bit) * (material == pair[0]), (1 << bit) * (material == pair[1])]
 
 
 def shape(piece: Piece, material: list[float], groups: list[int]) -> Any:
@@ -153,7 +238,7 @@ def shape(piece: Piece, material: list[float], groups: list[int]) -> Any:
             kind = {"cylinder": physx.PhysxCollisionShapeCylinder, "capsule": physx.PhysxCollisionShapeCapsule}
             made = kind[piece.kind](piece.size[0], piece.size[1] / 2, stuff)
             place = (*piece.pose[:3], *multiply(np.array(piece.pose[3:]), np.array(ALONG_X)))
-    made.set_local_pose(pose(place))
+    made.set_local_pose(frame(place))
     made.set_collision_groups(groups)
     made.set_contact_offset(CONTACT_OFFSET)
     made.set_rest_offset(0.0)
@@ -161,18 +246,18 @@ def shape(piece: Piece, material: list[float], groups: list[int]) -> Any:
 
 
 def solve(part: Any, body: Rigid) -> None:
-    """How a dynamic body is solved: PhysX's defaults damp spin, put bodies to sleep and iterate too little."""
+    """How a dynamic body moves: PhysX's defaults damp spin; jointed bodies are damped by the loop."""
+    linear, angular = (0.0, 0.0) if "Articulation" in type(part).__name__ else body.damping
     part.set_mass(body.mass)
     part.set_cmass_local_pose(sapien.Pose())
     part.set_inertia(np.array(body.moments, np.float32))
-    part.set_linear_damping(body.damping[0])
-    part.set_angular_damping(body.damping[1])
-    part.set_sleep_threshold(0.0)
-    part.set_solver_position_iterations(50)
-    part.set_solver_velocity_iterations(4)
+    part.set_linear_damping(linear)
+    part.set_angular_damping(angular)
     part.set_max_angular_velocity(FASTEST_SPIN)
 
 
-def pose(numbers: Any) -> Any:
-    """SAPIEN's pose of position and quaternion (w, x, y, z)."""
-    return sapien.Pose(np.array(numbers[:3], float), np.array(numbers[3:], float))
+def iterate(part: Any) -> None:
+    """How a body or an articulation is solved: PhysX's defaults put bodies to sleep and iterate too little."""
+    part.set_sleep_threshold(0.0)
+    part.set_solver_position_iterations(50)
+    part.set_solver_velocity_iterations(4)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wmspec.scene.inertia import inertia
-from wmspec.scene.model import Action, Array, Body, Box, Friction, Geom, Light, Pose, Scene, Shape
+from wmspec.scene.model import Action, Array, Body, Box, Friction, Geom, Joint, Light, Pose, Scene, Shape
 from wmspec.scene.transform import identity
 
 Vector = Sequence[float] | Array
@@ -64,7 +64,13 @@ def floor(friction: float = 0.5, restitution: float = 0.0, orientation: Array = 
     return Body("floor", "/World/floor", "static", below, (geom,), None, zero, zero)
 
 
-def scene(*bodies: Body, duration: float = 1.0, gravity: float = G, actions: tuple[Action, ...] = ()) -> Scene:
+def scene(
+    *bodies: Body,
+    duration: float = 1.0,
+    gravity: float = G,
+    actions: tuple[Action, ...] = (),
+    joints: tuple[Joint, ...] = (),
+) -> Scene:
     """An episode of these bodies."""
     return Scene(
         name="test",
@@ -76,4 +82,5 @@ def scene(*bodies: Body, duration: float = 1.0, gravity: float = G, actions: tup
         background=(1.0, 1.0, 1.0),
         observations=(),
         duration=duration,
+        joints=joints,
     )

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.physics.scenes import ENGINES, G, body, floor, scene
-from tests.physics.test_native import lively
+from tests.physics.test_native import limbs, lively
 from wmspec.scene.model import Box, Sphere, Trace
 
 FIELDS = ("position", "orientation", "linear_velocity", "angular_velocity")
@@ -29,10 +29,11 @@ def digest(trace: Trace) -> str:
 def test_runs_do_not_depend_on_what_ran_before(engine: str) -> None:
     pytest.importorskip(engine)
     execute = import_module(f"wmspec.backends.{engine}").execute
-    first = digest(execute(lively()))
+    first, second = digest(execute(lively())), digest(execute(limbs()))
     other = scene(floor(0.9, 0.9), body("b", Sphere(0.1), (0, 0, 0.3), restitution=0.9), duration=0.2, gravity=G / 2)
     execute(other)
     assert digest(execute(lively())) == first
+    assert digest(execute(limbs())) == second
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -42,12 +43,13 @@ def test_processes_agree(engine: str) -> None:
     code = f"""
 from wmspec.backends.{engine} import execute
 from tests.physics.test_determinism import digest
-from tests.physics.test_native import lively
-print(digest(execute(lively())), end="")
+from tests.physics.test_native import limbs, lively
+print(digest(execute(lively())), digest(execute(limbs())), end="")
 """
     root = Path(__file__).parents[2]
     done = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True)
-    assert done.stdout == digest(execute(lively()))  # also: engines print nothing of their own
+    expected = f"{digest(execute(lively()))} {digest(execute(limbs()))}"
+    assert done.stdout == expected  # also: engines print nothing of their own
     assert done.stderr == ""
 
 

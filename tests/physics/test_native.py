@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -12,11 +14,13 @@ import numpy as np
 import pytest
 
 from tests.physics.scenes import ENGINES, UPRIGHT, body, floor, scene, turn
+from tests.physics.test_joints import joint, rod
 from wmspec.scene.model import (
     Box,
     Capsule,
     Cone,
     Cylinder,
+    Drive,
     Follow,
     Force,
     Glide,
@@ -26,6 +30,7 @@ from wmspec.scene.model import (
     Release,
     Scene,
     Sphere,
+    Steer,
     Teleport,
 )
 
@@ -58,12 +63,36 @@ def lively() -> Scene:
     return scene(*bodies, duration=0.5, actions=actions)
 
 
+def limbs() -> Scene:
+    """Joints of every kind, a tree that hangs and one that floats, a drive that is steered, damping, filtered pairs."""
+    hanging = [rod(f"rod{i}", at=(0, 0, 1.5 - 0.4 * i), length=0.4) for i in range(3)]
+    hanging[0] = replace(hanging[0], linear_damping=0.1, angular_damping=0.2)
+    boxes = [body(f"box{i}", Box(np.full(3, 0.05)), (0.5 + 0.12 * i, 0, 0.2)) for i in range(4)]
+    ball = body("ball", Sphere(0.05), (0.5, 0.02, 0.5), friction=0.3)
+    joints = (
+        joint("top", "hinge", None, hanging[0], (0, 0, 1.5)),
+        joint("knee", "ball", hanging[0], hanging[1], (0, 0, 1.1)),
+        joint("foot", "hinge", hanging[2], hanging[1], (0, 0, 0.7), limits=(-0.1, 0.2)),
+        joint("weld", "fixed", boxes[0], boxes[1], (0.56, 0, 0.2)),
+        joint("rail", "slider", boxes[1], boxes[2], (0.68, 0, 0.2), UPRIGHT, drive=Drive(200, 5, 0.05, max_force=30)),
+        joint("loose", "ball", boxes[2], boxes[3], (0.80, 0, 0.2)),
+    )
+    actions = (
+        Impulse("hit", "rod0", 0.05, np.array([0.5, 0.2, 0])),
+        Steer("go", "rail", 0.2, 0.02),
+        Release("drop", "box1", 0.1),
+    )
+    whole = scene(floor(), *hanging, *boxes, ball, duration=0.5, joints=joints, actions=actions)
+    return replace(whole, filtered=(("box0", "ball"),))
+
+
+@pytest.mark.parametrize("play", [lively, limbs])
 @pytest.mark.parametrize("engine", ENGINES)
-def test_the_native_script_plays_the_same_episode(engine: str, tmp_path: Path) -> None:
+def test_the_native_script_plays_the_same_episode(engine: str, play: Callable[[], Scene], tmp_path: Path) -> None:
     pytest.importorskip(engine)
     backend = import_module(f"wmspec.backends.{engine}")
-    expected = backend.execute(lively())
-    for name, text in backend.native(lively()).items():
+    expected = backend.execute(play())
+    for name, text in backend.native(play()).items():
         assert "wmspec" not in text
         (tmp_path / name).write_text(text)
     clean = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
@@ -83,4 +112,7 @@ def test_the_model_opens_in_mujoco_by_itself(tmp_path: Path) -> None:
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert [model.body(i + 1).name for i in range(model.nbody - 1)] == [b.name for b in lively().bodies]
     assert model.nkey == 1
+    (tmp_path / "limbs.xml").write_text(backend.native(limbs())["scene.xml"])
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "limbs.xml"))
+    assert (model.njnt, model.nu) == (7, 1)  # all but the weld, and two that are free
     assert model.key_qvel.any()

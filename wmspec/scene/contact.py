@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 from math import sqrt
 
-from wmspec.scene.model import Body, Contact, Friction, Geom
+from wmspec.scene.model import Body, Contact, Friction, Geom, Scene
 
 Pair = tuple[int, int]
 
@@ -26,11 +26,20 @@ def colliders(body: Body) -> tuple[Geom, ...]:
     return tuple(geom for geom in body.geoms if geom.collides)
 
 
-def touchable(bodies: Sequence[Body]) -> Iterator[tuple[Body, Geom, Body, Geom]]:
+def touchable(scene: Scene) -> Iterator[tuple[Body, Geom, Body, Geom]]:
     """Every pair of pieces that may touch, in scene order."""
-    for a, b in combinations(bodies, 2):
-        if may_touch(a, b):
+    never = apart(scene)
+    for (i, a), (j, b) in combinations(enumerate(scene.bodies), 2):
+        if may_touch(a, b) and (i, j) not in never:
             yield from ((a, g, b, h) for g in colliders(a) for h in colliders(b))
+
+
+def apart(scene: Scene) -> frozenset[Pair]:
+    """The pairs of bodies, lower number first, that pass through each other: filtered, or jointed and not colliding."""
+    index = {body.name: i for i, body in enumerate(scene.bodies)}
+    joined = [(j.first, j.second) for j in scene.joints if j.first is not None and not j.collides]
+    pairs = [(index[a], index[b]) for a, b in (*scene.filtered, *joined) if a is not None]
+    return frozenset((min(pair), max(pair)) for pair in pairs)
 
 
 def intervals(touching: Sequence[Iterable[Pair]], names: Sequence[str], step: float, gap: float) -> tuple[Contact, ...]:

@@ -13,6 +13,7 @@ from wmspec.scene.model import (
     Force,
     Glide,
     Impulse,
+    Joint,
     Launch,
     Release,
     Scene,
@@ -33,9 +34,12 @@ MOTIONS = {
 """What an action can be done to."""
 
 
-def problems(action: Action, motions: Mapping[str, str]) -> Iterator[str]:
-    """What is wrong with one action; `motions` of the bodies by their names."""
-    if not isinstance(action, Steer):
+def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Joint]) -> Iterator[str]:
+    """What is wrong with one action; `motions` of the bodies and `joints` by their names."""
+    if isinstance(action, Steer):
+        if action.joint not in joints or joints[action.joint].drive is None:
+            yield f"there is no joint '{action.joint}' with a drive; give the joint one"
+    else:
         needed = MOTIONS[type(action)]
         if action.body not in motions:
             yield f"there is no body '{action.body}'; there are {', '.join(motions)}"

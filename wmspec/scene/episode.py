@@ -45,6 +45,18 @@ class Push:
 
 
 @dataclass(frozen=True)
+class Drag:
+    """Damping of a jointed body: force per speed, N s/m, and torques per spin about its axes, N m s (engines damp the
+
+    speeds of joints instead).
+    """
+
+    body: int
+    linear: float
+    angular: Vector
+
+
+@dataclass(frozen=True)
 class Hold:
     """Until step number `until` the dynamic `body` stays where it began."""
 
@@ -115,6 +127,7 @@ class Episode:
     pushes: tuple[Push, ...] = ()
     holds: tuple[Hold, ...] = ()
     aims: tuple[Aim, ...] = ()
+    drags: tuple[Drag, ...] = ()
 
     @property
     def step(self) -> float:
@@ -142,8 +155,8 @@ class World(Protocol):
     def drive(self, body: int, pose: Any, speeds: Any) -> None:
         """Make a kinematic body move from `pose` (7,) with linear and angular velocity (6,) during the next step."""
 
-    def push(self, body: int, force: Any) -> None:
-        """Let a force (3,) act at the centre of mass of a dynamic body during the next step."""
+    def push(self, body: int, force: Any, torque: Any) -> None:
+        """Let a force and a torque (3,) act at the centre of mass of a dynamic body during the next step."""
 
     def hold(self, body: int) -> None:
         """Put a dynamic body, with all that is jointed to it, back where it began, at rest, and let nothing move it."""
@@ -205,7 +218,12 @@ def act(world: World, episode: Episode, i: int) -> None:
         world.drive(track.body, track.at(start)[:7], track.speeds(start, stop))
     for push in episode.pushes:
         if push.first <= i <= push.last:
-            world.push(push.body, push.during(i))
+            world.push(push.body, push.during(i), np.zeros(3))
+    for drag in episode.drags:
+        state = np.asarray(world.state(drag.body))
+        turn, speed, spin = state[3:7], state[7:10], state[10:]
+        torque = rotate(turn, np.array(drag.angular) * rotate(conjugate(turn), spin))
+        world.push(drag.body, -drag.linear * speed, -torque)
 
 
 def observe(world: World, episode: Episode, kicks: list[Kick], time: float, into: Any) -> None:

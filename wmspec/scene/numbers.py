@@ -15,3 +15,8 @@ def floats(values: Array) -> tuple[float, ...]:
 def numbers(pose: Pose) -> tuple[float, ...]:
     """Position and quaternion (w, x, y, z) of a pose."""
     return floats(np.concatenate([pose.position, pose.orientation]))
+
+
+def placed(values: tuple[float, ...]) -> Pose:
+    """The pose of `numbers`."""
+    return Pose(np.array(values[:3]), np.array(values[3:]))

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmspec.scene.centred import centred, placed
-from wmspec.scene.contact import colliders
-from wmspec.scene.episode import Vector
+from wmspec.scene.contact import apart, colliders
+from wmspec.scene.episode import Episode, Vector
 from wmspec.scene.hull import corners
 from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Scene, Sphere
 from wmspec.scene.numbers import floats, numbers
 from wmspec.scene.transform import identity
+from wmspec.scene.trees import Tree, trees
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,22 @@ class Rigid:
     moments: Vector
     damping: Vector
     pieces: tuple[Piece, ...]
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """All bodies in order, trees of those that have joints, and pairs of numbers that pass through each other."""
+
+    bodies: tuple[Rigid, ...]
+    trees: tuple[Tree, ...]
+    apart: tuple[tuple[int, int], ...]
+    gravity: tuple[float, ...]
+    step: float
+
+
+def assembly(scene: Scene, episode: Episode) -> Assembly:
+    """What a world is built of. Raises WmsError for joints that no engine can have."""
+    return Assembly(rigids(scene), trees(scene), tuple(sorted(apart(scene))), episode.gravity, episode.step)
 
 
 def rigids(scene: Scene) -> tuple[Rigid, ...]:

@@ -10,6 +10,7 @@ from typing import Any
 from wmspec.scene.episode import (
     TOUCH,
     Aim,
+    Drag,
     Episode,
     Hold,
     Kick,
@@ -34,6 +35,7 @@ _COMMON: tuple[Callable[..., Any], ...] = (
     turned,
     Kick,
     Push,
+    Drag,
     Hold,
     Aim,
     Track,
@@ -54,8 +56,9 @@ bodies' frames; linear_velocity and angular_velocity (T, N, 3) of their centres 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, sqrt
+from math import exp, inf, pi, sqrt
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import {module}

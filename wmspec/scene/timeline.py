@@ -8,10 +8,11 @@ from math import ceil
 import numpy as np
 
 from wmspec.scene.centred import centred, mount
-from wmspec.scene.episode import Aim, Episode, Hold, Kick, Push
-from wmspec.scene.model import Action, Body, Force, Impulse, Launch, Release, Scene, Steer
+from wmspec.scene.episode import Aim, Drag, Episode, Hold, Kick, Push
+from wmspec.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer
 from wmspec.scene.numbers import floats, numbers
 from wmspec.scene.paths import track
+from wmspec.scene.trees import jointed, trees
 
 _REST = (0.0, 0.0, 0.0)
 
@@ -31,19 +32,20 @@ def episode(scene: Scene, steps_per_second: int) -> Episode:
         dynamic=tuple(i for i, body in enumerate(scene.bodies) if body.motion == "dynamic"),
         kicks=kicks(scene, held, rate),
         tracks=tuple(track(scene, i, rate) for i, body in enumerate(scene.bodies) if body.motion == "kinematic"),
-        pushes=tuple(_push(action, _index(scene)[action.body], rate) for action in _forces(scene.actions)),
+        pushes=pushes(scene, held, rate),
         holds=held,
         aims=aims(scene, rate),
+        drags=drags(scene),
     )
 
 
 def kicks(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Kick, ...]:
     """Initial velocities, or rest for what is let go later, then launches in order, each at the step nearest to it."""
-    later = {hold.body: hold.until for hold in held}
+    later, tied = {hold.body: hold.until for hold in held}, jointed(scene)
     first = [
         Kick(later[i], i, _REST, _REST) if i in later else Kick(0, i, *map(floats, _velocities(body)))
         for i, body in enumerate(scene.bodies)
-        if body.motion == "dynamic"
+        if body.motion == "dynamic" and body.name not in tied
     ]
     launches = sorted((action for action in scene.actions if isinstance(action, Launch)), key=lambda a: a.start)
     index = _index(scene)
@@ -66,8 +68,31 @@ def aims(scene: Scene, rate: int) -> tuple[Aim, ...]:
     return tuple(Aim(round(a.start * rate), joints[a.joint], float(a.target)) for a in steers)
 
 
-def _forces(actions: Sequence[Action]) -> list[Impulse | Force]:
-    return [action for action in actions if isinstance(action, Impulse | Force)]
+def pushes(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Push, ...]:
+    """Impulses and forces; and of jointed bodies, half their weight upwards in their first step.
+
+    Velocities of joints can't be kicked as those of free bodies are, but half a step less of gravity is the same.
+    """
+    index, tied = _index(scene), jointed(scene)
+    together = {i: tree for tree in trees(scene) for i in (limb.body for limb in tree)}
+    later = {limb.body: hold.until for hold in held for limb in together.get(hold.body, ())}
+    lifts = [
+        Push(later.get(i, 0), later.get(i, 0), i, floats(-body.inertia.mass * scene.gravity / 2))
+        for i, body in enumerate(scene.bodies)
+        if body.name in tied and body.inertia
+    ]
+    forces = [action for action in scene.actions if isinstance(action, Impulse | Force)]
+    return (*lifts, *(_push(action, index[action.body], rate) for action in forces))
+
+
+def drags(scene: Scene) -> tuple[Drag, ...]:
+    """The damping of jointed bodies."""
+    tied = jointed(scene)
+    return tuple(
+        Drag(i, float(body.inertia.mass * body.linear_damping), floats(body.inertia.moments * body.angular_damping))
+        for i, body in enumerate(scene.bodies)
+        if body.name in tied and body.inertia and (body.linear_damping or body.angular_damping)
+    )
 
 
 def _push(action: Impulse | Force, body: int, rate: int) -> Push:

@@ -9,6 +9,7 @@ import numpy as np
 from wmspec.errors import WmsError
 from wmspec.scene.deeds import problems as deed_problems
 from wmspec.scene.deeds import sequence
+from wmspec.scene.joints import problems as joint_problems
 from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Scene, Shape, Sphere
 
 _UNIT = 1e-6  # how far a quaternion's length may be from 1
@@ -20,10 +21,11 @@ def validate(scene: Scene) -> None:
     for body in scene.bodies:
         problems += [f"{body.path}: {problem}" for problem in _body(body)]
     motions = {body.name: body.motion for body in scene.bodies}
+    joints = {joint.name: joint for joint in scene.joints}
     for action in scene.actions:
-        problems += [f"action {action.name}: {problem}" for problem in deed_problems(action, motions)]
+        problems += [f"action {action.name}: {problem}" for problem in deed_problems(action, motions, joints)]
     if not problems:
-        problems += sequence(scene)
+        problems += [*sequence(scene), *joint_problems(scene)]
     if problems:
         raise WmsError("\n".join(problems))
 

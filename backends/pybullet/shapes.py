@@ -1,0 +1,94 @@
+"""Collision shapes in PyBullet's words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from wmspec.scene.episode import Vector
+from wmspec.scene.rigid import Piece
+from wmspec.scene.silence import silence
+from wmspec.scene.transform import conjugate, multiply, rotate
+
+with silence():
+    import pybullet
+
+HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+KINDS = {
+    "box": "GEOM_BOX",
+    "sphere": "GEOM_SPHERE",
+    "cylinder": "GEOM_CYLINDER",
+    "capsule": "GEOM_CAPSULE",
+    "hull": "GEOM_MESH",
+}
+
+
+def shape(pieces: tuple[Piece, ...], frame: Vector, client: int) -> int:
+    """The collision shape of some pieces, seen from a `frame` in their body; -1 for none."""
+    if not pieces:
+        return -1
+    poses = [inside(frame, piece.pose) for piece in pieces]
+    one: int
+    if len(pieces) == 1:
+        one = pybullet.createCollisionShape(physicsClientId=client, **single(pieces[0], poses[0]))
+        return one
+    with TemporaryDirectory() as folder:
+        one = pybullet.createCollisionShapeArray(physicsClientId=client, **several(pieces, poses, folder))
+    return one
+
+
+def inside(frame: Vector, pose: Vector) -> Vector:
+    """A pose, seen from a frame: position and quaternion (w, x, y, z)."""
+    if frame == HERE:
+        return pose
+    back = conjugate(np.array(frame[3:]))
+    place = rotate(back, np.array(pose[:3]) - np.array(frame[:3]))
+    return (*place.tolist(), *multiply(back, np.array(pose[3:])).tolist())
+
+
+def xyzw(turn: Any) -> Vector:
+    """PyBullet's order of a quaternion (w, x, y, z)."""
+    return (*turn[1:], turn[0])
+
+
+def single(piece: Piece, pose: Vector) -> dict[str, Any]:
+    """A piece in the words of `createCollisionShape`."""
+    words: dict[str, Any] = {"shapeType": getattr(pybullet, KINDS[piece.kind])}
+    match piece.kind:
+        case "box":
+            words |= {"halfExtents": piece.size}
+        case "sphere":
+            words |= {"radius": piece.size[0]}
+        case "hull":
+            words |= {"vertices": np.reshape(piece.size, (-1, 3)).tolist()}
+        case _:
+            words |= {"radius": piece.size[0], "height": piece.size[1]}
+    if pose == HERE:  # an offset, even of zero, would make it a compound shape
+        return words
+    return words | {"collisionFramePosition": pose[:3], "collisionFrameOrientation": xyzw(pose[3:])}
+
+
+def several(pieces: tuple[Piece, ...], poses: list[Vector], folder: str) -> dict[str, Any]:
+    """Pieces in the words of `createCollisionShapeArray`, which takes hulls from files only."""
+    names = ["" if piece.kind != "hull" else str(Path(folder) / f"{i}.obj") for i, piece in enumerate(pieces)]
+    for name, piece in zip(names, pieces, strict=True):
+        if name:
+            points = np.reshape(piece.size, (-1, 3)).tolist()
+            corners = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in points)
+            faces = "".join(
+                f"f 1 {i} {i + 1}\n" for i in range(2, len(points))
+            )  # any: the hull of the corners is taken
+            Path(name).write_text(corners + faces)
+    return {
+        "shapeTypes": [getattr(pybullet, KINDS[piece.kind]) for piece in pieces],
+        "halfExtents": [piece.size if piece.kind == "box" else (0.0, 0.0, 0.0) for piece in pieces],
+        "radii": [0.0 if piece.kind in ("box", "hull") else piece.size[0] for piece in pieces],
+        "lengths": [piece.size[1] if piece.kind in ("cylinder", "capsule") else 0.0 for piece in pieces],
+        "fileNames": names,
+        "meshScales": [(1.0, 1.0, 1.0)] * len(pieces),
+        "collisionFramePositions": [pose[:3] for pose in poses],
+        "collisionFrameOrientations": [xyzw(pose[3:]) for pose in poses],
+    }

@@ -1,0 +1,95 @@
+"""Joints in SAPIEN's words. PhysX's articulations have no ball joints: a tree is cut there, and held by constraints."""
+
+from __future__ import annotations
+
+from math import inf, pi
+from typing import Any
+
+import numpy as np
+
+from wmspec.scene.episode import Vector
+from wmspec.scene.silence import silence
+from wmspec.scene.trees import Limb
+
+with silence():
+    import sapien
+
+HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+JOINTS = {"fixed": "fixed", "hinge": "revolute", "slider": "prismatic"}
+FASTEST_JOINT = 1e4  # rad/s or m/s, PhysX's default is 100
+
+
+def branches(tree: tuple[Limb, ...]) -> list[tuple[Limb, ...]]:
+    """A tree, cut at its ball joints; parts that hold others first."""
+    parts: list[list[Limb]] = []
+    part_of: dict[int, list[Limb]] = {}
+    for limb in tree:
+        if limb.kind == "ball" or limb.parent not in part_of:
+            parts.append([])
+        part = parts[-1] if limb.kind == "ball" or limb.parent not in part_of else part_of[limb.parent]
+        part.append(limb)
+        part_of[limb.body] = part
+    return [tuple(part) for part in parts]
+
+
+def connect(joint: Any, limb: Limb, above: Vector) -> None:
+    """Make an articulation's joint; `above` is its frame in the link that holds it."""
+    joint.set_type(JOINTS[limb.kind])
+    joint.set_pose_in_parent(frame(above))
+    joint.set_pose_in_child(frame(limb.below))
+    if limb.kind == "fixed":
+        return
+    low, high = limb.limits or (-inf, inf)
+    joint.set_limits(np.array([[low, high]], np.float32))
+    joint.set_friction(0.0)
+    joint.set_armature(np.zeros(1, np.float32))
+    joint.set_max_velocity(FASTEST_JOINT)
+    stiffness, damping, target, velocity, most = limb.drive or (0.0, 0.0, 0.0, 0.0, inf)
+    joint.set_drive_properties(stiffness, damping, min(most, float(np.finfo(np.float32).max)), "force")
+    joint.set_drive_target(target)
+    joint.set_drive_velocity_target(velocity)
+
+
+def ball(limb: Limb, part: Any, parent: Any) -> Any:
+    """Hold a body to its parent, or the world, at a point, as a constraint."""
+    joint = sapien.physx.PhysxDriveComponent(part)
+    if parent is not None:
+        joint.set_parent(parent)
+    joint.set_pose_in_parent(frame(limb.above))
+    joint.set_pose_in_child(frame(limb.below))
+    for lock in (joint.set_limit_x, joint.set_limit_y, joint.set_limit_z):
+        lock(0.0, 0.0)
+    if limb.limits:
+        joint.set_limit_cone(limb.limits[0], limb.limits[1])
+        joint.set_limit_twist(-pi, pi)
+    part.entity.add_component(joint)
+    return joint
+
+
+def ignored(apart: tuple[tuple[int, int], ...], count: int) -> list[tuple[int, int]]:
+    """For each body the last two words of the collision groups: what shares a bit of the first, and the second, passes
+
+    through each other. Bodies linked by such pairs have a number in common, and each clique of them a bit.
+    """
+    pairs = set(apart)
+    group = list(range(count))
+    for a, b in apart:
+        low, high = sorted((group[a], group[b]))
+        group = [low if g == high else g for g in group]
+    words, used = [0] * count, dict.fromkeys(group, 0)
+    while pairs:
+        clique = list(min(pairs))
+        for c in range(count):
+            if c not in clique and all((min(c, d), max(c, d)) in apart for d in clique):
+                clique.append(c)
+        bit = used[group[clique[0]]]
+        used[group[clique[0]]] += 1
+        for body in clique:
+            words[body] |= 1 << bit
+        pairs -= {(a, b) for a in clique for b in clique}
+    return list(zip(words, group, strict=True))
+
+
+def frame(numbers: Any) -> Any:
+    """SAPIEN's pose of position and quaternion (w, x, y, z)."""
+    return sapien.Pose(np.array(numbers[:3], float), np.array(numbers[3:], float))

@@ -1,0 +1,114 @@
+"""What each engine can do, and why it can't do the rest: the one table of refusals, `wmspec doctor` and the docs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from wmspec.errors import WmsError
+from wmspec.scene.contact import colliders
+from wmspec.scene.drives import stubborn
+from wmspec.scene.model import Joint, Scene
+
+ENGINES = ("mujoco", "pybullet", "sapien")
+MOST_FRICTION = 10.0  # of a pair: Bullet's own limit
+
+Where = Iterator[tuple[str, str]]
+"""Prim paths, and what is asked of each."""
+
+
+@dataclass(frozen=True)
+class Capability:
+    """Something that a stage may ask for: `lacking` engines and why; `asked` finds where a scene asks for it."""
+
+    name: str
+    lacking: dict[str, str]
+    asked: Callable[[Scene], Where]
+
+
+def require(engine: str, scene: Scene) -> None:
+    """Raise WmsError with the prim path of everything in a valid scene that the engine can't do."""
+    problems = [
+        f"{path}: {what}; {row.lacking[engine]}"
+        for row in TABLE
+        if engine in row.lacking
+        for path, what in row.asked(scene)
+    ]
+    if problems:
+        raise WmsError("\n".join(problems))
+
+
+def _nowhere(_scene: Scene) -> Where:
+    yield from ()
+
+
+def _cones(scene: Scene) -> Where:
+    yield from ((j.path, "a ball joint with limits") for j in scene.joints if j.kind == "ball" and j.limits)
+
+
+def _touching_neighbours(scene: Scene) -> Where:
+    dynamic = {body.name for body in scene.bodies if body.motion == "dynamic"}
+    for j in scene.joints:
+        if j.collides and j.kind != "ball" and {j.first, j.second} <= dynamic:
+            yield j.path, "the bodies of a joint that touch each other"
+
+
+def _materials(scene: Scene) -> Where:
+    for body in scene.bodies:
+        if body.motion != "static" and len({geom.friction for geom in colliders(body)}) > 1:
+            yield body.path, "a moving body with pieces of different friction or restitution"
+
+
+def _rough(scene: Scene) -> Where:
+    for body in scene.bodies:
+        most = max((geom.friction.dynamic for geom in colliders(body)), default=0.0)
+        if most > MOST_FRICTION:
+            yield body.path, f"friction {most:g}, above {MOST_FRICTION:g}"
+
+
+def _stiff(explicit_damping: bool, rate: int) -> Callable[[Scene], Where]:
+    def found(scene: Scene) -> Where:
+        for joint in stubborn(scene, rate, explicit_damping):
+            yield joint.path, _drive(joint)
+
+    return found
+
+
+def _drive(joint: Joint) -> str:
+    assert joint.drive is not None
+    return (
+        f"a drive of stiffness {joint.drive.stiffness:g} and damping {joint.drive.damping:g}, stiff for what it moves"
+    )
+
+
+_ONE_MATERIAL = "PyBullet has one material a moving body; give its pieces the same friction and restitution"
+_CONE = "{} has no such limits; remove the cone angles, or use hinges"
+_STIFF = "{} computes drives step by step and would overshoot; make it softer or what it moves heavier"
+
+TABLE = (
+    Capability("boxes, spheres, cylinders, cones, capsules", {}, _nowhere),
+    Capability("meshes as convex hulls, convex decompositions, bounding boxes and spheres", {}, _nowhere),
+    Capability("static, dynamic and kinematic bodies, all actions on them", {}, _nowhere),
+    Capability("filtered pairs and collision groups", {}, _nowhere),
+    Capability("fixed joints, hinges, sliders, ball joints; trees of them, held by the world or free", {}, _nowhere),
+    Capability("limits of hinges and sliders, drives", {}, _nowhere),
+    Capability(
+        "ball joints with limits", {"mujoco": _CONE.format("MuJoCo"), "pybullet": _CONE.format("PyBullet")}, _cones
+    ),
+    Capability(
+        "neighbours in a tree that touch each other",
+        {"sapien": "PhysX lets the two bodies of a joint pass through each other; author physics:collisionEnabled = 0"},
+        _touching_neighbours,
+    ),
+    Capability("drives however stiff", {"mujoco": _STIFF.format("MuJoCo")}, _stiff(explicit_damping=False, rate=3840)),
+    Capability(
+        "drives however damped", {"pybullet": _STIFF.format("PyBullet")}, _stiff(explicit_damping=True, rate=1920)
+    ),
+    Capability("several materials in a moving body", {"pybullet": _ONE_MATERIAL}, _materials),
+    Capability(
+        f"friction above {MOST_FRICTION:g}",
+        {"pybullet": f"Bullet's own limit is {MOST_FRICTION:g}; lower the friction"},
+        _rough,
+    ),
+)
+"""What stages may ask for, and who lacks it."""

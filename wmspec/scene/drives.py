@@ -1,0 +1,72 @@
+"""How stiff a drive is for what it moves: an engine that computes it step by step overshoots if it is too stiff."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from wmspec.scene.centred import centred
+from wmspec.scene.model import Array, Joint, Scene
+from wmspec.scene.numbers import placed
+from wmspec.scene.transform import compose, cross, rotate, rotation
+from wmspec.scene.trees import Limb, Tree, trees
+
+STIFFEST = 0.5  # part of a vibration's radian that may pass in a step, squared; and of a decay
+
+
+def stubborn(scene: Scene, rate: int, explicit_damping: bool) -> Iterator[Joint]:
+    """The joints whose drives are too stiff for `rate` steps per second, or too damped if that is explicit too."""
+    if not any(joint.drive for joint in scene.joints):
+        return
+    for tree in trees(scene):
+        lightness = mobility(scene, tree)
+        for limb in tree:
+            if limb.drive:
+                stiffness, damping = limb.drive[:2]
+                decay = damping / rate if explicit_damping else 0.0
+                if (stiffness / rate**2 + decay) * lightness[limb.joint] > STIFFEST:
+                    yield scene.joints[limb.joint]
+
+
+def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
+    """For each joint of one coordinate, the acceleration per force at the start, 1/kg or 1/(kg m²)."""
+    bodies = [centred(scene.bodies[limb.body]) for limb in tree]
+    columns = [column for limb in tree for column in _columns(scene, tree, limb)]
+    mass = np.zeros((len(columns), len(columns)))
+    for i, body in enumerate(bodies):
+        assert body.inertia is not None
+        turn = rotation(body.pose.orientation)
+        inertia = turn @ np.diag(body.inertia.moments) @ turn.T
+        speeds = np.array([column[i] for column in columns])
+        mass += body.inertia.mass * speeds[:, :3] @ speeds[:, :3].T + speeds[:, 3:] @ inertia @ speeds[:, 3:].T
+    lightness = np.diag(np.linalg.inv(mass)) if columns else np.zeros(0)
+    numbers = [limb.joint for limb in tree for _ in _columns(scene, tree, limb)]
+    return dict(zip(numbers, lightness.tolist(), strict=True))
+
+
+def _columns(scene: Scene, tree: Tree, limb: Limb) -> list[Array]:
+    """For each way that a joint moves: the linear and angular velocities (N, 6) of the tree's bodies."""
+    bodies = [centred(scene.bodies[one.body]) for one in tree]
+    at = next(body for body, one in zip(bodies, tree, strict=True) if one is limb)
+    joint = compose(at.pose, placed(limb.below))
+    axes = [rotate(joint.orientation, axis) for axis in np.eye(3)]
+    slides, turns = {"free": (3, 3), "ball": (0, 3), "hinge": (0, 1), "slider": (1, 0), "fixed": (0, 0)}[limb.kind]
+    carried = _below(tree, limb)
+    columns = []
+    for axis, slide in [(a, True) for a in axes[:slides]] + [(a, False) for a in axes[:turns]]:
+        column = np.zeros((len(tree), 6))
+        for i, body in enumerate(bodies):
+            if tree[i].body in carried:
+                arm = body.pose.position - joint.position
+                column[i] = [*axis, 0, 0, 0] if slide else [*cross(axis, arm), *axis]
+        columns.append(column)
+    return columns
+
+
+def _below(tree: Tree, limb: Limb) -> set[int]:
+    found = {limb.body}
+    for other in tree:
+        if other.parent in found:
+            found.add(other.body)
+    return found
