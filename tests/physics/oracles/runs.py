@@ -1,0 +1,79 @@
+"""The episodes of an oracle's spec: every instance, through the stage, in one engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from pxr import Usd
+
+from tests.language.specs import task_of
+from wmspec.design.design import Design, Setting
+from wmspec.execute.backends import backend
+from wmspec.scene.model import Array, Body, Scene, Trace
+from wmspec.scene.read import read
+from wmspec.stage.episode import document
+from wmspec.stage.layers import compose
+
+FOLDER = Path(__file__).parent
+
+Factors = Mapping[str, Setting]
+Edit = Callable[[Usd.Stage, Factors], None]
+"""What a stage is given that the language cannot say yet."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What a body did: `position`, `velocity`, `spin` (T, 3) and `orientation` (T, 4), of T samples."""
+
+    body: Body
+    position: Array
+    orientation: Array
+    velocity: Array
+    spin: Array
+
+    @property
+    def mass(self) -> float:
+        """Of a dynamic body, kg."""
+        assert self.body.inertia is not None
+        return self.body.inertia.mass
+
+
+@dataclass(frozen=True)
+class Run:
+    """An executed instance and the values of its factors, in SI units."""
+
+    factors: Factors
+    scene: Scene
+    trace: Trace
+
+    def __getitem__(self, name: str) -> Motion:
+        """What the body of that name did."""
+        i, t = self.trace.bodies.index(name), self.trace
+        arrays = (t.position, t.orientation, t.linear_velocity, t.angular_velocity)
+        return Motion(self.scene.bodies[i], *(a[:, i] for a in arrays))
+
+    def factor(self, name: str) -> float:
+        """The value of a factor that is a number."""
+        return float(self.factors[name])
+
+    @property
+    def moving(self) -> list[Motion]:
+        """The dynamic bodies."""
+        return [self[b.name] for b in self.scene.bodies if b.motion == "dynamic"]
+
+
+@cache
+def runs(spec: str, engine: str, edit: Edit | None = None) -> tuple[Run, ...]:
+    """Every instance of a spec in an engine, in the order of the design."""
+    task = task_of(FOLDER / f"{spec}.wms")
+    found = []
+    for instance in Design(task):
+        stage = compose(document(task, instance))
+        if edit:
+            edit(stage, instance.values)
+        scene = read(stage)
+        found.append(Run(instance.values, scene, backend(engine).execute(scene)))
+    return tuple(found)

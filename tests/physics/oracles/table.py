@@ -1,0 +1,79 @@
+"""What each engine must reach. `docs/oracles.md` is written from this table, and the tests hold the engines to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from tests.physics.oracles import answers as of
+from tests.physics.oracles.runs import Edit, runs
+from tests.physics.scenes import ENGINES
+
+UNITS = {"mm": 1000.0, "%": 100.0, "deg": 57.29577951308232}
+
+
+@dataclass(frozen=True)
+class Oracle:
+    """An analytic answer: the spec whose episodes are compared with it, how, in which unit, and the bar of each engine.
+
+    Bars are in the order of the engines, each with the digits that count: an engine meets its bar if the error, rounded
+    to them, is not above it.
+    """
+
+    spec: str
+    what: str
+    answer: str
+    unit: str
+    error: Callable[[of.Runs], float]
+    bars: str
+    edit: Edit | None = None
+
+    def measure(self, engine: str) -> float:
+        """The worst error in an engine, in `unit`."""
+        return self.error(runs(self.spec, engine, self.edit)) * UNITS[self.unit]
+
+    def bar(self, engine: str) -> str:
+        """The most that an engine may be off, in `unit`."""
+        return self.bars.split()[ENGINES.index(engine)]
+
+    def meets(self, engine: str, error: float) -> bool:
+        """Whether an error of an engine, in `unit`, is within its bar."""
+        _, _, digits = self.bar(engine).partition(".")
+        return round(error, len(digits)) <= float(self.bar(engine))
+
+
+worst = of.worst
+
+ORACLES = (
+    Oracle("flight", "free flight, 1 s", "p + vt + gt²/2", "mm", worst(of.off_parabola), "0.000 0.000 0.020"),
+    Oracle("flight", "energy in free flight", "constant", "%", worst(of.falling_energy), "0.03 0.06 0.06"),
+    Oracle("slide", "stopping distance of a slid box", "v²/2μg", "%", worst(of.stopping), "0.07 0.15 0.17"),
+    Oracle("incline", "creep on an incline below the angle of friction, 2 s", "0", "mm",
+           worst(of.crept, of.holds), "0.00 0.00 0.30", of.tilted),
+    Oracle("incline", "way down one above it, 2 s", "g(sin α − μ cos α)t²/2", "%",
+           worst(of.slid_down, of.slides), "0.1 0.1 0.1", of.tilted),
+    Oracle("tip", "angle of an incline at which a box tips", "atan(b/h)", "deg",
+           of.threshold, "0.01 0.01 0.01", of.tilted),
+    Oracle("bounce", "height of a bounce, of the drop h", "e²h", "%", worst(of.apex), "2.2 0.7 0.4"),
+    Oracle("collide", "speeds after a collision without friction, of v", "v(m₁ − em₂)/M, v(1 + e)m₁/M", "%",
+           worst(of.velocities), "1.15 0.00 0.02"),
+    Oracle("collide", "momentum in it", "constant", "%", worst(of.lost_momentum), "0.00 0.00 0.00"),
+    Oracle("collide", "energy in it where e = 1", "constant", "%",
+           worst(of.changed_energy, of.elastic), "1.00 0.00 0.04"),
+    Oracle("carom", "speeds after a collision of rolling balls, of v", "2v/7, 5v/7", "%",
+           worst(of.caromed), "2.6 0.10 0.13"),
+    Oracle("third", "two balls at a third: off its line", "0", "mm", worst(of.off_axis), "0.0 0.0 1.7"),
+    Oracle("third", "two balls at a third: its speed", "2vc(1 + e)/(1 + 2c²)", "%",
+           worst(of.struck, of.frictionless), "1.5 0.0 0.0"),
+    Oracle("glance", "momentum in an off-centre collision of boxes", "constant", "%",
+           worst(of.lost_momentum), "0.00 0.00 0.00"),
+    Oracle("glance", "angular momentum in it", "constant", "%", worst(of.lost_angular_momentum), "0.00 0.09 0.07"),
+    Oracle("glance", "energy in it", "no gain", "%", worst(of.gained_energy), "0.00 0.00 0.00"),
+    Oracle("roll", "speed of a rolling ball after 5 s", "v", "%", worst(of.kept_speed, of.rolls), "0.00 0.00 0.10"),
+    Oracle("roll", "speed of a slid ball after 5 s", "5v/7", "%",
+           worst(of.kept_speed, of.sets_off_sliding), "0.00 0.00 0.12"),
+    Oracle("stack", "drift of a stack of five, 5 s", "0", "mm", worst(of.drifted), "0.00 0.19 0.00"),
+    Oracle("pusher", "way of a box pushed at up to 0.5 m/s", "d + v²/2μg", "mm",
+           worst(of.pushed, of.gentle), "4.9 0.3 0.2"),
+    Oracle("pusher", "way of a box pushed at 1 m/s", "d + v²/2μg", "mm", worst(of.pushed, of.brisk), "9.4 0.3 0.3"),
+)  # fmt: skip

@@ -1,0 +1,46 @@
+"""The tables of docs/oracles.md: every engine against analytic answers, measured anew. Takes a minute or two.
+
+python -m tools.oracles
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from tests.physics.oracles.table import ORACLES, Oracle
+from tests.physics.scenes import ENGINES
+from tools.reference import table
+from wmspec.execute.backends import engine_version
+
+PAGE = Path(__file__).parent.parent / "docs/oracles.md"
+MARK = "<!-- measured -->\n"
+SPECS = "tests/physics/oracles"
+
+
+def measured() -> Iterator[str]:
+    """The lines of the tables."""
+    engines = [f"{name} {engine_version(name)}" for name in ENGINES]
+    yield from table(("scene", "what", "analytic", "unit", *engines), (row(oracle) for oracle in ORACLES))
+
+
+def row(oracle: Oracle) -> tuple[str, ...]:
+    """An oracle and how each engine does."""
+    return f"`{oracle.spec}`", oracle.what, oracle.answer, oracle.unit, *(cell(oracle, engine) for engine in ENGINES)
+
+
+def cell(oracle: Oracle, engine: str) -> str:
+    """The error, with a digit more than its bar, and the bar; in bold where the engine is above it."""
+    error, bar = oracle.measure(engine), oracle.bar(engine)
+    text = f"{error:.{len(bar.partition('.')[2]) + 1}f}"
+    return f"{text if oracle.meets(engine, error) else f'**{text}**'} / {bar}"
+
+
+def main() -> None:
+    """Rewrite the page."""
+    told, mark, _ = PAGE.read_text(encoding="utf-8").partition(MARK)
+    PAGE.write_text(told + mark + "\n" + "\n".join(measured()), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
