@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from wmspec.check import calls, ir, lists, members, names, operators, units
-from wmspec.check.kinds import TEXT, TRUTH, Kind, List, Quantity, Vector, article
+from wmspec.check.kinds import TEXT, TRUTH, Kind, List, Quantity, Vector, article, either
 from wmspec.check.scope import Scope
 from wmspec.check.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.check.units import NUMBER, Dimension
@@ -92,8 +92,8 @@ class Expressions:
 
     def misfit(self, span: Span, found: Kind, wanted: tuple[Kind, ...], what: str) -> NoReturn:
         """Report a value of the wrong kind."""
-        wants = " or ".join(article(str(k)) for k in wanted)
-        examples = [f"`{example(k)}`" for k in wanted if example(k)]
+        wants = either([article(str(k)) for k in wanted])
+        examples = [f"`{example(k)}`" for k in wanted[:2] if example(k)]
         quantities = isinstance(found, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
         shown = "a bare 0" if found == Quantity(ZERO) else article(str(found))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wmspec.check.units import ANGLE, LENGTH, NUMBER, TIME, Dimension
@@ -94,6 +95,11 @@ AN_ANGLE = Quantity(ANGLE)
 POINT2 = Vector(LENGTH, 2)
 POINT3 = Vector(LENGTH, 3)
 TRIPLE = Vector(NUMBER, 3)
+
+
+def either(words: Sequence[str]) -> str:
+    """`a, b or c`, for messages."""
+    return " or ".join([*([", ".join(words[:-1])] if len(words) > 1 else []), *words[-1:]])
 
 
 def article(noun: str) -> str:

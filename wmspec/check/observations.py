@@ -36,5 +36,5 @@ class Observations:
         if len(found) < len(items) or not found:
             self.check.fail("WMS304", "what is kept of a picture is a constant", e.span, "write `[rgb, depth, ids]`")
         if len(set(found)) < len(found):
-            self.check.fail("WMS202", "something is kept twice here", e.span, "remove one")
+            self.check.fail("WMS202", "a channel is named twice here", e.span, "remove one")
         return cast(tuple[ir.Channel, ...], tuple(found))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from wmspec.check.slots import Sort, slots, sort, unfit
+from wmspec.check.slots import Sort, remedy, slots, sort, unfit
 from wmspec.check.vocabulary import Slot
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
@@ -22,6 +22,7 @@ class Owner:
     sort: Sort
     written: tuple[s.Property, ...]
     span: Span
+    parts: tuple[str, ...] = ()
 
     @property
     def slots(self) -> dict[str, Slot]:
@@ -41,10 +42,10 @@ class Owner:
     def lacks(self, name: s.Name) -> tuple[str, str, Span, str]:
         """The complaint about a property that it cannot have: code, message, place and remedy."""
         if reason := unfit(self.sort, name.id):
-            return "WMS203", reason, name.span, "remove it"
+            return "WMS203", reason, name.span, remedy(self.sort, name.id)
         kind = self.sort.kind
         message = f"{'an' if kind == 'object' else 'a'} {kind} has no property `{name.id}`"
-        return "WMS203", message, name.span, suggestion(name.id, self.slots)
+        return "WMS203", message, name.span, suggestion(name.id, [*self.slots, *self.parts])
 
     def silent(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
         """The complaint about a property that it could have and does not say."""
@@ -57,7 +58,8 @@ def owner(block: s.Block) -> Owner:
     said = {p.name.id for p in block.properties}
     model = block.model.id if block.model is not None and block.kind == "joint" else ""
     of = sort(block.kind, said, model, bool(block.parts))
-    return Owner(block.name.id, of, block.properties, block.name.span)
+    names = tuple(part.name.id for part in block.parts)
+    return Owner(block.name.id, of, block.properties, block.name.span, names)
 
 
 def parts(block: s.Block) -> Iterator[Owner]:

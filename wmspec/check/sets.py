@@ -57,10 +57,11 @@ class Sets:
         """The largest number over all values of the factors that it depends on."""
         numbers = list(self._numbers(written, count))
         if odd := [n for n in numbers if n != int(n)]:
-            self.check.fail("WMS304", f"a set has a whole number of members, and this can be {odd[0]:g}", written.span)
+            message = f"a set has a whole number of members, and this can be {odd[0]:g}"
+            self.check.fail("WMS304", message, written.span, "make it whole numbers")
         if not 1 <= max(numbers) <= MOST_MEMBERS:
-            message = f"a set has 1 to {MOST_MEMBERS} members at most, and this is up to {max(numbers):g}"
-            self.check.fail("WMS304", message, written.span)
+            message = f"the most members that this set can have are {max(numbers):g}"
+            self.check.fail("WMS304", message, written.span, f"make that a number from 1 to {MOST_MEMBERS}")
         return int(max(numbers))
 
     def _numbers(self, written: s.Expr, count: ir.Expr) -> Iterator[float]:

@@ -56,6 +56,12 @@ def unfit(of: Sort, name: str) -> str:
     return ""
 
 
+def remedy(of: Sort, name: str) -> str:
+    """What to do about a property that the thing cannot have."""
+    lonely = of.kind == "object" and name in _NEEDS and _NEEDS[name][0] not in of.said
+    return f"add `{_NEEDS[name][0]}:` or remove this" if lonely and not of.parts else "remove it"
+
+
 @cache
 def slots(of: Sort) -> dict[str, Slot]:
     """The properties that a thing can have."""

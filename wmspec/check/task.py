@@ -78,6 +78,12 @@ class _Task:
         self.each(s.Factor, self.factors.factor)
         self.each(s.Let, self.factors.let)
         self.blocks()
+        self.each(s.Action, self.things.action)
+        self.each(s.Observe, self.observations.observe)
+        self.tolerances()
+
+    def tolerances(self) -> dict[str, float]:
+        return tolerances(self.check, (x for x in self.statements if isinstance(x, s.Tolerance)))
 
     def blocks(self) -> list[ir.Thing]:
         """What there is. Templates that nothing is made of are tried as well."""
@@ -97,7 +103,8 @@ class _Task:
         things = [*self.blocks(), *self.each(s.Action, self.things.action)]
         observations = self.each(s.Observe, self.observations.observe)
         settings = self.settings()
-        plan = self.factors.plan()
+        repeat, plan, limits = self.repeat(), self.factors.plan(), self.tolerances()
+        horizon = self.horizon(observations)
         questions = self.each(s.Question, self.questions.question)
         if not observations and not self.report.failed:
             self.report.add(
@@ -115,11 +122,11 @@ class _Task:
             factors=tuple(factors),
             lets=tuple(lets),
             requires=tuple(requires),
-            repeat=self.repeat(),
+            repeat=repeat,
             plan=plan,
-            tolerances=tolerances(self.check, (x for x in self.statements if isinstance(x, s.Tolerance))),
+            tolerances=limits,
             things=tuple(things),
-            horizon=self.horizon(observations),
+            horizon=horizon,
             observations=tuple(observations),
             questions=tuple(questions),
         )

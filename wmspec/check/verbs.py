@@ -120,7 +120,7 @@ VERBS: dict[str, Verb] = {
 _GRIPPED = Slot((OBJECT,), "what is handled")
 _FAR = Slot((A_LENGTH,), "how far", above=0, most=100)
 _HIGH = Slot((A_LENGTH,), "how high", above=0, most=2)
-_SIDE = Slot((DIRECTION,), "to which side, as the robot sees it: `left` or `right`")
+_SIDE = Slot((DIRECTION,), "to which side, as the robot sees it: `left` or `right`", among=("left", "right"))
 _BY = Slot((AN_ANGLE,), "by how much", "90 deg", above=0, most=6.3)
 
 #: What each model of robot can do. Its verbs take as long as `for TIME` says.

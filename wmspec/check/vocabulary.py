@@ -80,7 +80,8 @@ JOINTS = ("hinge", "slider", "ball", "fixed")
 class Slot:
     """A property or argument: the kinds it takes, its bounds, the value it has when left out, and what it means.
 
-    `default` is the text of an expression; None means that it must be given unless `optional`.
+    `default` is the text of an expression; None means that it must be given unless `optional`. `among` are the words
+    of the kind that make sense here; all of them if it is empty.
     """
 
     kinds: tuple[Kind, ...]
@@ -90,6 +91,7 @@ class Slot:
     above: float | None = None
     least: float | None = None
     most: float | None = None
+    among: tuple[str, ...] = ()
 
     def fault(self, value: float) -> str:
         """What a value must be and is not, such as `more than 0`; empty if it is within bounds."""
