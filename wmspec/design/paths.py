@@ -41,11 +41,6 @@ def walked(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...
     return tuple(kept), tuple(duration * way / gone[-1] if gone[-1] else 0.0 for way in gone)
 
 
-def moved(points: Sequence[Vector], origin: Vector) -> tuple[Vector, ...]:
-    """The points as seen from the world, if they begin at `origin`."""
-    return tuple(add(origin, point) for point in points)
-
-
 def _straight(length: float, _width: float) -> tuple[Vector, ...]:
     return (ORIGIN, (length, 0.0, 0.0))
 

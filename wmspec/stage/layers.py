@@ -57,7 +57,25 @@ def override_layer(base: Document, document: Document, base_path: str, doc: str 
         for path in base.prims:
             if path not in document.prims:
                 Sdf.CreatePrimInLayer(layer, path).SetInfo("active", False)
+        _order(layer, base, document)
     return layer
+
+
+def _order(layer: Sdf.Layer, base: Document, document: Document) -> None:
+    """Put children that the base has not where the document has them; else they would come last."""
+    before, after = _children(base), _children(document)
+    for parent in before.keys() & after.keys():
+        kept = [name for name in before[parent] if name in after[parent]]
+        if kept != after[parent][: len(kept)]:
+            Sdf.CreatePrimInLayer(layer, parent).nameChildrenOrder = after[parent]
+
+
+def _children(document: Document) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for path in document.prims:
+        parent, _, name = path.rpartition("/")
+        found.setdefault(parent, []).append(name)
+    return {parent: names for parent, names in found.items() if parent}
 
 
 def compose(document: Document) -> Usd.Stage:

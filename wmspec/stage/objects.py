@@ -43,8 +43,8 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
     body.set("xformOp:translate", "double3", pose.position, f"{name}.pose")
     body.set("xformOp:orient", "quatd", pose.orientation, f"{name}.pose")
     body.set("xformOpOrder", "token[]", ("xformOp:translate", "xformOp:orient"), uniform=True)
-    if carried:
-        body.set("physics:kinematicEnabled", "bool", True, *carriers)
+    if carriers and not fixed:
+        body.set("physics:kinematicEnabled", "bool", carried, *carriers)
     if values.has(name, "damping"):
         for kind in ("linear", "angular"):
             share = values.property(name, "damping")
