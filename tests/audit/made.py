@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from wmspec.ask.ask import groups
-from wmspec.ask.model import Asked, Change, Option, Picture
+from wmspec.ask.model import Asked, Change, Option, Picture, Vote
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
 from wmspec.design.design import Design
@@ -45,7 +45,7 @@ def make(folder: Path, name: str, ask: Ask, count: int = 400, engines: tuple[str
         engines=engines,
         size=(SIDE, SIDE),
         seed=3,
-        consensus=True,
+        consensus="all",
         versions={"wmspec": "0.1.0"},
     )
     with Dataset.open(folder, plan, force=True) as dataset:
@@ -77,7 +77,7 @@ def blank(design: Design, index: int, engine: str) -> Asked:
         groups=groups(instance),
         margin=None,
         measured={},
-        agreement=((engine, 0),),
+        agreement=(Vote(engine, 0, ""),),
     )
 
 

@@ -15,7 +15,6 @@ from wmspec.audit.duplicates import duplicates
 from wmspec.audit.likeness import QUANTILES, judge, likeness
 from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Test
 from wmspec.write.finished import Finished
-from wmspec.write.rows import Row
 
 #: The order of verdicts: what matters first.
 _ORDER = ("fails", "unclear", "told", "holds")
@@ -73,7 +72,7 @@ def _unit(unit: Unit, found: _Gathered) -> None:
     found.likeness += [alike] if alike else []
     found.tests += balance.tests(unit)
     probed = probes.probes(unit)
-    if not probed:
+    if not probed and not unit.open:
         few = f"{len(unit.once):,} instances are too few to look for shortcuts"
         found.findings.append(Finding("shortcut", unit.name, "unclear", few))
     found.probes += probed
@@ -82,16 +81,11 @@ def _unit(unit: Unit, found: _Gathered) -> None:
 
 def _spreads(unit: Unit) -> list[Spread]:
     """How the stimulus differences are spread, where rows have them."""
-    values: dict[str, list[float]] = {}
-    for case in unit.once:
-        for name, value in differences(case.row):
-            values.setdefault(name, []).append(value)
-    return [Spread(unit.name, n, tuple(float(q) for q in np.quantile(v, QUANTILES))) for n, v in values.items()]
-
-
-def differences(row: Row) -> list[tuple[str, float]]:
-    """A row's stimulus differences, by name: of the column `difference`, if there is one."""
-    said = row.get("difference")
-    parts = said if isinstance(said, list) else [said]
-    named = [(p.get("name", "difference"), p.get("value")) if isinstance(p, dict) else ("difference", p) for p in parts]
-    return [(str(name), float(value)) for name, value in named if value is not None]
+    values: dict[tuple[str, str], list[float]] = {}
+    for said in (case.row.get("difference") for case in unit.once):
+        if said is not None:
+            values.setdefault((said["name"], said["unit"]), []).append(said["value"])
+    return [
+        Spread(unit.name, name, unit_, tuple(float(q) for q in np.quantile(seen, QUANTILES)))
+        for (name, unit_), seen in values.items()
+    ]

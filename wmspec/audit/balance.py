@@ -37,15 +37,17 @@ class Crossed:
 
 def tests(unit: Unit) -> list[Test]:
     """All tests of a unit's questions, one row for each instance."""
-    cases = unit.once
-    labels = not cases[0].pictured
-    factors, nuisances = cases[0].varied("factor"), cases[0].varied("nuisance")
-    found = [_uniform(unit, PLACE)]
-    if labels:
-        found += [_uniform(unit, ANSWER), _tested(unit, PLACE, ANSWER, True)]
+    first = unit.once[0]
+    factors, nuisances = first.varied("factor"), first.varied("nuisance")
+    found = []
+    if not first.pictured:
         found += [_tested(unit, ANSWER, n, True) for n in nuisances]
         found += [_tested(unit, ANSWER, f, False) for f in factors]
-    return found + [_tested(unit, PLACE, n, True) for n in (*factors, *nuisances)]
+    if not first.open:
+        found += [_uniform(unit, PLACE), *(_tested(unit, PLACE, n, True) for n in (*factors, *nuisances))]
+    if not first.open and not first.pictured:
+        found += [_uniform(unit, ANSWER), _tested(unit, PLACE, ANSWER, True)]
+    return found
 
 
 def corrected(found: Sequence[Test]) -> list[Test]:
@@ -91,8 +93,7 @@ def _offered(case: Case, what: str) -> list[str]:
 
 def table_of(cases: Sequence[Case], second: str, first: str = ANSWER) -> Crossed:
     """`first` (a row each) against `second` (a column each): a factor's or nuisance's values, or the answer's."""
-    a = [_value(c, first) for c in cases]
-    b = _binned([_value(c, second) if second == ANSWER else _varied(c)[second] for c in cases])
+    a, b = (_binned([_value(c, what) for c in cases]) for what in (first, second))
     rows, columns = (tuple(sorted(set(values), key=_order)) for values in (a, b))
     counts = np.zeros((len(rows), len(columns)), dtype=np.int64)
     for x, y in zip(a, b, strict=True):
@@ -100,15 +101,16 @@ def table_of(cases: Sequence[Case], second: str, first: str = ANSWER) -> Crossed
     return Crossed(rows, columns, counts)
 
 
-def _varied(case: Case) -> dict[str, Any]:
-    return case.varied("nuisance") | case.varied("factor")
-
-
-def _value(case: Case, what: str) -> str:
-    place = case.row["answer"]
+def _value(case: Case, what: str) -> Any:
+    """The value of a factor or nuisance, the place of the truth (from 1), or the answer."""
     if what == PLACE:
-        return str(place + 1)
-    return "truth" if case.pictured else str(case.row["option_name"][place])
+        return str(case.row["answer"] + 1)
+    if what != ANSWER:
+        return (case.varied("nuisance") | case.varied("factor"))[what]
+    if case.open:
+        number = case.row["answer_number"]
+        return case.row["answer_value"] if number is None else number
+    return case.row["option_name"][case.row["answer"]]
 
 
 def _binned(values: Sequence[Any]) -> list[str]:

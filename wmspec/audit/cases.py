@@ -38,6 +38,11 @@ class Case:
         return bool(self.options)
 
     @property
+    def open(self) -> bool:
+        """Whether it has no options: the answer is said freely."""
+        return not self.row["option_kind"]
+
+    @property
     def count(self) -> int:
         """How many options it has."""
         return len(self.row["option_kind"])
@@ -59,6 +64,11 @@ class Unit:
     name: str
     cases: tuple[Case, ...]
     engines: tuple[str, ...]
+
+    @property
+    def open(self) -> bool:
+        """Whether its questions have no options."""
+        return self.cases[0].open
 
     @cached_property
     def once(self) -> tuple[Case, ...]:

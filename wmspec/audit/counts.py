@@ -60,6 +60,8 @@ def _rows(dataset: Finished, task: str) -> Iterator[tuple[str, int]]:
 
 def _one_truth(case: Case) -> bool:
     kinds, answer = case.row["option_kind"], case.row["answer"]
+    if case.open:
+        return answer is None
     return [i for i, kind in enumerate(kinds) if kind == "truth"] == [answer]
 
 

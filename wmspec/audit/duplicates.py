@@ -79,15 +79,15 @@ def _exact(cases: Sequence[Case]) -> Iterator[Pair]:
 
 
 def _offers_the_same(a: Case, b: Case) -> bool:
-    return sorted(_options(a)) == sorted(_options(b)) or _true(a) in _options(b) or _true(b) in _options(a)
+    return a.open or sorted(_options(a)) == sorted(_options(b)) or _true(a) in _options(b) or _true(b) in _options(a)
 
 
 def _options(case: Case) -> tuple[bytes, ...]:
-    return case.options or tuple(text.encode() for text in case.row["option_text"])
+    return case.options or tuple(text.encode() for text in case.row["option_text"] or ())
 
 
 def _true(case: Case) -> bytes:
-    return _options(case)[case.row["answer"]]
+    return str(case.row["answer_value"]).encode() if case.open else _options(case)[case.row["answer"]]
 
 
 # ---------------------------------------------------------------- to the eye
@@ -137,12 +137,15 @@ def looks_alike(a: Small, b: Small) -> bool:
 def _same_answer(a: Case, b: Case) -> bool:
     if a.pictured:
         return looks_alike(a.seen_options[a.row["answer"]], b.seen_options[b.row["answer"]])
+    within = a.row.get("answer_within")  # of an open question about a number
+    if within is not None:
+        return abs(a.row["answer_number"] - b.row["answer_number"]) <= within
     return _true(a) == _true(b)
 
 
 def _denies(a: Case, b: Case) -> bool:
     """Whether what is true in `a` is an option of `b` that is false."""
     if not a.pictured:
-        return _true(a) in _options(b)
+        return a.open or _true(a) in _options(b)
     true = a.seen_options[a.row["answer"]]
     return any(looks_alike(true, o) for i, o in enumerate(b.seen_options) if i != b.row["answer"])

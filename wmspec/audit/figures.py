@@ -81,9 +81,10 @@ def shares(test: Test) -> str:
     return _figure(f"How often each {test.first} occurs", parts, LINE * len(counts))
 
 
-def spread(found: Spread, unit: str = "") -> str:
+def spread(found: Spread) -> str:
     """A quantity's least, quarter, middle, three quarters and most."""
     low, quarter, middle, three, high = found.quantiles
+    unit = found.unit
     span = high - low or 1.0
     y = LINE / 2
 

@@ -33,7 +33,7 @@ def likeness(unit: Unit) -> Likeness | None:
 
 def judge(unit: Unit, found: Likeness | None) -> Finding:
     """Fails where a question has two options that are the same, or look it."""
-    same = [c.row["id"] for c in unit.cases if len(set(c.options or c.row["option_text"])) < c.count]
+    same = [c.row["id"] for c in unit.cases if len(set(c.options or c.row["option_text"] or ())) < c.count]
     if same:
         what = f"{len(same):,} questions have the same option twice, such as {', '.join(same[:MOST_NAMED])}"
         return Finding("options", unit.name, "fails", what)

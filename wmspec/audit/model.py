@@ -98,6 +98,7 @@ class Spread:
 
     task: str
     name: str
+    unit: str
     quantiles: tuple[float, ...]
 
 

@@ -38,10 +38,12 @@ _NOTHING = "the question shows no picture, so its options are all there is"
 
 
 def probes(unit: Unit) -> list[Probe]:
-    """Every probe that the unit's questions allow; none if there are too few of them."""
+    """Every probe that the unit's questions allow; none if there are too few of them, or nothing to choose from."""
     cases = _alike(unit.looked_at)
+    if len(cases) < LEAST_ASKED or cases[0].open:
+        return []
     groups = _groups(unit, cases)
-    if len(cases) < LEAST_ASKED or len(set(groups)) < LEAST_GROUPS:
+    if len(set(groups)) < LEAST_GROUPS:
         return []
     owner = np.repeat(np.arange(len(cases)), [c.count for c in cases])
     truth = np.concatenate([np.arange(c.count) == c.row["answer"] for c in cases])
@@ -70,7 +72,7 @@ def _kinds(case: Case) -> Iterator[tuple[str, See, bool, str]]:
 
 def _alike(cases: Sequence[Case]) -> list[Case]:
     """The cases of the commonest form: as many pictures, and options of one kind."""
-    forms = [(c.pictured, len(c.seen_context)) for c in cases]
+    forms = [(c.pictured, c.open, len(c.seen_context)) for c in cases]
     common = max(forms, key=forms.count, default=None)
     return [c for c, form in zip(cases, forms, strict=True) if form == common]
 
@@ -81,7 +83,7 @@ def _groups(unit: Unit, cases: Sequence[Case]) -> list[str]:
     Its members look alike and have different answers; some to fit to and some to judge by would mislead the classifier.
     Repetitions and engines are of one group too: they would give the answer away.
     """
-    names = list(cases[0].varied("factor")) if cases and not cases[0].pictured else []
+    names = list(cases[0].varied("factor")) if not cases[0].pictured else []
     decides = max(names, key=lambda n: independence(table_of(unit.once, n).counts)[0], default="")
     return ["/".join(f"{n}={v}" for n, v in c.varied("factor").items() if n != decides) or c.row["id"] for c in cases]
 

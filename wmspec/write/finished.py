@@ -15,8 +15,10 @@ from wmspec.errors import WmsError
 from wmspec.write.rows import Row
 from wmspec.write.shards import ROW_GROUP
 
-#: The columns that hold pictures, as a list of {bytes, path}.
+#: The columns that hold pictures to be looked at, as a list of {bytes, path}.
 PICTURES = ("context", "option_image")
+#: Columns for programs, which are large.
+CHANNELS = ("context_depth", "context_ids")
 
 
 @dataclass(frozen=True)
@@ -61,11 +63,15 @@ class Finished:
         }
 
     def rows(self, task: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
-        """The rows of a task in order, few in memory at a time. Raises WmsError if a shard cannot be read."""
+        """The rows of a task in order, few in memory at a time; all columns but those of channels, if none are named.
+
+        Raises WmsError if a shard cannot be read.
+        """
         for path in self.shards(task):
             file = _opened(self.folder / path)
             try:
-                for batch in file.iter_batches(ROW_GROUP, columns=columns):
+                wanted = columns or [name for name in file.schema_arrow.names if name not in CHANNELS]
+                for batch in file.iter_batches(ROW_GROUP, columns=wanted):
                     yield from batch.to_pylist()
             except (OSError, pa.ArrowException) as error:
                 raise _unreadable(self.folder / path, error) from None
