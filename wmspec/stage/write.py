@@ -1,24 +1,34 @@
-"""Stages on disk: `base.usda` per task, `000000.usda` per instance over it, `000000.NAME.usda` per counterfactual."""
+"""Stages on disk: `base.usda` per task, `000000.usda` per instance over it, `000000.NAME.usda` per counterfactual.
+
+Images lie beside them in `textures`, named by their content, so that a folder of stages can be moved.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from hashlib import blake2b
 from pathlib import Path
 
-from pxr import Sdf
-
+from wmspec.check.ir import Counterfactual
 from wmspec.design.design import Design, Instance
 from wmspec.errors import WmsError
+from wmspec.stage.document import Document
 from wmspec.stage.episode import document
 from wmspec.stage.layers import base_layer, override_layer
 
 
 def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]:
-    """Write the base layer, the instance's and its counterfactuals' into a folder that exists; returns their paths.
+    """Write the base layer, the instance's and its counterfactuals' into a folder that exists, and their images.
 
-    The base is instance 0, whole. Raises WmsError if the folder cannot be written to.
+    The base is instance 0, whole. Returns the paths of the layers. Raises WmsError if the folder cannot be written to.
     """
     spec = design.spec
-    base, truth = document(spec, design[0]), document(spec, instance)
+    images: dict[str, Path] = {}
+
+    def written(change: Counterfactual | None, of: Instance = instance) -> Document:
+        return _moved(document(spec, of, change), images)
+
+    base, truth = written(None, design[0]), written(None)
     name = f"{instance.index:06d}"
     assigned = ", ".join(f"{k} = {v:g}" if isinstance(v, float) else f"{k} = {v}" for k, v in instance.values.items())
     layers = {
@@ -32,14 +42,33 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
             what = (
                 f"What if: {change.name}, a change of {change.owner}{'.' if change.property else ''}{change.property}"
             )
-            altered = document(spec, instance, change)
+            altered = written(change)
             layers[f"{name}.{change.name}.usda"] = override_layer(truth, altered, f"./{name}.usda", what)
-    return [_export(layer, folder / file) for file, layer in layers.items()]
+    for file, image in images.items():
+        _write(folder / file, image.read_bytes())
+    return [_write(folder / file, layer.ExportToString().encode()) for file, layer in layers.items()]
 
 
-def _export(layer: Sdf.Layer, path: Path) -> Path:
+def _moved(made: Document, images: dict[str, Path]) -> Document:
+    """The document with its images named relative to its own file; notes where they are now in `images`."""
+    for prim in made.prims.values():
+        for name, attribute in prim.attributes.items():
+            if attribute.type == "asset":
+                here = _name(Path(attribute.value))
+                images[here] = Path(attribute.value)
+                prim.attributes[name] = replace(attribute, value=f"./{here}")
+    return made
+
+
+def _name(image: Path) -> str:
+    """What the copy of an image is called: the same for the same bytes."""
+    return f"textures/{image.stem}-{blake2b(image.read_bytes(), digest_size=4).hexdigest()}{image.suffix.lower()}"
+
+
+def _write(path: Path, content: bytes) -> Path:
     try:
-        path.write_text(layer.ExportToString(), encoding="utf-8")
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(content)
     except OSError as error:
         raise WmsError(f"{path}: cannot be written: {error.strerror}") from None
     return path
