@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from wmspec.backends.mujoco.execute import execute
 from wmspec.backends.mujoco.native import native
-from wmspec.scene.model import Renderer, Scene
+from wmspec.scene.model import Look, Renderer, Scene
 
 __all__ = ["execute", "name", "native", "renderer"]
 
 name = "mujoco"
 
 
-def renderer(scene: Scene, width: int, height: int) -> Renderer:
-    """Make a renderer of the scene's bodies and cameras; only this needs graphics, so only this imports them."""
+def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:
+    """Make a renderer of the scene's bodies and cameras; only this needs graphics, so only this imports them.
+
+    Raises WmsError where the graphics that the look needs are missing.
+    """
+    if look == "beauty":
+        from wmspec.backends.mujoco import beauty
+
+        return beauty.Renderer(scene, width, height, samples or beauty.SAMPLES)
     from wmspec.backends.mujoco import render
 
-    return render.renderer(scene, width, height)
+    return render.Renderer(scene, width, height)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.errors import WmsError
-from wmspec.scene.camera import find
+from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, whole
 from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.scene.picture import check
@@ -28,18 +28,16 @@ BIAS = 1.0
 SAMPLES = 4
 
 
-def renderer(scene: Scene, width: int, height: int) -> Renderer:
-    """Make a renderer of `width` x `height` pixels. Raises WmsError where OpenGL is missing."""
-    return Renderer(scene, width, height)
-
-
 class Renderer:
-    """Draws one scene: every body is a mocap body, so a shot is a matter of setting poses."""
+    """Draws one scene: every body is a mocap body, so a shot is a matter of setting poses.
+
+    Raises WmsError where OpenGL is missing.
+    """
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         self._scene, self._casters = scene, Casters(scene)
         self._rect = mujoco.MjrRect(0, 0, width, height)
-        self._model: Any = _spec(scene, width, height).compile()
+        self._model: Any = build(scene, width, height).compile()
         self._data: Any = mujoco.MjData(self._model)
         self._owner = np.append(self._model.body_mocapid[self._model.geom_bodyid], -1)
         self._view: Any = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 100)
@@ -51,7 +49,7 @@ class Renderer:
         self._gl.make_current()
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         self._place(shot)
-        self._aim(find(self._scene, shot.camera), shot)
+        self._aim(seeing(self._scene, shot), shot)
         rgb = self._render(ids=False)
         ids = self._bodies(self._render(ids=True))
         return Frame(rgb, ids, np.where(ids >= 0, self._distance(), np.float32(0)) if depth else None)
@@ -77,11 +75,13 @@ class Renderer:
         self._model.vis.map.znear, self._model.vis.map.zfar = camera.near, far
         self._context.shadowClip = region.half
         self._model.light_pos[:] = region.center - self._scene.light.direction * region.reach
+        number = [one.name for one in self._scene.cameras].index(camera.name)
+        self._model.cam_pos[number], self._model.cam_quat[number] = camera.pose.position, camera.pose.orientation
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
         eye = mujoco.MjvCamera()
         eye.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        eye.fixedcamid = self._scene.cameras.index(camera)
+        eye.fixedcamid = number
         every = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(self._model, self._data, mujoco.MjvOption(), None, eye, every, self._view)
 
@@ -142,7 +142,8 @@ def _opengl(width: int, height: int) -> Any:
         return GLContext(width, height)
 
 
-def _spec(scene: Scene, width: int, height: int) -> Any:
+def build(scene: Scene, width: int, height: int) -> Any:
+    """The model: body i of the scene is the mocap body `b{i}`, its geometry j the mesh and material `b{i}g{j}`."""
     spec = mujoco.MjSpec()
     _settings(spec, scene, width, height)
     _lights(spec, scene)

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from wmspec.backends.pybullet.execute import execute
 from wmspec.backends.pybullet.native import native
-from wmspec.scene.model import Renderer, Scene
+from wmspec.errors import WmsError
+from wmspec.scene.model import Look, Renderer, Scene
 
 __all__ = ["execute", "name", "native", "renderer"]
 
 name = "pybullet"
 
 
-def renderer(scene: Scene, width: int, height: int) -> Renderer:
-    """Make a renderer of the scene's bodies and cameras; only this needs graphics, so only this imports them."""
+def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:
+    """Make a renderer of the scene's bodies and cameras.
+
+    Raises WmsError for another look than parity, which is all that TinyRenderer can.
+    """
+    if look != "parity" or samples is not None:
+        raise WmsError(f"PyBullet can't draw the look '{look}'; let mujoco or sapien draw, with `--renderer`")
     from wmspec.backends.pybullet import render
 
-    return render.renderer(scene, width, height)
+    return render.Renderer(scene, width, height)

@@ -13,7 +13,7 @@ from wmspec.backends.pybullet.lists import lists
 from wmspec.backends.pybullet.shadow import Sun
 from wmspec.backends.pybullet.sides import sides
 from wmspec.errors import WmsError
-from wmspec.scene.camera import find, projection_matrix, view_matrix
+from wmspec.scene.camera import projection_matrix, seeing, view_matrix
 from wmspec.scene.color import texture, whole
 from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import Image, check, halve, quantize
@@ -34,11 +34,6 @@ WHITE = 255
 
 NOWHERE = [0.0, 0.0, 1e6]
 """Where bodies wait that aren't to be drawn: to draw them would take most of the time."""
-
-
-def renderer(scene: Scene, width: int, height: int) -> Renderer:
-    """Make a renderer of `width` x `height` pixels."""
-    return Renderer(scene, width, height)
 
 
 @dataclass(frozen=True)
@@ -70,7 +65,7 @@ class Renderer:
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
         check(self._scene, shot)
-        camera = find(self._scene, shot.camera)
+        camera = seeing(self._scene, shot)
         fine, coarse = self._layers(camera, shot)
         lit, dark = self._smooth(fine), coarse.rgba[..., :3] + np.float32(0.5)
         ids, distance = self._owner[coarse.numbers], _metres(coarse.depth, camera)

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.errors import WmsError
-from wmspec.scene.camera import find
-from wmspec.scene.color import texture
+from wmspec.scene.camera import seeing
+from wmspec.scene.color import texture, to_bytes, to_linear, to_srgb
 from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import check, over
 from wmspec.scene.shadow import SHADE, Casters
@@ -38,19 +38,17 @@ TURN = quaternion(np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]
 """SAPIEN's camera looks along +x with +z up; this turns it into USD's."""
 
 
-def renderer(scene: Scene, width: int, height: int) -> Renderer:
-    """Make a renderer of `width` x `height` pixels. Raises WmsError where Vulkan is missing or too old."""
-    return Renderer(scene, width, height)
-
-
 class Renderer:
-    """Draws one scene: bodies are entities without physics, and are moved from shot to shot."""
+    """Draws one scene: bodies are entities without physics, and are moved from shot to shot.
+
+    Raises WmsError where Vulkan is missing or too old.
+    """
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         _sentinel()
         self._scene, self._casters = scene, Casters(scene)
         self._world: Any = _world()
-        self._bodies = [_body(self._world, [geom for geom in body.geoms if geom.visible]) for body in scene.bodies]
+        self._bodies = bodies(self._world, scene)
         self._owner = np.full(max((body.per_scene_id for body in self._bodies), default=0) + 1, -1, np.int16)
         self._owner[[body.per_scene_id for body in self._bodies]] = np.arange(len(self._bodies))
         self._sun = _lights(self._world, scene)
@@ -60,7 +58,7 @@ class Renderer:
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
         check(self._scene, shot)
-        camera = find(self._scene, shot.camera)
+        camera = seeing(self._scene, shot)
         if camera.name not in self._eyes:
             self._eyes[camera.name] = _eyes(self._world, camera, *self._size)
         self._place(shot, camera)
@@ -77,8 +75,7 @@ class Renderer:
         self._sun = self._world = None
 
     def _place(self, shot: Shot, camera: Camera) -> None:
-        for body, pose in zip(self._bodies, shot.poses, strict=True):
-            body.set_pose(_pose(pose))
+        place(self._bodies, shot)
         region = self._casters.region(camera, shot)
         turn = sapien.math.shortest_rotation([1, 0, 0], self._scene.light.direction.tolist())
         self._sun.pose = sapien.Pose(region.center, turn)
@@ -104,8 +101,8 @@ def _sentinel() -> Any:
             world = _world()
             eyes = _eyes(world, Camera("eye", identity(), 1.0, 0.1, 10.0), 16, 16)
             world.update_render()
-            for eye in eyes:
-                eye.take_picture()
+            for one in eyes:
+                one.take_picture()
     except Exception as error:  # SAPIEN raises RuntimeError, whatever is wrong
         raise WmsError(
             f"SAPIEN can't draw: no Vulkan device that it can use ({error}); without a GPU it needs Mesa 24.3 or newer "
@@ -122,23 +119,34 @@ def _pose(pose: Pose) -> Any:
     return sapien.Pose(pose.position, pose.orientation)
 
 
+def bodies(world: Any, scene: Scene, linear: bool = False) -> list[Any]:
+    """An entity for each body of the scene; colours are as they are, for our shaders, or `linear`, for SAPIEN's own."""
+    return [_body(world, [geom for geom in body.geoms if geom.visible], linear) for body in scene.bodies]
+
+
+def place(entities: list[Any], shot: Shot) -> None:
+    """Put the entities where the shot has their bodies."""
+    for entity, pose in zip(entities, shot.poses, strict=True):
+        entity.set_pose(_pose(pose))
+
+
 def _eyes(world: Any, camera: Camera, width: int, height: int) -> tuple[Any, Any]:
     """The same camera twice: one for colours, one for ids and distances."""
     sapien.render.set_picture_format("Picture", "r8g8b8a8unorm")
-    color = _eye(world, camera, (width, height), "color", SAMPLES)
-    return color, _eye(world, camera, (width, height), "ids", 1)
+    color = eye(world, camera, (width, height), str(SHADERS / "color"), SAMPLES)
+    return color, eye(world, camera, (width, height), str(SHADERS / "ids"), 1)
 
 
-def _eye(world: Any, camera: Camera, size: tuple[int, int], shaders: str, samples: int) -> Any:
+def eye(world: Any, camera: Camera, size: tuple[int, int], shaders: str, samples: int) -> Any:
     """A camera that draws with the shaders of a folder; SAPIEN takes them from what is set when it's made."""
     before = sapien.render.get_camera_shader_dir(), sapien.render.get_msaa()
-    sapien.render.set_camera_shader_dir(str(SHADERS / shaders))
+    sapien.render.set_camera_shader_dir(shaders)
     sapien.render.set_msaa(samples)
-    eye = world.add_camera(camera.name, *size, camera.fovy, camera.near, camera.far)
+    made = world.add_camera(camera.name, *size, camera.fovy, camera.near, camera.far)
     sapien.render.set_camera_shader_dir(before[0])
     sapien.render.set_msaa(before[1])
-    eye.entity.set_pose(sapien.Pose(camera.pose.position, multiply(camera.pose.orientation, TURN)))
-    return eye
+    made.entity.set_pose(sapien.Pose(camera.pose.position, multiply(camera.pose.orientation, TURN)))
+    return made
 
 
 def _lights(world: Any, scene: Scene) -> Any:
@@ -150,34 +158,39 @@ def _lights(world: Any, scene: Scene) -> Any:
     return world.add_directional_light(direction, [light.diffuse * SHADE] * 3, shadow=True, shadow_map_size=SHADOW_MAP)
 
 
-def _body(world: Any, geoms: list[Geom]) -> Any:
+def _body(world: Any, geoms: list[Geom], linear: bool) -> Any:
     component = sapien.render.RenderBodyComponent()
     for geom in geoms:
-        component.attach(_shape(geom))
+        component.attach(_shape(geom, linear))
     entity = sapien.Entity()
     entity.add_component(component)
     world.add_entity(entity)
     return entity
 
 
-def _shape(geom: Geom) -> Any:
+def _shape(geom: Geom, linear: bool) -> Any:
     facets = unwrap(geom)
     st: Array = facets.st * [1, -1] + [0, 1]
     points, normals = facets.points.astype(np.float32), facets.normals.astype(np.float32)
     shape = sapien.render.RenderShapeTriangleMesh(
-        points, facets.faces.astype(np.uint32), normals, st.astype(np.float32), _material(geom)
+        points, facets.faces.astype(np.uint32), normals, st.astype(np.float32), _material(geom, linear)
     )
     shape.local_pose = _pose(geom.pose)
     return shape
 
 
-def _material(geom: Geom) -> Any:
-    """A matte material; colours are passed as they are: our shaders add up light in sRGB."""
+def _material(geom: Geom, linear: bool) -> Any:
+    """A material; unless `linear`, colours are passed as they are: our shaders add up light in sRGB."""
+    look = geom.surface
     material = sapien.render.RenderMaterial()
-    material.base_color = [*geom.surface.color, 1.0]
-    if geom.surface.texture is not None:
-        image = np.dstack(
-            [texture(geom.surface.texture), np.full(texture(geom.surface.texture).shape[:2], 255, np.uint8)]
+    material.base_color = [*(to_linear(look.color).tolist() if linear else look.color), 1.0]
+    material.roughness, material.metallic = max(look.roughness, 0.05), look.metallic
+    if look.texture is not None:
+        image = texture(look.texture)
+        if linear:  # SAPIEN's own shaders take an image instead of the colour
+            image = to_bytes(to_srgb(to_linear(image / 255) * to_linear(look.color)))
+        opaque = np.dstack([image, np.full(image.shape[:2], 255, np.uint8)])
+        material.base_color_texture = sapien.render.RenderTexture2D(
+            opaque, "R8G8B8A8Unorm", mipmap_levels=4, srgb=linear
         )
-        material.base_color_texture = sapien.render.RenderTexture2D(image, "R8G8B8A8Unorm", mipmap_levels=4)
     return material

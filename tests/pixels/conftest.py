@@ -42,7 +42,7 @@ def renderer() -> Iterator[Any]:
         key = (engine, id(what), width, height, len(made) if fresh else -1)
         if key not in made:
             module = importlib.import_module(f"wmspec.backends.{engine}.render")
-            made[key] = module.renderer(what, width, height)
+            made[key] = module.Renderer(what, width, height)
         return made[key]
 
     yield make

@@ -151,7 +151,7 @@ def test_rebuilding_does_not_leak(engine: str, table: Scene) -> None:
 
     def rebuild(times: int) -> None:
         for _ in range(times):
-            one = module.renderer(table, 64, 64)
+            one = module.Renderer(table, 64, 64)
             one.draw(still(table, "front"))
             one.close()
 

@@ -6,8 +6,9 @@ import hashlib
 import pickle
 from collections import OrderedDict
 
+from wmspec.errors import WmsError
 from wmspec.execute.backends import backend
-from wmspec.scene.model import Frame, Renderer, Scene, Shot
+from wmspec.scene.model import Frame, Look, Renderer, Scene, Shot
 
 
 def look_key(scene: Scene) -> str:
@@ -18,22 +19,33 @@ def look_key(scene: Scene) -> str:
 
 
 class Studio:
-    """Draws in one engine at one size (pixels). Close it when done."""
+    """Draws in one engine at one size (pixels), in a look, with so many samples a pixel. Close it when done."""
 
-    def __init__(self, engine: str, width: int, height: int, remembered: int = 64) -> None:
+    def __init__(
+        self,
+        engine: str,
+        width: int,
+        height: int,
+        look: Look = "parity",
+        samples: int | None = None,
+        remembered: int = 64,
+    ) -> None:
+        if look == "parity" and samples is not None:
+            raise WmsError("the look `parity` has no samples to choose; leave out `--samples`, or add `--look beauty`")
         self.engine = engine
         self.size = (width, height)
+        self._look, self._samples = look, samples
         self._remembered = remembered
         self._open: tuple[str, Renderer] | None = None
         self._frames: OrderedDict[str, Frame] = OrderedDict()
 
-    def draw(self, scene: Scene, shot: Shot) -> Frame:
+    def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
         """The picture of a scene from a camera, with every body at the pose of the shot."""
         look = look_key(scene)
         where = b"".join(p.position.tobytes() + p.orientation.tobytes() for p in shot.poses)
-        key = hashlib.blake2b(f"{look}{shot.camera}".encode() + where, digest_size=16).hexdigest()
+        key = hashlib.blake2b(f"{look}{shot.camera}{depth}".encode() + where, digest_size=16).hexdigest()
         if key not in self._frames:
-            self._frames[key] = self._renderer(scene, look).draw(shot)
+            self._frames[key] = self._renderer(scene, look).draw(shot, depth=depth)
             if len(self._frames) > self._remembered:
                 self._frames.popitem(last=False)
         self._frames.move_to_end(key)
@@ -48,5 +60,5 @@ class Studio:
     def _renderer(self, scene: Scene, look: str) -> Renderer:
         if self._open is None or self._open[0] != look:
             self.close()
-            self._open = (look, backend(self.engine).renderer(scene, *self.size))
+            self._open = (look, backend(self.engine).renderer(scene, *self.size, self._look, self._samples))
         return self._open[1]

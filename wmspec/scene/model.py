@@ -406,6 +406,9 @@ class Frame:
 
 # ---------------------------------------------------------------- the shape of a backend
 
+Look = Literal["parity", "beauty"]
+"""The same picture from every engine, or the best that each can draw."""
+
 
 class Renderer(Protocol):
     """Draws one scene, any number of times. Close it when done."""
@@ -428,8 +431,13 @@ class Backend(Protocol):
         """Run the episode."""
         ...
 
-    def renderer(self, scene: Scene, width: int, height: int) -> Renderer:
-        """Make a renderer of the scene's bodies and cameras."""
+    def renderer(
+        self, scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None
+    ) -> Renderer:
+        """Make a renderer of the scene's bodies and cameras; `samples` a pixel are for the look "beauty".
+
+        Raises WmsError if the engine does not have the look, or the machine not the graphics.
+        """
         ...
 
     def native(self, scene: Scene) -> dict[str, str]:

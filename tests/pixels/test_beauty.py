@@ -1,0 +1,93 @@
+"""The beauty look: soft shadows, metal that mirrors a room, and masks as exact as ever."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.pixels.scenes import SUN, body, scene
+from wmspec.errors import WmsError
+from wmspec.execute.backends import backend
+from wmspec.execute.studio import Studio
+from wmspec.scene.camera import look_at, project
+from wmspec.scene.develop import develop
+from wmspec.scene.environment import PEAK, cube, radiance
+from wmspec.scene.model import Box, Camera, Frame, Scene, Shot, Sphere, Surface
+
+SIZE = 96
+
+
+def metal() -> Scene:
+    """A ball of steel and a red one on a floor."""
+    floor = body("floor", "static", (0, 0, -0.05), Box(np.array([3.0, 3.0, 0.05])), Surface((0.7, 0.7, 0.7)))
+    steel = body("steel", "dynamic", (-0.1, 0, 0.08), Sphere(0.08), Surface((0.9, 0.9, 0.9), 0.1, 1.0))
+    paint = body("paint", "dynamic", (0.12, 0, 0.08), Sphere(0.08), Surface((0.8, 0.12, 0.12), 0.6))
+    eye = Camera("eye", look_at((0, -0.8, 0.5), (0, 0, 0.05)), math.radians(30), 0.05, 10.0)
+    return scene(floor, steel, paint, cameras=(eye,))
+
+
+def shot(what: Scene) -> Shot:
+    return Shot("eye", [one.pose for one in what.bodies])
+
+
+def glint(frame: Frame) -> float:
+    """How much brighter than most of the steel ball its brightest places are."""
+    ball = frame.rgb[frame.ids == 1]
+    return float(np.percentile(ball, 98) / np.median(ball))
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "sapien"])
+def test_beauty(engine: str) -> None:
+    pytest.importorskip(engine)
+    what, made = metal(), backend(engine).renderer(metal(), SIZE, SIZE, "beauty", 4)
+    plain = backend(engine).renderer(what, SIZE, SIZE)
+    frame, parity = made.draw(shot(what), depth=True), plain.draw(shot(what), depth=True)
+    again = made.draw(shot(what))
+    made.close()
+    plain.close()
+    assert np.array_equal(frame.ids, parity.ids)
+    assert np.array_equal(frame.depth, parity.depth)
+    assert np.array_equal(frame.rgb, again.rgb)
+    red = frame.rgb[frame.ids == 2].mean(axis=0)
+    assert red[0] > 2 * red[1]
+    assert glint(frame) > 1.3 * glint(parity), "metal mirrors windows and dark corners"
+    (lit, shaded), _ = project(
+        what.cameras[0], [(0.02, -0.15, 0), np.array([0.12, 0, 0]) - 0.1 * SUN / SUN[2]], SIZE, SIZE
+    )
+    bright, dark = (frame.rgb[int(y), int(x)].astype(float) for x, y in (lit, shaded))
+    assert 110 < bright.mean() < 235
+    assert dark.mean() < 0.85 * bright.mean()
+
+
+def test_pybullet_names_those_that_can() -> None:
+    pytest.importorskip("pybullet")
+    with pytest.raises(WmsError, match="mujoco or sapien"):
+        backend("pybullet").renderer(metal(), SIZE, SIZE, "beauty")
+
+
+def test_samples_are_for_beauty() -> None:
+    with pytest.raises(WmsError, match="--look beauty"):
+        Studio("mujoco", SIZE, SIZE, samples=4)
+
+
+def test_the_surroundings_are_as_bright_as_they_say() -> None:
+    """The mean over the upper half is about 1, and what a cube map sums to is what the sphere has."""
+    directions, side = cube(64), 64
+    area: Any = 4 / side**2 * np.abs(directions).max(axis=-1) ** 3 / np.linalg.norm(directions, axis=-1) ** 3
+    assert area.sum() == pytest.approx(4 * math.pi, rel=1e-2)
+    light = radiance(directions)
+    upper = directions[..., 2] > 0
+    assert (light[upper] * area[upper, None]).sum() / 3 / (2 * math.pi) == pytest.approx(1, abs=0.15)
+    assert light.max() <= PEAK
+
+
+def test_developing_keeps_what_is_dark_and_rolls_off_what_is_bright() -> None:
+    dark, bright = np.array([[[0.2, 0.5, 0.1]]]), np.linspace(0.1, 8, 50)[None, :, None] * np.ones(3)
+    assert np.allclose(develop(dark)[0, 0], [124, 188, 89], atol=1)  # IEC 61966-2-1
+    curve = develop(bright)[0, :, 0].astype(int)
+    assert np.all(np.diff(curve) >= 0)
+    assert curve[-1] <= 255
+    assert np.unique(curve).size > 15
