@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
 from wmspec.check import ir
-from wmspec.check.evaluate import parts
 from wmspec.check.expressions import Expressions
 from wmspec.check.factors import Factors
 from wmspec.check.observations import Observations
@@ -130,7 +129,6 @@ class _Task:
             observations=tuple(observations),
             questions=tuple(questions),
         )
-        self.idle_factors(spec)
         return None if self.report.failed else spec
 
     def each(self, sort: type[S], check: Callable[[S], T]) -> list[T]:
@@ -189,35 +187,3 @@ class _Task:
         if typed is not None:
             return typed.expr
         return ir.Call(function="max", arguments=tuple(o.times for o in observations))
-
-    # ------------------------------------------------------------ what has no effect
-
-    def idle_factors(self, spec: ir.TaskSpec) -> None:
-        """Warn about factors that neither the scene nor a question depends on."""
-        lets = {let.name: let.value for let in spec.lets}
-        used: set[str] = set()
-        stack = list(_effects(spec))
-        while stack:
-            for part in parts(stack.pop()):
-                if isinstance(part, ir.Ref) and part.name not in used:
-                    used.add(part.name)
-                    if part.name in lets:
-                        stack.append(lets[part.name])
-        for statement in self.statements:
-            if isinstance(statement, s.Factor) and statement.name.id not in used:
-                what = "nuisance" if statement.nuisance else "factor"
-                message = f"nothing depends on the {what} `{statement.name.id}`"
-                remedy = "use it in an object, action or question, or remove it"
-                self.report.add("WMS403", message, statement.name.span, remedy, severity="warning")
-
-
-def _effects(spec: ir.TaskSpec) -> Iterator[ir.Expr]:
-    yield spec.horizon
-    for thing in spec.things:
-        yield from (setting.value for setting in thing.properties.values())
-    yield from (o.times for o in spec.observations)
-    for q in spec.questions:
-        yield q.answer
-        yield from (p.value for p in q.text if isinstance(p, ir.Said))
-        yield from (c.value for c in q.counterfactuals if c.value is not None)
-        yield from (q.options,) if q.options else ()

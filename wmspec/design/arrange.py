@@ -8,7 +8,7 @@ from itertools import chain, combinations, islice
 from wmspec.check.ir import Choices, TaskSpec
 from wmspec.design.chain import MOST_COUNTED, Chain, TooMuch
 from wmspec.design.columns import Column, Free, Strata
-from wmspec.design.constrain import Constraint, constraints
+from wmspec.design.constrain import Constraint
 from wmspec.design.draws import Level
 from wmspec.design.fault import Fault
 from wmspec.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
@@ -17,9 +17,8 @@ from wmspec.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sa
 MOST_SETS = 500
 
 
-def arrange(spec: TaskSpec, seed: int) -> tuple[tuple[Column, ...], Arrangement]:
+def arrange(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> tuple[tuple[Column, ...], Arrangement]:
     """The columns of a task's design and how they are combined. Raises Fault if that cannot be."""
-    conditions = constraints(spec)
     columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
     key = (seed, spec.name, spec.plan.kind)
     count = spec.plan.count or 1

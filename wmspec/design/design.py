@@ -9,6 +9,7 @@ from typing import overload
 
 from wmspec.check.ir import Choices, TaskSpec
 from wmspec.design.arrange import arrange
+from wmspec.design.constrain import constraints
 from wmspec.design.draws import Level, permuted, quantile, uniform
 from wmspec.design.fault import Fault
 
@@ -49,7 +50,8 @@ class Design:
         self.seed = seed
         self.factors = tuple(f for f in spec.factors if not f.nuisance)
         self.nuisances = tuple(f for f in spec.factors if f.nuisance)
-        self._columns, self._plan = arrange(spec, seed)
+        self.conditions = constraints(spec)
+        self._columns, self._plan = arrange(spec, self.conditions, seed)
         self._alone = spec.plan.kind == "latin"
         self._drawn: tuple[object, dict[str, Level]] = (None, {})
         self.block_size = self._plan.size

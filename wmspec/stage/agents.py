@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.check.ir import TaskSpec
+from wmspec.check.ir import TaskSpec, Thing, Value
 from wmspec.errors import WmsError
 
 
@@ -17,6 +17,17 @@ def refuse(spec: TaskSpec) -> None:
 
 
 def without(spec: TaskSpec) -> TaskSpec:
-    """The spec without its robots and what they do, such as can be staged."""
-    kept = tuple(t for t in spec.things if t.kind != "robot" and not (t.kind == "action" and t.of))
-    return spec.model_copy(update={"things": kept}) if len(kept) < len(spec.things) else spec
+    """The spec without its robots, what they do and what rides on them, such as can be staged."""
+    robots = {t.name for t in spec.things if t.kind == "robot"}
+    kept = tuple(
+        t for t in spec.things if t.kind != "robot" and not (t.kind == "action" and t.of) and not _on(t, robots)
+    )
+    left = {t.name for t in kept}
+    seen = tuple(o for o in spec.observations if o.camera in left)
+    return spec.model_copy(update={"things": kept, "observations": seen}) if robots else spec
+
+
+def _on(thing: Thing, robots: set[str]) -> bool:
+    """Whether a camera rides on a robot."""
+    ridden = thing.properties.get("ride") if thing.kind == "camera" else None
+    return ridden is not None and isinstance(ridden.value, Value) and ridden.value.value in robots

@@ -23,8 +23,13 @@ def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None =
 
     Raises WmsError with its place if a property has an impossible value, or something cannot be executed.
     """
+    return built(Values(spec, instance.values, change, instance.key))
+
+
+def built(values: Values) -> Document:
+    """The same from the values of an instance."""
+    spec = values.spec
     agents.refuse(spec)
-    values = Values(spec, instance.values, change, instance.key)
     doc = Document({})
     doc.add("/World", "Xform")
     _physics(doc, values)

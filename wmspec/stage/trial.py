@@ -2,49 +2,163 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Iterable, Iterator
+from itertools import combinations
 
-from wmspec.check.ir import TaskSpec
-from wmspec.design.design import Design
+from wmspec.check.evaluate import evaluate
+from wmspec.check.ir import Counterfactual, Question, TaskSpec
+from wmspec.design.depend import Dependencies
+from wmspec.design.design import Design, Instance
+from wmspec.design.fault import Fault
+from wmspec.design.values import Values
 from wmspec.errors import WmsError
-from wmspec.parse.diagnostics import Report
-from wmspec.parse.load import located, read_source
-from wmspec.parse.source import Source, Span
-from wmspec.stage.episode import document
+from wmspec.parse.diagnostics import Note, Report
+from wmspec.stage.agents import without
+from wmspec.stage.document import Document
+from wmspec.stage.doubts import Doubt, doubts, idle_requires, measured
+from wmspec.stage.episode import built
+from wmspec.stage.overlap import overlaps
+from wmspec.stage.point import Pointer
+from wmspec.stage.sight import blind
 
 #: How many instances are tried, and how many of them with every counterfactual.
 TRIED, TRIED_CHANGED = 24, 8
 
+#: What follows from the place or the turn of something else, as it should.
+_FOLLOWS = ("pose", "way", "form", "there", "start")
+
 
 def trial(spec: TaskSpec, report: Report) -> int:
-    """Report what goes wrong with the values of a spec; returns the number of its instances (0 if there are none)."""
+    """Report what goes wrong with the values of a spec; returns the number of its instances (0 if there are none).
+
+    What robots do is left out.
+    """
+    pointer = Pointer(spec)
     try:
+        _doubt(doubts(spec), pointer, report)
         design = Design(spec)
-    except WmsError as error:
-        _report(str(error), "WMS402" if "no combination" in str(error) else "WMS404", report)
+        _doubt(idle_requires(spec, design.conditions), pointer, report)
+        tried = _Trial(without(spec), pointer, report)
+        for count, index in enumerate(design.sample(TRIED)):
+            tried.instance(design[index], count < TRIED_CHANGED)
+    except Fault as fault:
+        notes = tuple(Note(note, pointer.span(place)) for note, place in fault.notes)
+        report.add(fault.code, fault.message, pointer.span(fault.place), fault.help, notes)
         return 0
-    try:
-        for tried, index in enumerate(design.sample(TRIED)):
-            truth = document(spec, design[index])
-            for question in spec.questions:
-                for change in question.counterfactuals if tried < TRIED_CHANGED else ():
-                    if not truth.differing(document(spec, design[index], change)):
-                        raise WmsError(f"{change.place}: `{change.name}` changes nothing in instance {index}")
     except WmsError as error:
-        _report(str(error), "WMS503" if "changes nothing" in str(error) else "WMS304", report)
+        message, span = pointer.said(str(error))
+        report.add("WMS304", message, span)
     return len(design)
 
 
-def _report(message: str, code: str, report: Report) -> None:
-    """Point at the place that a message begins with."""
-    match = re.search(r"([^\s:;][^:;]*):(\d+):(\d+): ", message)
-    if match is None:
-        span = Span(Source("<spec>", " "), 0, 0)
-        report.add(code, message, span)
-        return
-    source = read_source(located(match[1]))
-    lines = source.text.split("\n")
-    start = sum(len(line) + 1 for line in lines[: int(match[2]) - 1]) + int(match[3]) - 1
-    word = re.match(r"[^\n]*", source.text[start:])
-    end = start + len((word[0] if word else "").rstrip())
-    report.add(code, message[: match.start()] + message[match.end() :], Span(source, start, end))
+def _doubt(found: Iterable[Doubt], pointer: Pointer, report: Report) -> None:
+    for code, message, place, help in found:
+        report.add(code, message, pointer.span(place), help, severity="warning")
+
+
+class _Trial:
+    """Builds the scenes of instances. What is found in several of them is told of the first."""
+
+    def __init__(self, spec: TaskSpec, pointer: Pointer, report: Report) -> None:
+        self.spec = spec
+        self.pointer = pointer
+        self.report = report
+        self.depend = Dependencies(spec)
+        self.things = {t.name for t in spec.things}
+        self.told: set[object] = set()
+
+    def instance(self, instance: Instance, changed: bool) -> None:
+        """One instance, with its counterfactuals if `changed`. Raises WmsError if it cannot be staged."""
+        values = Values(self.spec, instance.values, None, instance.key)
+        truth = built(values)
+        self.overlapping(values, instance)
+        self.blind(values)
+        for question in self.spec.questions:
+            self.coinciding(question, values, instance)
+            for change in question.counterfactuals if changed else ():
+                if change.owner in self.things:
+                    altered = built(Values(self.spec, instance.values, change, instance.key))
+                    self.changes(change, truth, altered, instance)
+
+    def new(self, *what: object) -> bool:
+        """Whether this was not told yet."""
+        fresh = what not in self.told
+        self.told.add(what)
+        return fresh
+
+    def overlapping(self, values: Values, instance: Instance) -> None:
+        """Objects inside one another at the start."""
+        for pair in overlaps(values):
+            if self.new("overlap", pair.first, pair.second):
+                what = f"`{pair.second}` is {_long(pair.depth)} inside `{pair.first}` at the start"
+                note = Note(f"`{pair.first}` is declared here", self.pointer.span(values.place(pair.first)))
+                span = self.pointer.span(values.place(pair.second))
+                remedy = "move them apart, make one smaller, or exclude this with `require`"
+                self.report.add("WMS601", f"{what} {_in(instance)}", span, remedy, (note,))
+
+    def blind(self, values: Values) -> None:
+        """Cameras that look at nothing that matters."""
+        for camera in blind(values):
+            if self.new("blind", camera):
+                what = f"`{camera}` has none of what is moved or asked about in its picture"
+                seen = next(o.place for o in self.spec.observations if o.camera == camera)
+                remedy = "turn it with `look_at:`, widen its `fov:`, or leave it out"
+                self.report.add("WMS602", what, self.pointer.span(seen), remedy, severity="warning")
+
+    def coinciding(self, question: Question, values: Values, instance: Instance) -> None:
+        """Options that are the same."""
+        if question.options is None or not _asked(question, values):
+            return
+        for a, b in combinations(evaluate(question.options, values), 2):
+            if _same(a, b) and self.new("options", question.place):
+                what = f"two options of this question are the same, {_shown(a)}, {_in(instance)}"
+                remedy = "keep them apart with `require`"
+                self.report.add("WMS507", what, self.pointer.span(question.place), remedy)
+
+    def changes(self, change: Counterfactual, truth: Document, altered: Document, instance: Instance) -> None:
+        """A counterfactual that changes nothing, or more than it says."""
+        span, differing = self.pointer.span(change.place), truth.differing(altered)
+        if not differing and self.new("idle", change.name):
+            self.report.add("WMS503", f"`{change.name}` changes nothing {_in(instance)}", span)
+        more = sorted(set(self.more(change, differing)))
+        if more and self.new("more", change.name):
+            target = f"{change.owner}.{change.property}"
+            what = f"`{change.name}` changes not only `{target}` but also {' and '.join(f'`{m}`' for m in more)}"
+            remedy = f"say that without `{target}`, in terms of a factor or a `let`"
+            self.report.add("WMS505", what, span, remedy, severity="warning")
+
+    def more(self, change: Counterfactual, differing: dict[str, frozenset[str]]) -> Iterator[str]:
+        """Properties of other things that are said in terms of what is changed."""
+        if change.value is None:
+            return
+        target = f"{change.owner}.{change.property}"
+        for sources in differing.values():
+            owned = [source.rpartition(".") for source in sources]
+            if all(owner != change.owner for owner, _, _ in owned):
+                found = (f"{owner}.{name}" for owner, _, name in owned if name not in _FOLLOWS)
+                yield from (source for source in found if target in self.depend.source(source))
+
+
+def _asked(question: Question, values: Values) -> bool:
+    """Whether the conditions that can be looked at before the episode let the question be asked."""
+    known = (e.condition for e in question.ensures if not measured(values.spec, e.condition))
+    return all(evaluate(condition, values) for condition in known)
+
+
+def _same(a: object, b: object) -> bool:
+    if isinstance(a, float) and isinstance(b, float):
+        return abs(a - b) <= 1e-9 * max(1.0, abs(a))
+    return a == b
+
+
+def _shown(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else f"`{value}`"
+
+
+def _long(length: float) -> str:
+    return f"{100 * length:.2g} cm" if length >= 0.01 else f"{1000 * length:.2g} mm"
+
+
+def _in(instance: Instance) -> str:
+    told = ", ".join(f"{k} = {v:g}" if isinstance(v, float) else f"{k} = {v}" for k, v in instance.factors.items())
+    return f"in instance {instance.index}" + (f" ({told})" if told and len(told) < 60 else "")
