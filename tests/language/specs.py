@@ -39,35 +39,97 @@ _SHAPES = st.lists(
 _SIZES = st.lists(st.integers(4, 12), min_size=2, max_size=3, unique=True)
 
 
+_SHELF = """template shelf(width: 30 cm, hollow: 12 cm) {
+  color: oak
+  part left   { shape: box  size: (2 cm, 8 cm, hollow)  at: (-width / 2, 0, hollow / 2) }
+  part right  { shape: box  size: (2 cm, 8 cm, hollow)  at: (width / 2, 0, hollow / 2)  material: stuff }
+}
+"""
+_FACTORS = {"pace": "[0.3, 0.6] m/s", "stuff": "[plastic, wood, stone]", "lean": "[0, 12] deg", "n": "[1, 3]",
+            "spot": "[(10 cm, -20 cm), (12 cm, -24 cm)]"}  # fmt: skip
+
+
 @st.composite
 def random_text(draw: st.DrawFn) -> str:
-    """A task of one to three objects whose properties depend on random factors, directly or through others."""
+    """A task of a few objects whose properties depend on random factors, directly or through others."""
     names = ["a", "b", "c"][: draw(st.integers(1, 3))]
     domains = {
         "tone": f"[{', '.join(draw(_COLORS))}]",
         "form": f"[{', '.join(draw(_SHAPES))}]",
         "big": f"[{', '.join(map(str, draw(_SIZES)))}] cm",
-        "pace": "[0.3, 0.6] m/s",
-        "which": "[a, c]" if len(names) == 3 else "[a]",
+        "which": f"[{', '.join(names)}]",
+        **_FACTORS,
     }
     lines = [f"  factor {name} in {domain}" for name, domain in domains.items()]
     lines += ["  nuisance turn in -20 deg .. 20 deg", "  let half = big / 2", "  let place = half + 20 cm"]
-    for i, name in enumerate(names):
-        shape = draw(st.sampled_from(["form", "sphere", "cube"]))
-        color = draw(st.sampled_from(["tone", "purple", f"if which == {name} then red else tone"]))
-        size = draw(st.sampled_from(["big", "6 cm", "half"]))
-        x = draw(st.sampled_from(["place", "10 cm", "big * 2"]))
-        yaw = draw(st.sampled_from(["turn", "0 deg"]))
-        mass = draw(st.sampled_from(["100 g", f"{names[i - 1]}.mass * 2" if i else "50 g"]))
-        lines.append(
-            f"  object {name} {{ shape: {shape} color: {color} size: {size} mass: {mass} yaw: {yaw} "
-            f"on: table at ({x} - {30 * i} cm, {20 * i} cm) }}"
-        )
-    other = names[-1]
-    direction = draw(st.sampled_from(["turn", "30 deg", f"toward({other})" if other != "a" else "0 deg"]))
-    lines.append(f"  action go = launch(a, direction: {direction}, speed: pace) at 0.1 s")
-    lines.append("  observe front at 0 s .. 1 s in 3 frames")
-    return "use tabletop\ntask random : custom {\n" + "\n".join(lines) + "\n}\n"
+    lines += [_object(draw, names, i) for i in range(len(names))]
+    lines += [line for line in _OTHERS if draw(st.booleans())]
+    deeds = draw(st.sampled_from(_DEEDS))
+    changes = [*_CHANGES, *["counterfactual swapped { order go, on }"] * ("action on" in deeds)]
+    lines += [f"  {deeds}", "  observe front at 0 s .. 1 s in 3 frames"]
+    lines.append(f'  question "And then?" {{ answer frame(front, end) {" ".join(changes)} }}')
+    return "use tabletop\n" + _SHELF + "task random : custom {\n" + "\n".join(lines) + "\n}\n"
+
+
+def _object(draw: st.DrawFn, names: list[str], i: int) -> str:
+    def one(*choices: str) -> str:
+        return draw(st.sampled_from(choices))
+
+    name, before = names[i], names[i - 1] if i else ""
+    color = one("color: tone", "color: purple", f"color: if which == {name} then red else tone", "")
+    size, x = one("big", "6 cm", "half"), one("place", "10 cm", "big * 2")
+    mass = one("mass: 100 g", f"mass: {before}.mass * 2" if i else "mass: 50 g")
+    at = f"table at ({x} - {30 * i} cm, {20 * i} cm)"
+    beside = (
+        f"{before} at (0, 0)",
+        *(f"table at {f}" for f in (f"left_of({before}, place)", f"polar({before}, place, turn)")),
+    )
+    on = one(at, *(beside if i else ()))
+    return (
+        f"  object {name} {{ shape: {one('form', 'sphere', 'cube')} {color} material: {one('stuff', 'rubber')} "
+        f"size: {size} {mass} yaw: {one('turn', '0 deg')} pitch: {one('lean', '0 deg')} on: {on} }}"
+    )
+
+
+_OTHERS = (
+    """
+  object rack : shelf { hollow: big  width: 3 * big  on: table at (0, 30 cm)  fixed: true }
+  object pea  { shape: sphere  size: half  inside: rack at (0, 0) }""",
+    """
+  object ramp  { shape: wedge  size: (20 cm, 10 cm, big)  on: table at spot  fixed: true  yaw: lean }
+  object rider { shape: cube  size: 3 cm  material: stuff  on: ramp at (-1 cm, 0) }""",
+    """
+  objects dots[n] { shape: cube  size: 2 cm + index * 1 mm  on: table at (0, -25 cm)  scatter: (40 cm, place) }""",
+    """
+  object frame { shape: box  size: (2 cm, 2 cm, big)  at: (-40 cm, 20 cm, half)  fixed: true }
+  object door  { shape: box  size: (8 cm, 1 cm, big)  at: (-34 cm, 20 cm, half)  color: tone }
+  joint swing : hinge { of: door  to: frame  at: (-39 cm, 20 cm, half)  high: lean + 60 deg }""",
+    """
+  object eyed { shape: sphere  size: half  on: table at (40 cm, 0)  present: which == a }
+  camera eye { ride: a  at: (0, 0, place)  look_at: (1 m, 0, big) }""",
+)
+"""More that a scene may have."""
+
+_DEEDS = (
+    "action go = launch(which, direction: turn, speed: pace, climb: lean) at 0.1 s",
+    "action go = launch(a, direction: toward(which), speed: pace) at 0.1 s",
+    """action go = glide(which, direction: lean, speed: pace) for 0.2 s
+  action on  = follow(which, zigzag, direction: away, length: place) for 0.5 s after go
+  action far = teleport(a, to: spot, yaw: turn) at 0.9 s""",
+    "action go = drop(which, half) at 0.2 s",
+    "action go = slide(a, direction: left, distance: place) at 0.2 s",
+    """action go = impulse(a, direction: nearer, impulse: 0.1 kg * pace)
+  action on = force(which, direction: turn, force: 0.2 N, climb: lean) for 0.2 s after go""",
+)
+"""What may happen."""
+
+_CHANGES = (
+    "counterfactual none    { without go }",
+    "counterfactual later   { action go.start: go.start + 0.1 s }",
+    "counterfactual larger  { state  a.size: a.size * 1.2 }",
+    "counterfactual turned  { state  a.yaw: a.yaw + 10 deg }",
+    "counterfactual painted { state  a.material: fabric }",
+)
 
 
 def random_spec() -> st.SearchStrategy[TaskSpec]:

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+from wmspec.check.ir import Counterfactual
 from wmspec.design.depend import Dependencies
 from wmspec.stage.document import Document
 
 
-def violations(depend: Dependencies, before: Document, after: Document, changed: str) -> tuple[str, ...]:
+def violations(depend: Dependencies, before: Document, after: Document, *changed: str) -> tuple[str, ...]:
     """The paths of the properties that differ between two stages though nothing makes them depend on `changed`.
 
-    `changed` is the name of a factor, or the `owner.property` (or the action) that a counterfactual changes.
+    `changed` are names of factors, or what `changed_by` a counterfactual.
     """
     return tuple(
         path
         for path, sources in before.differing(after).items()
-        if not any(changed in depend.source(source) for source in sources)
+        if not any(depend.source(source).intersection(changed) for source in sources)
     )
+
+
+def changed_by(change: Counterfactual) -> tuple[str, ...]:
+    """What a counterfactual changes, as sources: an `owner.property`, whether an action happens, or when two do."""
+    if change.change == "without":
+        return (f"{change.owner}.there",)
+    if change.change == "order":
+        return (f"{change.owner}.start", f"{change.property}.start")
+    return (f"{change.owner}.{change.property}",)
