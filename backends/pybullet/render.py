@@ -80,7 +80,7 @@ class Renderer:
 
     def _layers(self, camera: Camera, shot: Shot) -> tuple[Layer, Layer]:
         """The shot at twice the size, and at its size in the ambient light alone; neither with shadows."""
-        resting = [pose for pose, moves in zip(shot.poses, self._moves, strict=True) if not moves]
+        resting = [camera.pose, *(pose for pose, moves in zip(shot.poses, self._moves, strict=True) if not moves)]
         still = b"".join(pose.position.tobytes() + pose.orientation.tobytes() for pose in resting)
         if camera.name not in self._still or self._still[camera.name][0] != still:
             self._still[camera.name] = (still, *self._pair(camera, shot.poses, ~self._moves))

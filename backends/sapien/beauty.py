@@ -17,7 +17,7 @@ from PIL import Image
 
 from wmspec.backends.sapien.denoise import denoise
 from wmspec.backends.sapien.render import Renderer as Parity
-from wmspec.backends.sapien.render import bodies, eye, place
+from wmspec.backends.sapien.render import bodies, eye, place, stand
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import to_bytes, to_linear, to_srgb
 from wmspec.scene.develop import develop, shrink
@@ -64,6 +64,7 @@ class Renderer:
         frame, camera = self._parity.draw(shot, depth=depth), seeing(self._scene, shot)
         if camera.name not in self._eyes:
             self._eyes[camera.name] = _eye(self._world, camera, *self._size, self._samples)
+        stand(self._eyes[camera.name], camera)
         place(self._bodies, shot)
         region, toward = self._casters.region(camera, shot), self._scene.light.direction
         self._sun.pose = _facing(region.center - toward * AWAY, region.center)

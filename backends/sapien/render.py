@@ -61,8 +61,10 @@ class Renderer:
         camera = seeing(self._scene, shot)
         if camera.name not in self._eyes:
             self._eyes[camera.name] = _eyes(self._world, camera, *self._size)
-        self._place(shot, camera)
         color, shape = self._eyes[camera.name]
+        stand(color, camera)
+        stand(shape, camera)
+        self._place(shot, camera)
         color.take_picture()
         shape.take_picture()  # before the first is waited for
         rgb, seen = over(color.get_picture("Picture"), self._scene.background), shape.get_picture("Seen")
@@ -145,8 +147,13 @@ def eye(world: Any, camera: Camera, size: tuple[int, int], shaders: str, samples
     made = world.add_camera(camera.name, *size, camera.fovy, camera.near, camera.far)
     sapien.render.set_camera_shader_dir(before[0])
     sapien.render.set_msaa(before[1])
-    made.entity.set_pose(sapien.Pose(camera.pose.position, multiply(camera.pose.orientation, TURN)))
+    stand(made, camera)
     return made
+
+
+def stand(eye: Any, camera: Camera) -> None:
+    """Put a camera where it is in the world."""
+    eye.entity.set_pose(sapien.Pose(camera.pose.position, multiply(camera.pose.orientation, TURN)))
 
 
 def _lights(world: Any, scene: Scene) -> Any:

@@ -6,13 +6,14 @@ Pixel coordinates are continuous, x to the right and y down; pixel (i, j) covers
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wmspec.errors import WmsError
-from wmspec.scene.model import Array, Camera, Pose, Scene
-from wmspec.scene.transform import quaternion, rotation
+from wmspec.scene.model import Array, Camera, Pose, Scene, Shot
+from wmspec.scene.transform import compose, quaternion, rotation
 
 
 def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Pose:
@@ -38,6 +39,15 @@ def find(scene: Scene, name: str) -> Camera:
         if camera.name == name:
             return camera
     raise WmsError(f"the scene has no camera '{name}'; it has {[camera.name for camera in scene.cameras]}")
+
+
+def seeing(scene: Scene, shot: Shot) -> Camera:
+    """The camera of a shot, placed in the world: one that rides on a body goes where the shot has that body."""
+    camera = find(scene, shot.camera)
+    if camera.body is None:
+        return camera
+    rides = next(i for i, body in enumerate(scene.bodies) if body.name == camera.body)
+    return replace(camera, pose=compose(shot.poses[rides], camera.pose), body=None)
 
 
 def view_matrix(pose: Pose) -> Array:

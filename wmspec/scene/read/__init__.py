@@ -6,9 +6,10 @@ from pathlib import PurePath
 
 from pxr import Usd
 
-from wmspec.scene.model import Action, Body, Camera, Observation, Scene
-from wmspec.scene.read import actions, episode, views
+from wmspec.scene.model import Action, Body, Camera, Joint, Observation, Scene
+from wmspec.scene.read import actions, episode, joints, views
 from wmspec.scene.read.bodies import bodies
+from wmspec.scene.read.filters import filtered
 from wmspec.scene.read.frames import World
 from wmspec.scene.read.prims import Names, Problems, targets
 from wmspec.scene.read.walk import Found, Walk
@@ -28,8 +29,13 @@ def read(stage: Usd.Stage) -> Scene:
     problems = Problems()
     found, world = Walk(stage, problems).found, World(stage)
     everything = bodies(list(found.owners.values()), world, problems)
-    cameras = _cameras(found, world, problems)
-    deeds = _actions(found, everything, world, problems)
+    known = {body.path: body for body in everything}
+    cameras = _cameras(found, known, world, problems)
+    held = joints.joints(found.joints, known, world, problems)
+    apart: tuple[tuple[str, str], ...] = ()
+    with problems.gathered():
+        apart = filtered(stage, found.filters, found.of("PhysicsCollisionGroup"), found.owners, known, held)
+    deeds = _actions(found, everything, held, world, problems)
     observations = _observations(found, cameras, problems)
     with problems.gathered():
         gravity = episode.gravity(found.of("PhysicsScene"), world)
@@ -49,26 +55,32 @@ def read(stage: Usd.Stage) -> Scene:
         observations=observations,
         duration=duration,
         rate=rate,
+        joints=tuple(held.values()),
+        filtered=apart,
     )
 
 
-def _cameras(found: Found, world: World, problems: Problems) -> dict[str, Camera]:
+def _cameras(found: Found, known: dict[str, Body], world: World, problems: Problems) -> dict[str, Camera]:
     names, cameras = Names(), {}
     for prim in found.of("Camera"):
         name = names.give(prim.GetName(), str(prim.GetPath()))
         with problems.gathered():
-            cameras[str(prim.GetPath())] = views.camera(prim, name, world)
+            above = (known.get(str(path)) for path in prim.GetPath().GetAncestorsRange())
+            body = next((body for body in above if body is not None and body.motion != "static"), None)
+            cameras[str(prim.GetPath())] = views.camera(prim, name, body, world)
     return cameras
 
 
-def _actions(found: Found, everything: tuple[Body, ...], world: World, problems: Problems) -> tuple[Action, ...]:
+def _actions(
+    found: Found, everything: tuple[Body, ...], held: dict[str, Joint], world: World, problems: Problems
+) -> tuple[Action, ...]:
     known, done = {body.path: body for body in everything}, []
     refused = found.owners.keys() - known.keys()
     for prim in found.of("WmsAction"):
         if not refused.isdisjoint(targets(prim, "wms:object")):
             continue  # what is wrong is already said of its object
         with problems.gathered():
-            done.append((prim, actions.action(prim, known, {}, world)))
+            done.append((prim, actions.action(prim, known, held, world)))
     with problems.gathered():
         actions.overlapping(done, everything)
     return tuple(action for _, action in done)

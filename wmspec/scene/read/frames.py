@@ -74,18 +74,18 @@ class World:
         self.upright = Gf.Matrix4d(
             _UPRIGHT.get(UsdGeom.GetStageUpAxis(stage), Gf.Rotation(Gf.Vec3d(0, 0, 1), 0)), (0, 0, 0)
         )
-        self._units = Gf.Matrix4d().SetScale(self.meters) * self.upright
+        self.units = Gf.Matrix4d().SetScale(self.meters) * self.upright
         self._cache = UsdGeom.XformCache(NOW)
 
     def matrix(self, prim: Usd.Prim) -> Gf.Matrix4d:
         """The prim's local coordinates -> our world."""
-        return self._cache.GetLocalToWorldTransform(prim) * self._units
+        return self._cache.GetLocalToWorldTransform(prim) * self.units
 
     def parent(self, prim: Usd.Prim) -> Gf.Matrix4d:
         """The coordinates in which the prim's transform is given -> our world."""
         if self._cache.GetLocalTransformation(prim)[1]:
-            return self._units
-        return self._cache.GetParentToWorldTransform(prim) * self._units
+            return self.units
+        return self._cache.GetParentToWorldTransform(prim) * self.units
 
     def direction(self, v: Gf.Vec3d) -> Array:
         """A vector (3,) in the stage's world axes, turned to ours and not scaled."""

@@ -6,17 +6,16 @@ from collections.abc import Sequence
 
 from pxr import Usd, UsdGeom
 
-from wmspec.scene.read.prims import refuse, targets, value
+from wmspec.scene.read.prims import refuse
 
-_JOINT = ("joints are not supported", "deactivate the joint, or merge the two bodies into one")
+_GEAR = ("gears, tendons and joints that mimic others are not supported", "remove it")
 _SOFT = ("particles and deformable bodies are not supported", "deactivate the prim")
 _SHAPE = ("this kind of geometry is not supported", "use a Cube, Sphere, Cylinder, Cone, Capsule or Mesh")
 _VEHICLE = ("vehicles are not supported", "deactivate the prim")
 _LAMP = ("only a DistantLight and a DomeLight are supported", "deactivate the light")
 
 TYPES = {
-    **{f"Physics{kind}Joint": _JOINT for kind in ("", "Fixed", "Revolute", "Prismatic", "Spherical", "Distance")},
-    **{f"PhysxPhysics{kind}Joint": _JOINT for kind in ("Gear", "RackAndPinion")},
+    **{f"PhysxPhysics{kind}Joint": _GEAR for kind in ("Gear", "RackAndPinion")},
     **dict.fromkeys(("Points", "BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "TetMesh"), _SHAPE),
     **{f"{kind}Light": _LAMP for kind in ("Sphere", "Rect", "Disk", "Cylinder", "Geometry", "Portal", "Plugin")},
     "DomeLight_1": ("DomeLight_1 is not supported", "use a DomeLight"),
@@ -29,7 +28,9 @@ TYPES = {
 """Type of prim -> reason and remedy."""
 
 APIS = {
-    "PhysicsArticulationRootAPI": ("articulations are not supported", "remove PhysicsArticulationRootAPI"),
+    "PhysxMimicJointAPI": _GEAR,
+    "NewtonMimicAPI": _GEAR,
+    "PhysxTendon": _GEAR,
     "PhysxSDFMeshCollisionAPI": ("colliders made of signed distance fields are not supported", "use convexHull"),
     "PhysxTriggerAPI": ("trigger volumes are not supported", "remove PhysxTriggerAPI"),
     "PhysxForceAPI": ("force fields are not supported", "remove PhysxForceAPI"),
@@ -58,14 +59,5 @@ def examine(prim: Usd.Prim, apis: Sequence[str]) -> None:
     for api in apis:
         if api.startswith(_STARTS):
             refuse(prim, *next(row for start, row in APIS.items() if api.startswith(start)))
-        if api == "PhysicsFilteredPairsAPI" and targets(prim, "physics:filteredPairs"):
-            refuse(prim, "filtered pairs are not supported: all bodies collide", "remove PhysicsFilteredPairsAPI")
-    if prim.GetTypeName() == "PhysicsCollisionGroup":
-        _examine_group(prim)
     if (place := UsdGeom.Xformable(prim)) and place.TransformMightBeTimeVarying():
         refuse(prim, "its transform is animated", "author one transform without time samples; move it by a WmsAction")
-
-
-def _examine_group(prim: Usd.Prim) -> None:
-    if targets(prim, "physics:filteredGroups") or value(prim, "physics:invertFilteredGroups", False):
-        refuse(prim, "collision groups are not supported: all bodies collide", "deactivate the collision group")

@@ -14,7 +14,7 @@ from wmspec.scene.read.frames import World, split, vector
 from wmspec.scene.read.plugs import srgb
 from wmspec.scene.read.prims import refuse, value
 from wmspec.scene.read.shapes import reach
-from wmspec.scene.transform import apply
+from wmspec.scene.transform import apply, compose, inverse
 
 BACKGROUND = (0.86, 0.88, 0.9)
 """The colour, sRGB, behind a stage without a DomeLight."""
@@ -25,8 +25,8 @@ _FROM = np.array((0.0, -0.85, 0.53))
 """From where the default camera looks: in front, 32 degrees up."""
 
 
-def camera(prim: Usd.Prim, name: str, world: World) -> Camera:
-    """A pinhole camera.
+def camera(prim: Usd.Prim, name: str, body: Body | None, world: World) -> Camera:
+    """A pinhole camera, which rides on the `body` if there is one.
 
     Raises:
         StageError: if it is orthographic or shifted, or its numbers make no picture.
@@ -39,7 +39,9 @@ def camera(prim: Usd.Prim, name: str, world: World) -> Camera:
     near, far = (float(x) * world.meters for x in value(prim, "clippingRange", (1, 1e6)))
     if not (aperture > 0 and focal > 0 and 0 < near < far):
         refuse(prim, "it sees nothing", "author verticalAperture and focalLength above 0, clippingRange 0 < near < far")
-    return Camera(name, split(world.matrix(prim), prim).pose, 2 * math.atan(aperture / (2 * focal)), near, far)
+    pose = split(world.matrix(prim), prim).pose
+    pose = compose(inverse(body.pose), pose) if body else pose
+    return Camera(name, pose, 2 * math.atan(aperture / (2 * focal)), near, far, body.name if body else None)
 
 
 def overview(bodies: Sequence[Body]) -> Camera:

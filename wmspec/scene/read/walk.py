@@ -13,6 +13,7 @@ from wmspec.scene.read.shapes import GEOMETRIES
 from wmspec.scene.read.unsupported import TYPES, examine
 
 _CLOSED = frozenset({"Material", "GeomSubset", "Shader", "NodeGraph"})
+_FILTERS = frozenset({"PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI"})
 _DRAWN = ("default", "render")
 
 
@@ -40,6 +41,8 @@ class Found:
 
     owners: dict[str, Owner] = field(default_factory=dict)
     others: dict[str, list[Usd.Prim]] = field(default_factory=dict)
+    filters: list[Usd.Prim] = field(default_factory=list)
+    joints: list[Usd.Prim] = field(default_factory=list)
 
     def of(self, kind: str) -> list[Usd.Prim]:
         """The prims of a type that is no geometry."""
@@ -74,10 +77,14 @@ class Walk:
         apis = applied(prim)
         with self._problems.gathered():
             examine(prim, apis)
+            if not _FILTERS.isdisjoint(apis):
+                self.found.filters.append(prim)
             if sight := UsdGeom.Imageable(prim):
                 above = self._inherit(prim, sight, apis, above)
             if kind in GEOMETRIES:
                 self._geometry(prim, apis, above)
+            elif kind.startswith("Physics") and kind.endswith("Joint"):
+                self.found.joints.append(prim)
             elif "PhysicsCollisionAPI" in apis:
                 refuse(prim, f"a collider of type '{kind}' has no shape", "apply PhysicsCollisionAPI to its geometries")
             else:
