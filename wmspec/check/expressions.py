@@ -141,11 +141,14 @@ class Expressions:
         before = self.subject, self.measured, self._deepest
         self.subject, self.measured, self._deepest = None, False, self._depth
         self._open.append((key, span))
+        self._depth += 1
         try:
+            self._deepen(0, span)
             return make()
         except Failed:
             return None
         finally:
+            self._depth -= 1
             self._open.pop()
             self._height[key] = self._deepest - self._depth
             self.subject, self.measured, self._deepest = *before[:2], max(before[2], self._deepest)

@@ -10,6 +10,7 @@ from wmspec.parse.parser import MAX_DEPTH
 
 #: The most that templates and sets together may make of a task (nodes of the syntax tree): a second's work to check.
 MOST_NODES = 200_000
+_THING = 50
 
 Values = Mapping[str, s.Expr]
 
@@ -29,6 +30,10 @@ class Substitute:
         made = _expression(e, values)
         self._count(made)
         return made
+
+    def thing(self) -> None:
+        """Count a thing that is made, with all that it leaves out. Raises TooLarge."""
+        self._left -= _THING
 
     def property(self, p: s.Property, values: Values) -> s.Property:
         """The same for a property. Raises TooLarge."""

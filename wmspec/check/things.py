@@ -85,6 +85,7 @@ class Things:
         """The properties that are written, and the defaults of the others."""
         properties: dict[str, ir.Setting] = {}
         spans: dict[str, Span] = {}
+        here = ir.Place.of(of.span)
         for p in of.written:
             for name, span in [(p.name.id, p.name.span)] + ([("at", p.at.span)] if p.at else []):
                 if name in spans:
@@ -98,7 +99,7 @@ class Things:
                 continue
         for name, slot in of.slots.items():
             if name not in spans and slot.default is not None:
-                properties[name] = ir.Setting(value=default_value(slot), place=ir.Place.of(of.span))
+                properties[name] = ir.Setting(value=default_value(slot), place=here)
             elif name not in spans and not slot.optional:
                 message = f"the {of.sort.kind} `{of.name}` needs `{name}`: {slot.meaning}"
                 self.report.add("WMS206", message, of.span)
