@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/motion/speed_tabletop.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: help setup demo test test-all check format oracles agreement clean
+.PHONY: help setup browser demo test test-all check format oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -20,6 +20,9 @@ help:
 setup:
 	@PYTHON='$(PYTHON)' tools/setup.sh
 
+browser:
+	@tools/setup.sh --browser
+
 demo: setup
 	$(BIN)/wmspec generate $(DEMO) -o out/demo --per-task 6 --backend all --seed 0
 	$(BIN)/wmspec view out/demo -o out/demo/sheet.png
@@ -32,10 +35,10 @@ check: setup
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
 
-test: check
+test: check browser
 	$(BIN)/pytest -n auto
 
-test-all: check
+test-all: check browser
 	$(BIN)/pytest -n auto -m ""
 
 format: setup

@@ -2,6 +2,7 @@
 # Prepares a checkout: system packages (as root, on Debian and its children), then .venv with wmspec and its engines.
 # Without root, or on another system, it prints the commands and goes on with what is there. Quick when all is done.
 # `setup.sh --system` does the first half only: for root, when a user without root does the second.
+# `setup.sh --browser` adds Chromium, for the tests of the gallery.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -98,6 +99,12 @@ set_up_system() {
     fi
 }
 
+set_up_browser() {
+    if have chromium || have chromium-browser || have google-chrome; then return; fi
+    say "installing Chromium, for the tests of the gallery"
+    apt_install chromium || complain "without Chromium the tests of the gallery are skipped"
+}
+
 # ---------------------------------------------------------------- Python
 
 python_is_good() { "$1" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; }
@@ -159,6 +166,10 @@ set_up_packages() {
 fingerprint() { { cat pyproject.toml tools/setup.sh; "$VENV/bin/python" --version; pwd; } 2>/dev/null | cksum; }
 
 main() {
+    if [[ ${1:-} == --browser ]]; then
+        set_up_browser
+        return
+    fi
     set_up_system
     if [[ ${1:-} == --system ]]; then
         find_python >/dev/null || apt_install python3 python3-venv

@@ -137,10 +137,10 @@ def looks_alike(a: Small, b: Small) -> bool:
 def _same_answer(a: Case, b: Case) -> bool:
     if a.pictured:
         return looks_alike(a.seen_options[a.row["answer"]], b.seen_options[b.row["answer"]])
-    within = a.row.get("answer_within")  # of an open question about a number
-    if within is not None:
-        return abs(a.row["answer_number"] - b.row["answer_number"]) <= within
-    return _true(a) == _true(b)
+    within: float | None = a.row.get("answer_within")  # of an open question about a number
+    if within is None:
+        return _true(a) == _true(b)
+    return bool(abs(a.row["answer_number"] - b.row["answer_number"]) <= within)
 
 
 def _denies(a: Case, b: Case) -> bool:

@@ -1,4 +1,4 @@
-"""`wmspec view`: a dataset as a picture for people."""
+"""`wmspec view`: a dataset for people, as a page to look at and to answer, or as a picture."""
 
 from __future__ import annotations
 
@@ -8,24 +8,51 @@ import click
 
 from wmspec.errors import WmsError
 
+#: How many instances of each task are shown on a sheet, in a page and in a folder, if nothing is said.
+PER_TASK = {".png": 3, ".html": 20, "": 50}
+
 
 @click.command("view")
 @click.argument("dataset", type=click.Path(path_type=Path))
 @click.option(
-    "--output", "-o", type=click.Path(path_type=Path), required=True, help="The picture to write, a .png file."
+    "--output",
+    "-o",
+    type=click.Path(path_type=Path),
+    default=Path("gallery.html"),
+    show_default=True,
+    help="A page (.html), a folder with a page and its pictures, or a contact sheet (.png).",
 )
 @click.option(
-    "--per-task", type=click.IntRange(1, 50), default=3, show_default=True, help="How many instances of each task."
+    "--per-task",
+    type=click.IntRange(1),
+    help="How many instances of each task.  [default: 20 in a page, 50 in a folder, 3 on a sheet]",
 )
-def view_command(dataset: Path, output: Path, per_task: int) -> None:
-    """Draw a contact sheet of a dataset: frames, options and answer, engine beside engine."""
+def view_command(dataset: Path, output: Path, per_task: int | None) -> None:
+    """Show a dataset: frames, options and answers, engine beside engine.
+
+    The page opens from the disk in any browser. Truths are hidden until you answer or ask for them.
+    """
+    kind = output.suffix.lower()
+    if kind not in PER_TASK:
+        raise WmsError(f"{output}: what to write? a page is a .html file, a sheet a .png file, a folder has no suffix")
+    count = per_task or PER_TASK[kind]
+    if kind == ".png":
+        _sheet(dataset, output, count)
+        click.echo(output)
+        return
+    from wmspec.gallery.gallery import folder, page
+    from wmspec.write.finished import Finished
+
+    shown = (page if kind == ".html" else folder)(Finished.open(dataset), count, output)
+    where = output if kind == ".html" else output / "index.html"
+    click.echo(f"{where}: {shown:,} questions; open it in a browser")
+
+
+def _sheet(dataset: Path, output: Path, per_task: int) -> None:
     from wmspec.write.sheet import contact_sheet
 
-    if output.suffix.lower() != ".png":
-        raise WmsError(f"{output}: a contact sheet is written as a .png file")
     picture = contact_sheet(dataset, per_task)
     try:
         picture.save(output)
     except OSError as error:
         raise WmsError(f"{output}: cannot be written: {error.strerror or error}") from None
-    click.echo(output)

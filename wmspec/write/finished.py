@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,6 @@ import pyarrow.parquet as pq
 
 from wmspec.errors import WmsError
 from wmspec.write.rows import Row
-from wmspec.write.shards import ROW_GROUP
 
 #: The columns that hold pictures to be looked at, as a list of {bytes, path}.
 PICTURES = ("context", "option_image")
@@ -62,19 +61,29 @@ class Finished:
             if field.metadata and field.metadata.get(b"unit")
         }
 
-    def rows(self, task: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
-        """The rows of a task in order, few in memory at a time; all columns but those of channels, if none are named.
+    def rows(
+        self, task: str, columns: Sequence[str] | None = None, only: Collection[int] | None = None
+    ) -> Iterator[Row]:
+        """The rows of a task in order, few in memory at a time: of all instances, or `only` of those named.
 
-        Raises WmsError if a shard cannot be read.
+        All columns but those of channels, if none are named. Raises WmsError if a shard cannot be read.
         """
         for path in self.shards(task):
             file = _opened(self.folder / path)
+            wanted = columns or [name for name in file.schema_arrow.names if name not in CHANNELS]
             try:
-                wanted = columns or [name for name in file.schema_arrow.names if name not in CHANNELS]
-                for batch in file.iter_batches(ROW_GROUP, columns=wanted):
-                    yield from batch.to_pylist()
+                for group in range(file.num_row_groups):
+                    yield from _group(file, group, wanted, only)
             except (OSError, pa.ArrowException) as error:
                 raise _unreadable(self.folder / path, error) from None
+
+
+def _group(file: pq.ParquetFile, group: int, columns: Sequence[str], only: Collection[int] | None) -> Iterator[Row]:
+    if only is not None and not set(file.read_row_group(group, ["index"])["index"].to_pylist()) & set(only):
+        return
+    for row in file.read_row_group(group, columns).to_pylist():
+        if only is None or row["index"] in only:
+            yield row
 
 
 def _opened(path: Path) -> pq.ParquetFile:
