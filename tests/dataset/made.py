@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from wmspec.ask.ask import groups
-from wmspec.ask.model import Asked, Change, Option, Picture, Rejected
+from wmspec.ask.model import Asked, Change, Option, Picture, Rejected, Vote
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
 from wmspec.design.design import Design, Instance
@@ -39,7 +39,7 @@ def plan(count: int = 5, shard: int = 2, seed: int = 7, tasks: tuple[str, ...] =
         engines=ENGINES,
         size=(64, 64),
         seed=seed,
-        consensus=True,
+        consensus="all",
         versions={"wmspec": "0.1.0", "mujoco": "4.0", "pybullet": "3.2.7", "sapien": "3.0.3"},
         shard=shard,
     )
@@ -71,7 +71,7 @@ def asked(task: str, index: int, engine: str, seed: int = 7, size: int = 64) -> 
         groups=groups(instance),
         margin=1.7 if task == "motion_speed" else None,
         measured={"contact(ball, victim)": 1.0} if task == "collide" else {"speed(left)": 0.2, "speed(right)": 0.1},
-        agreement=tuple((e, answer) for e in ENGINES),
+        agreement=tuple(Vote(e, answer, "said") for e in ENGINES),
     )
 
 

@@ -160,7 +160,7 @@ def test_two_processes_do_not_write_to_one_folder(tmp_path: Path) -> None:
     [
         (lambda p: replace(p, seed=9), "seed 7 there, 9 now"),
         (lambda p: replace(p, size=(32, 32)), "size 64 64 there, 32 32 now"),
-        (lambda p: replace(p, consensus=False), "consensus true there, false now"),
+        (lambda p: replace(p, consensus="none"), "consensus all there, none now"),
         (lambda p: replace(p, engines=p.engines[:1]), "engines mujoco pybullet sapien there, mujoco now"),
         (lambda p: replace(p, versions=p.versions | {"mujoco": "4.1"}), "versions (mujoco 4.0 there, 4.1 now)"),
         (lambda p: replace(p, texts=p.texts | {"collide.wms": "changed"}), "specs (collide.wms)"),

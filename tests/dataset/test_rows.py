@@ -54,7 +54,9 @@ def test_datasets_reads_every_value(loaded: datasets.Dataset) -> None:
     assert row["option_kind"][row["answer"]] == "truth"
     assert row["option_text"] is None
     assert row["measured"] == [{"name": "contact(ball, victim)", "value": 1.0}]
-    assert row["agreement"] == [{"engine": e, "answer": question.answer} for e in ENGINES]
+    assert row["agreement"] == [
+        {"engine": e, "answer": question.answer, "value": "said", "rejected": None} for e in ENGINES
+    ]
     assert "action push.speed: 0.8 -> 0.28" in row["option_change"]
     for name, value in question.factors.items():
         assert row[f"factor.{name}"] == value
@@ -72,7 +74,7 @@ def test_datasets_streams_the_files_alone(folder: Path) -> None:
 
 
 def test_every_factor_has_its_type_and_unit() -> None:
-    columns = schema(spec("collide").factors)
+    columns = schema(spec("collide"))
     assert columns.field("factor.speed").type == pa.float64()
     assert columns.field("factor.speed").metadata == {b"unit": b"m/s"}
     assert columns.field("factor.rolls").type == pa.bool_()
@@ -84,7 +86,7 @@ def test_every_factor_has_its_type_and_unit() -> None:
 def test_all_but_one_is_a_groupby(tmp_path: Path) -> None:
     """The instances that share `group.target` differ in the target alone, and are all that do."""
     rows = [encode(asked("collide", i, "mujoco")) for i in range(len(spec("collide").factors) * 6)]
-    pq.write_table(table(rows, schema(spec("collide").factors)), tmp_path / "t.parquet")
+    pq.write_table(table(rows, schema(spec("collide"))), tmp_path / "t.parquet")
     frame = pd.read_parquet(tmp_path / "t.parquet")
     others = [c for c in frame if c.startswith("factor.") and c != "factor.target"]
     sizes = []
@@ -107,4 +109,4 @@ def test_croissant_is_valid_and_streams_pictures(folder: Path, caplog: pytest.Lo
 
 def test_rows_of_another_task_are_refused() -> None:
     with pytest.raises(ValueError, match=r"factor\.ball_color"):
-        table([encode(asked("collide", 1, "mujoco"))], schema(spec("motion_speed").factors))
+        table([encode(asked("collide", 1, "mujoco"))], schema(spec("motion_speed")))

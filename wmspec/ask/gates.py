@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 from math import log
 
@@ -9,18 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.ask.measure import Measured
-from wmspec.ask.model import Reason
+from wmspec.ask.model import Reject
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Margin, Question
-
-
-class Reject(Exception):
-    """Why an instance yields no question."""
-
-    def __init__(self, reason: Reason, detail: str) -> None:
-        super().__init__(detail)
-        self.reason: Reason = reason
-        self.detail = detail
 
 
 def passed(question: Question, measured: Measured) -> float | None:
@@ -31,14 +23,15 @@ def passed(question: Question, measured: Measured) -> float | None:
     for ensure in question.ensures:
         if not evaluate(ensure.condition, measured):
             raise Reject("ensure", ensure.text)
-    return min((_margin(m, measured) for m in question.margins), default=None)
+    kept = [_margin(m, measured) for m in question.margins if m.unless is None or not evaluate(m.unless, measured)]
+    return min(kept, default=None)
 
 
 def _margin(margin: Margin, measured: Measured) -> float:
     """How far the margin's value is from turning, in multiples of what was asked for; rejects below one."""
     value, bound = evaluate(margin.value, measured), evaluate(margin.bound, measured)
     apart = _times_apart(value, bound) if margin.ratio else abs(value) / bound
-    if apart < 1:
+    if not apart >= 1:
         raise Reject("margin", f"{value:.4g} where {bound:.4g} apart was asked for")
     return float(apart)
 
@@ -48,11 +41,17 @@ def _times_apart(ratio: float, factor: float) -> float:
 
 
 def apart(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    """How far (m) the body that differs most between two outcomes (n, 7) is from itself."""
-    return float(np.linalg.norm(a[:, :3] - b[:, :3], axis=1).max())
+    """How far (m) the body that differs most between two outcomes (n, 7) is from itself.
+
+    Infinitely far if it is in one of them alone (NaN in the other).
+    """
+    gaps = np.linalg.norm(a[:, :3] - b[:, :3], axis=1)
+    gone = np.isnan(a[:, 0]), np.isnan(b[:, 0])
+    gaps = np.where(gone[0] != gone[1], np.inf, np.where(gone[0], 0.0, gaps))
+    return float(gaps.max(initial=0.0))
 
 
-def distinct(poses: NDArray[np.float64], names: list[str], least: float) -> None:
+def distinct(poses: NDArray[np.float64], names: Sequence[str], least: float) -> None:
     """Raise Reject if two of the outcomes (options, n, 7) are less than `least` (m) apart."""
     for i, j in combinations(range(len(names)), 2):
         gap = apart(poses[i], poses[j])

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
+from wmspec.ask import motion, outcome, sight
+from wmspec.ask.observed import Observed
 from wmspec.check.functions import FUNCTIONS
+from wmspec.design.functions import extreme
 from wmspec.design.values import Values
-from wmspec.scene.model import Trace
+from wmspec.errors import WmsError
+
+#: What an option can say where two are too near to one another to choose.
+NEITHER = "neither"
 
 
 class Measured:
-    """The values of the spec together with what happened. `window` is the observed time (s), from first to last look.
+    """The values of the spec together with what was `observed`.
 
     `readings` collects every quantity that was measured, by its call as a person would write it.
     """
 
-    def __init__(self, values: Values, trace: Trace, window: tuple[float, float]) -> None:
+    def __init__(self, values: Values, observed: Observed) -> None:
         self.values = values
-        self.trace = trace
-        self.window = window
+        self.observed = observed
         self.readings: dict[str, float] = {}
-        self._bodies = {name: i for i, name in enumerate(trace.bodies)}
 
     def ref(self, name: str) -> Any:
         """A factor, nuisance, `let` or `end`."""
@@ -34,54 +37,81 @@ class Measured:
         return self.values.property(owner, name)
 
     def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
-        """A measured function, or one of the design."""
+        """A measured function, or one of the design. An option of a function, if given, is its last argument."""
         if function not in FUNCTIONS or not FUNCTIONS[function].measured:
             return self.values.call(function, arguments)
-        value = _MEASURES[function](self, *arguments)
+        if function in _CHOICES:
+            return _CHOICES[function](self, *arguments)
+        value = MEASURES[function](self.observed, *arguments)
         if isinstance(value, float | bool):
+            if not math.isfinite(value):
+                raise WmsError(f"{function} of {', '.join(map(str, arguments))} is not finite")
             self.readings[f"{function}({', '.join(map(str, arguments))})"] = float(value)
         return value
 
-    # ------------------------------------------------------------ measures
-
-    def path(self, body: str) -> Any:
-        """The positions (t, 3) of a body in the observed window."""
-        first, last = (self.trace.sample(t) for t in self.window)
-        return self.trace.position[first : last + 1, self._bodies[body]]
-
-    def speed(self, body: str) -> float:
-        """The length of the path in the observed window, over its duration (m/s)."""
-        steps = np.diff(self.path(body), axis=0)
-        duration = self.window[1] - self.window[0]
-        return float(np.linalg.norm(steps, axis=1).sum() / duration) if duration > 0 else 0.0
-
-    def displacement(self, body: str) -> float:
-        """How far (m) the body is at the end from where it began."""
-        track = self.trace.position[:, self._bodies[body]]
-        return float(np.linalg.norm(track[-1] - track[0]))
-
-    def distance(self, a: str, b: str) -> float:
-        """How far apart (m) the middles of two bodies are at the end."""
-        last = self.trace.position[-1]
-        return float(np.linalg.norm(last[self._bodies[a]] - last[self._bodies[b]]))
-
-    def contact(self, a: str, b: str) -> bool:
-        """Whether the two touched at any time."""
-        return any({c.first, c.second} == {a, b} for c in self.trace.contacts)
-
-    def fastest(self, bodies: tuple[str, ...]) -> str:
-        """The body with the largest speed; of equals, the first."""
-        return max(bodies, key=lambda b: self.call("speed", (b,)))
-
-    def slowest(self, bodies: tuple[str, ...]) -> str:
-        """The body with the smallest speed; of equals, the first."""
-        return min(bodies, key=lambda b: self.call("speed", (b,)))
-
-    def frame(self, camera: str, time: float) -> tuple[str, float]:
-        """Which picture is meant: its camera and time (s)."""
-        return camera, time
+    def each(self, function: str, names: tuple[str, ...]) -> dict[str, float]:
+        """A measure of each of the bodies."""
+        return {name: float(self.call(function, (name,))) for name in names}
 
 
-_MEASURES: dict[str, Callable[..., Any]] = {
-    name: getattr(Measured, name) for name, function in FUNCTIONS.items() if function.measured
+MEASURES: dict[str, Callable[..., Any]] = {
+    "speed": motion.speed,
+    "moved": motion.moved,
+    "onset": motion.onset,
+    "moving_time": motion.moving_time,
+    "heading": motion.heading,
+    "heads_to": motion.heads_to,
+    "trajectory": motion.trajectory,
+    "displacement": outcome.displacement,
+    "distance": outcome.distance,
+    "relation": outcome.relation,
+    "contact": outcome.contact,
+    "at_rest": outcome.at_rest,
+    "toppled": outcome.toppled,
+    "height": outcome.height,
+    "contains": outcome.contains,
+    "visible": sight.visible,
+    "occluded": sight.occluded,
+    "contrast": sight.contrast,
+    "frame": lambda _, camera, time: (camera, time),
+}
+
+# ---------------------------------------------------------------- which of several
+
+
+def _fastest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
+    return extreme(measured.each("speed", names), True, tie)
+
+
+def _slowest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
+    return extreme(measured.each("speed", names), False, tie)
+
+
+def _longest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
+    return extreme(measured.each("moving_time", names), True, tie)
+
+
+def _mover(measured: Measured, names: tuple[str, ...]) -> str:
+    """Speeds compare as distances travelled do: all were observed for the same time."""
+    if not any(measured.each("moved", names).values()):
+        raise WmsError(f"none of {', '.join(names)} moves, so there is no mover")
+    return extreme(measured.each("speed", names), True)
+
+
+def _first(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
+    moving = tuple(name for name, moved in measured.each("moved", names).items() if moved)
+    onsets = sorted(measured.each("onset", moving).items(), key=lambda pair: pair[1])
+    if not onsets and tie is None:
+        raise WmsError(f"none of {', '.join(names)} moves, so none is first")
+    if not onsets or (tie is not None and len(onsets) > 1 and onsets[1][1] - onsets[0][1] < tie):
+        return NEITHER
+    return onsets[0][0]
+
+
+_CHOICES: dict[str, Callable[..., str]] = {
+    "fastest": _fastest,
+    "slowest": _slowest,
+    "longest": _longest,
+    "mover": _mover,
+    "first": _first,
 }

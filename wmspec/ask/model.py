@@ -8,21 +8,28 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.design.design import Setting
+from wmspec.design.draws import Level
 
 
 @dataclass(frozen=True)
 class Picture:
-    """What a camera saw at a time (s): `rgb` (h, w, 3) uint8."""
+    """What a camera saw at a time (s): `rgb` (h, w, 3) uint8.
+
+    Where the spec asks for them: `depth` (h, w) float32, metres along the view axis, 0 for nothing; `ids` (h, w) int16,
+    which of the bodies `names` is seen, -1 for none.
+    """
 
     camera: str
     time: float
     rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32] | None = None
+    ids: NDArray[np.int16] | None = None
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Change:
-    """What a counterfactual changed: its kind (action, state, without), the value's name, what it was and became."""
+    """What a counterfactual changed: its kind (action, state, without, order), what, what it was and became."""
 
     kind: str
     target: str
@@ -45,14 +52,46 @@ class Option:
 
 
 @dataclass(frozen=True)
+class Strength:
+    """How strong the stimulus is: the quantity as it is written, its SI unit, its value."""
+
+    quantity: str
+    unit: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Number:
+    """An answer that is a number: its value and SI unit, and, of an open question, how far off is still right."""
+
+    value: float
+    unit: str
+    within: float | None = None
+
+
+@dataclass(frozen=True)
+class Vote:
+    """What an engine says: the option that its outcome picks (None: it picks none, or there are none), the answer in
+
+    words, and why it would not ask (None if it would).
+    """
+
+    engine: str
+    answer: int | None
+    value: str
+    rejected: str | None = None
+
+
+@dataclass(frozen=True)
 class Asked:
     """A valid question.
 
-    `task`, `index`, `question` and `engine` identify it; `answer` is the index of the true option and `value` the
-    measured value in words. `groups` gives for every factor the key that all instances differing in it alone share.
-    `margin` is how far the answer is from turning, as a multiple of the margin asked for (None without one).
-    `measured` holds named quantities in SI units. `outcome` (n, 7) is the pose of every moving body in every option
-    picture, (options, bodies, 7) for a picture question, and None for labels.
+    `task`, `index`, `question` and `engine` identify it, `name` is the question's own if it has one. `answer` is the
+    index of the true option (None for an open question, which has no options) and `value` the measured value in words,
+    `number` as a number if it is one. `groups` gives for every factor the key that all instances differing in it alone
+    share. `margin` is how far the answer is from turning, as a multiple of the margin asked for (None without one).
+    `measured` holds named quantities in SI units. `outcome` (options, bodies, 7) are the poses of the bodies that can
+    move in every option picture, NaN for what is not there; None for a question without pictures to choose from.
     """
 
     task: str
@@ -66,19 +105,24 @@ class Asked:
     text: str
     context: tuple[Picture, ...]
     options: tuple[Option, ...]
-    answer: int
+    answer: int | None
     value: str
-    factors: dict[str, Setting]
-    nuisances: dict[str, Setting]
+    factors: dict[str, Level]
+    nuisances: dict[str, Level]
     groups: dict[str, str]
     margin: float | None
     measured: dict[str, float]
     outcome: NDArray[np.float64] | None = None
-    agreement: tuple[tuple[str, int], ...] = ()
+    agreement: tuple[Vote, ...] = ()
+    name: str = ""
+    number: Number | None = None
+    difference: Strength | None = None
 
 
 #: Why an instance yields no question. The word before a colon is what is counted.
-Reason = Literal["ensure", "margin", "alike", "unseen", "disagreement", "invalid", "unstable", "crashed", "timeout"]
+Reason = Literal[
+    "ensure", "margin", "alike", "unseen", "overlap", "unstable", "disagreement", "invalid", "crashed", "timeout"
+]
 
 
 @dataclass(frozen=True)
@@ -91,3 +135,12 @@ class Rejected:
     engine: str
     reason: Reason
     detail: str
+
+
+class Reject(Exception):
+    """Why an instance yields no question."""
+
+    def __init__(self, reason: Reason, detail: str) -> None:
+        super().__init__(detail)
+        self.reason: Reason = reason
+        self.detail = detail

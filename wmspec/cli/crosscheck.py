@@ -79,7 +79,8 @@ def crosscheck_command(
     if len(engines) < 2:
         raise WmsError(f"a crosscheck needs two engines, and there is only {engines[0]}; try `wmspec doctor`")
     tasks = [spec for _, spec in load_tasks(specs)]
-    job = Job(tuple((t.name, t.model_dump_json()) for t in tasks), seed, engines, tolerances(settings))
+    limits = tuple((t.name, tolerances(settings, t.tolerances)) for t in tasks)
+    job = Job(tuple((t.name, t.model_dump_json()) for t in tasks), seed, engines, limits)
     try:
         with progress_bar(sum(_count(t, seed, sample) for t in tasks), "crosschecking") as progress:
             checked = sweep(tasks, sample, job, Effort(workers or os.cpu_count() or 1, timeout), progress)

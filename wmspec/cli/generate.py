@@ -37,10 +37,10 @@ from wmspec.errors import WmsError
 @seed_option
 @click.option(
     "--consensus",
-    type=click.Choice(["all", "none"]),
+    type=click.Choice(["all", "majority", "none"]),
     default="all",
     show_default=True,
-    help="Keep a question only if all engines agree on it, or whatever they say.",
+    help="Keep a question if all engines agree on it, if most of them do, or whatever they say.",
 )
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @click.option(
@@ -60,7 +60,7 @@ def generate_command(
     only_dimension: tuple[str, ...],
     size: str,
     seed: int,
-    consensus: str,
+    consensus: Any,
     workers: int | None,
     timeout: float,
     dry_run: bool,
@@ -87,7 +87,7 @@ def generate_command(
         engines=engines,
         size=parse_size(size),
         seed=seed,
-        consensus=consensus == "all",
+        consensus=consensus,
         versions={"wmspec": __version__} | {name: engine_version(name) for name in engines},
     )
     for task in plan.tasks:

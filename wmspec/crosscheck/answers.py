@@ -9,14 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.ask.gates import Reject, apart, distinct, passed
+from wmspec.ask.ask import said_answer
+from wmspec.ask.describe import Ambiguous
+from wmspec.ask.gates import apart, distinct, passed
+from wmspec.ask.looks import looked
 from wmspec.ask.measure import Measured
-from wmspec.ask.say import say
+from wmspec.ask.model import Reject
+from wmspec.ask.options import same
+from wmspec.ask.runs import Crew, Run
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Question, TaskSpec
+from wmspec.check.ir import Question
 from wmspec.crosscheck.model import TRUTH
-from wmspec.design.values import Values
-from wmspec.scene.model import Scene, Trace
+from wmspec.errors import WmsError
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,8 @@ class Answer:
     """One engine's answer: its `value` as the language has it and `said` in words, what was `measured`, SI units.
 
     `outcome` holds the poses (n, 7) of the bodies that can move, for the truth and every counterfactual of a picture
-    question; None for labels. `rejected` is the gate that it fails, or None.
+    question; None for labels. `rejected` is the gate that it fails, or None. `within` is how far apart the numbers that
+    an open question asks for may be.
     """
 
     value: Any
@@ -32,33 +37,45 @@ class Answer:
     measured: dict[str, float]
     outcome: dict[str, NDArray[np.float64]] | None
     rejected: str | None
+    within: float | None = None
 
 
-def answer(spec: TaskSpec, question: Question, values: Values, scene: Scene, traces: Mapping[str, Trace]) -> Answer:
-    """An engine's answer, from its traces of the truth and of the question's counterfactuals by name."""
-    looks = [t for o in spec.observations for t in evaluate(o.times, values)]
-    measured = Measured(values, traces[TRUTH], (min(looks), max(looks)))
-    value = evaluate(question.answer, measured)
-    rejected = None
+def answer(question: Question, runs: Mapping[str, Run], crew: Crew) -> Answer:
+    """An engine's answer, from its runs of the truth and of the question's counterfactuals by name."""
+    truth = runs[TRUTH]
+    measured = Measured(truth.values, truth.observed(looked(truth.values.spec, truth.values), crew))
+    try:
+        value = evaluate(question.answer, measured)
+        said = TRUTH if question.sort == "picture" else said_answer(question, value, truth.values)
+    except WmsError as error:
+        reason = "alike" if isinstance(error, Ambiguous) else "invalid"
+        return Answer(None, "nothing", measured.readings, None, f"{reason}: {error}")
     outcome = None
-    if question.options is None:
-        moving = [i for i, b in enumerate(scene.bodies) if b.motion != "static"]
-        outcome = {name: _poses(trace, moving, value[1]) for name, trace in traces.items()}
+    if question.sort == "picture":
+        names = list(dict.fromkeys(name for run in runs.values() for name in run.movable()))
+        outcome = {name: run.poses(names, value[1]) for name, run in runs.items()}
+    rejected = _rejected(question, value, measured, outcome)
+    within = None if question.within is None else evaluate(question.within, truth.values)
+    return Answer(value, said, dict(sorted(measured.readings.items())), outcome, rejected, within)
+
+
+def _rejected(
+    question: Question, value: Any, measured: Measured, outcome: dict[str, NDArray[np.float64]] | None
+) -> str | None:
+    """The gate that the question fails, or None."""
     try:
         passed(question, measured)
         if outcome is not None and question.distinct is not None:
-            distinct(np.stack(list(outcome.values())), list(outcome), evaluate(question.distinct, values))
-        if question.options is not None and value not in evaluate(question.options, values):
-            raise Reject("invalid", f"the answer {say(value, question.sort, values)} is not among the options")
+            distinct(np.stack(list(outcome.values())), list(outcome), evaluate(question.distinct, measured.values))
+        if question.options is not None and not any(same(value, o) for o in evaluate(question.options, measured)):
+            raise Reject(
+                "invalid", f"the answer {said_answer(question, value, measured.values)} is not among the options"
+            )
     except Reject as reject:
-        rejected = f"{reject.reason}: {reject.detail}"
-    said = TRUTH if outcome is not None else say(value, question.sort, values)
-    return Answer(value, said, dict(sorted(measured.readings.items())), outcome, rejected)
-
-
-def _poses(trace: Trace, moving: list[int], time: float) -> NDArray[np.float64]:
-    i = trace.sample(time)
-    return np.concatenate([trace.position[i, moving], trace.orientation[i, moving]], axis=1)
+        return f"{reject.reason}: {reject.detail}"
+    except WmsError as error:
+        return f"invalid: {error}"
+    return None
 
 
 def picked(mine: Answer, other: Answer) -> str:
@@ -71,7 +88,8 @@ def picked(mine: Answer, other: Answer) -> str:
 def agree(a: Answer, b: Answer) -> bool:
     """Whether each engine's outcome picks the other's answer."""
     if a.outcome is None or b.outcome is None:
-        return bool(a.value == b.value)
+        near = a.within is not None and None not in (a.value, b.value) and abs(a.value - b.value) <= a.within
+        return near or same(a.value, b.value)
     return picked(a, b) == picked(b, a) == TRUTH
 
 

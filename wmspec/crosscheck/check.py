@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations
 
+from wmspec.ask.runs import Crew, Run, values_of
 from wmspec.check.ir import Counterfactual, Question, TaskSpec
 from wmspec.crosscheck.answers import Answer, agree, answer, told
 from wmspec.crosscheck.compare import compare
 from wmspec.crosscheck.model import TRUTH, Cause, Checked, Comparison, Failure, Pair, Verdict
 from wmspec.crosscheck.tolerance import Tolerances
 from wmspec.design.design import Design, Instance
-from wmspec.design.values import Values
 from wmspec.errors import WmsError
+from wmspec.execute.studio import Studio
 from wmspec.execute.trace import Executor
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.read import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
+
+#: The pictures on which `visible`, `occluded` and `contrast` are measured (px).
+SIDE = 256
 
 #: A trace by engine and run.
 Traces = Mapping[tuple[str, str], Trace]
@@ -36,7 +41,7 @@ def check(design: Design, index: int, executors: Sequence[Executor], tolerances:
         for a, b in pairs
         if (a, run) in traces and (b, run) in traces
     )
-    asking = _Asking(spec, instance, scenes, traces)
+    asking = _Asking(design, instance, scenes, traces)
     verdicts = tuple(verdict for q in range(len(spec.questions)) for verdict in asking.verdicts(q, pairs, comparisons))
     return Checked(spec.name, index, instance.factors, instance.nuisances, comparisons, verdicts, (*failures, *failed))
 
@@ -50,7 +55,7 @@ def _scenes(spec: TaskSpec, instance: Instance) -> tuple[dict[str, Scene], list[
     """The scenes to execute, by run, and those that cannot be made."""
     changes: dict[str, Counterfactual | None] = {TRUTH: None}
     for q, question in enumerate(spec.questions):
-        if question.options is None:
+        if question.sort == "picture":
             changes |= {run_name(spec, q, c): c for c in question.counterfactuals}
     scenes, failures = {}, []
     for run, change in changes.items():
@@ -76,16 +81,16 @@ def _execute(scenes: Mapping[str, Scene], executors: Iterable[Executor]) -> tupl
 class _Asking:
     """An executed instance whose questions are asked."""
 
-    spec: TaskSpec
+    design: Design
     instance: Instance
     scenes: Mapping[str, Scene]
     traces: Traces
 
     def verdicts(self, q: int, pairs: Sequence[Pair], comparisons: Sequence[Comparison]) -> list[Verdict]:
         """A question in every pair of engines that executed what it needs."""
-        question = self.spec.questions[q]
+        spec, question = self.design.spec, self.design.spec.questions[q]
         runs = {TRUTH: TRUTH} | {
-            c.name: run_name(self.spec, q, c) for c in question.counterfactuals if question.options is None
+            c.name: run_name(spec, q, c) for c in question.counterfactuals if question.sort == "picture"
         }
         answers = {e: self._answer(question, e, runs) for e in dict.fromkeys(e for pair in pairs for e in pair)}
         found = []
@@ -102,8 +107,20 @@ class _Asking:
     def _answer(self, question: Question, engine: str, runs: Mapping[str, str]) -> Answer | None:
         if any((engine, run) not in self.traces for run in runs.values()):
             return None
-        traces = {name: self.traces[engine, run] for name, run in runs.items()}
-        return answer(self.spec, question, Values(self.spec, self.instance.values), self.scenes[TRUTH], traces)
+        changes = {c.name: c for c in question.counterfactuals}
+        made = {
+            name: Run(
+                values_of(self.design, self.instance, changes.get(name)), self.scenes[run], self.traces[engine, run]
+            )
+            for name, run in runs.items()
+        }
+        return answer(question, made, Crew(Executor(engine), _studio(engine)))
+
+
+@cache
+def _studio(engine: str) -> Studio:
+    """Draws only for what is measured on pictures; it costs nothing where nothing is."""
+    return Studio(engine, SIDE, SIDE)
 
 
 def _cause(comparisons: Sequence[Comparison]) -> Cause | None:

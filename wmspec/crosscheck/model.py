@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from wmspec.design.design import Setting
+from wmspec.design.draws import Level
 
 #: The names of two engines, in the order in which they were asked for.
 Pair = tuple[str, str]
@@ -125,8 +125,8 @@ class Checked:
 
     task: str
     index: int
-    factors: dict[str, Setting]
-    nuisances: dict[str, Setting]
+    factors: dict[str, Level]
+    nuisances: dict[str, Level]
     comparisons: tuple[Comparison, ...] = ()
     verdicts: tuple[Verdict, ...] = ()
     failures: tuple[Failure, ...] = field(default=())

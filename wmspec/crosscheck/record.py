@@ -27,7 +27,7 @@ def record(job: Job, checked: Sequence[Checked], strict: bool) -> dict[str, Any]
         "engines": {name: engine_version(name) for name in job.engines},
         "seed": job.seed,
         "strict": strict,
-        "tolerances": asdict(job.tolerances),
+        "tolerances": {task: asdict(limits) for task, limits in job.tolerances},
         "passes": all(c.passes(strict) for c in checked),
         "summary": [asdict(line) for line in lines(checked, pairs(job.engines))],
         "suspects": [asdict(s) for s in suspects(checked)],

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from wmspec.crosscheck.model import Checked, Comparison, Pair
-from wmspec.design.design import Setting
+from wmspec.design.draws import Level
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Suspect:
     task: str
     what: str
     factor: str
-    value: Setting
+    value: Level
     with_it: Share
     without: Share
 

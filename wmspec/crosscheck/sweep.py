@@ -19,12 +19,12 @@ from wmspec.execute.trace import Executor
 
 @dataclass(frozen=True)
 class Job:
-    """How every instance is checked: `tasks` are `TaskSpec`s as JSON, by name."""
+    """How every instance is checked: `tasks` are `TaskSpec`s as JSON, and their `tolerances`, by name."""
 
     tasks: tuple[tuple[str, str], ...]
     seed: int
     engines: tuple[str, ...]
-    tolerances: Tolerances
+    tolerances: tuple[tuple[str, Tolerances], ...]
 
 
 def pairs(engines: Sequence[str]) -> list[Pair]:
@@ -55,7 +55,7 @@ def sweep(
 
 def work(job: Job, task: str, index: int) -> Checked:
     """Check an instance, in a worker process."""
-    return check(_design(job, task), index, _executors(job.engines), job.tolerances)
+    return check(_design(job, task), index, _executors(job.engines), dict(job.tolerances)[task])
 
 
 @cache

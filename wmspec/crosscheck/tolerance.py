@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
+from types import MappingProxyType
 
 from wmspec.check.units import ANGLE, LENGTH, NUMBER, SPEED, TIME, Dimension, UnknownUnit, convert, parse_unit
 from wmspec.errors import WmsError, suggestion
@@ -41,8 +42,11 @@ _DIMENSIONS: dict[str, tuple[Dimension, str]] = {
 }
 
 
-def tolerances(settings: Iterable[str]) -> Tolerances:
-    """The defaults with `settings` such as `drift=1cm/s` in their place. Raises WmsError with the remedy."""
+def tolerances(settings: Iterable[str], said: Mapping[str, float] = MappingProxyType({})) -> Tolerances:
+    """The defaults, in their place what a spec has `said` (SI), in their place `settings` such as `drift=1cm/s`.
+
+    Raises WmsError with the remedy.
+    """
     given: dict[str, float] = {}
     for setting in settings:
         name, _, text = (part.strip() for part in setting.partition("="))
@@ -50,7 +54,7 @@ def tolerances(settings: Iterable[str]) -> Tolerances:
             known = [f.name for f in fields(Tolerances)]
             raise WmsError(f"there is no tolerance `{name}`; {suggestion(name, known) or ', '.join(known)}")
         given[name] = _value(name, text)
-    return replace(Tolerances(), **given)
+    return replace(Tolerances(), **{**said, **given})
 
 
 def _value(name: str, text: str) -> float:

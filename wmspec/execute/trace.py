@@ -16,7 +16,8 @@ _PLAIN = Surface()
 def physics_key(scene: Scene) -> str:
     """What physics reads of a scene, as a hash: two scenes with the same key have the same trace."""
     bodies = tuple(replace(b, geoms=tuple(replace(g, surface=_PLAIN) for g in b.geoms)) for b in scene.bodies)
-    read = (scene.gravity.tobytes(), scene.actions, bodies, scene.duration, scene.rate)
+    linked = (scene.joints, scene.filtered)
+    read = (scene.gravity.tobytes(), scene.actions, bodies, linked, scene.duration, scene.rate)
     return hashlib.blake2b(pickle.dumps(read, protocol=4), digest_size=16).hexdigest()
 
 

@@ -5,22 +5,31 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 
-from wmspec.check.ir import Choices, Factor
+from wmspec.check.ir import Choices, Factor, Interval, Normal
+from wmspec.design.draws import Level
 from wmspec.write.manifest import Summary, TaskSummary
 from wmspec.write.plan import Plan, Task
-from wmspec.write.rows import COLUMNS
+from wmspec.write.rows import COLUMNS, channels
 
 #: What each reason for rejecting a question means.
 REASONS = {
     "ensure": "what the spec says must happen did not",
     "margin": "the answer is nearer to turning than the spec allows",
     "alike": "two options cannot be told apart",
-    "unseen": "something that moves cannot be seen in a picture",
+    "unseen": "something that moves or that is asked about cannot be seen well",
+    "overlap": "two bodies are inside one another at the start",
     "disagreement": "the engines do not agree on the answer, or one of them rejects the question",
     "invalid": "the combination of factors is impossible",
-    "unstable": "the engine gave up on the episode",
+    "unstable": "the answer does not survive a nudge, or the engine gave up on the episode",
     "crashed": "the engine crashed, twice",
     "timeout": "the engine took too long, twice",
+}
+
+#: Which questions are kept, by the consensus asked for.
+AGREED: dict[str, str] = {
+    "all": " Only questions on which all engines agree are kept.",
+    "majority": " Only questions on which more than half of the engines agree are kept, of those engines.",
+    "none": "",
 }
 
 #: The hub's names for numbers of rows: below each bound.
@@ -29,7 +38,7 @@ _SIZES = ((10**3, "n<1K"), (10**4, "1K<n<10K"), (10**5, "10K<n<100K"), (10**6, "
 
 def card(plan: Plan, total: Summary) -> str:
     """The README.md of a finished dataset: YAML for programs, then Markdown for people."""
-    people = [_opening(plan, total), _loading(total), _tasks(plan, total), _rejected(total), _columns()]
+    people = [_opening(plan, total), _loading(total), _tasks(plan, total), _rejected(total), _columns(plan)]
     return "\n\n".join([_front(plan, total), *people]) + "\n"
 
 
@@ -63,7 +72,7 @@ def _filled(total: Summary) -> list[str]:
 
 def _opening(plan: Plan, total: Summary) -> str:
     versions = ", ".join(f"{name} {number}" for name, number in sorted(plan.versions.items()))
-    agreed = " Only questions on which all engines agree are kept." if plan.consensus else ""
+    agreed = AGREED[plan.consensus]
     width, height = plan.size
     return (
         f"# {total.rows:,} questions about a physical world\n\n"
@@ -111,15 +120,23 @@ def _task(task: Task, count: TaskSummary) -> str:
 
 
 def _domain(factor: Factor) -> str:
-    if isinstance(factor.domain, Choices):
-        said = ", ".join(plain(v) for v in factor.domain.values)
-    else:
-        said = f"{plain(factor.domain.low)} to {plain(factor.domain.high)}, drawn once per block"
+    match factor.domain:
+        case Choices(values=values, weights=weights):
+            said = ", ".join(plain(v) for v in values)
+            said += f", weighted {', '.join(map(plain, weights))}" if weights else ""
+        case Interval(low=low, high=high, logarithmic=logarithmic):
+            said = f"{plain(low)} to {plain(high)}{', even in the logarithm' if logarithmic else ''}"
+        case Normal(mean=mean, deviation=deviation):
+            said = f"about {plain(mean)}, normally with a deviation of {plain(deviation)}"
+    if factor.nuisance:
+        said += ", drawn once per block"
     return f"{said} ({factor.unit})" if factor.unit else said
 
 
-def plain(value: bool | float | str) -> str:
+def plain(value: Level) -> str:
     """A factor's value as a person writes it."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(plain, value))})"
     if isinstance(value, bool):
         return "yes" if value else "no"
     return value if isinstance(value, str) else f"{value:.4g}"
@@ -138,8 +155,11 @@ def _reasons(rejected: dict[str, int]) -> str:
     return ", ".join(f"{n} {reason}" for reason, n in rejected.items())
 
 
-def _columns() -> str:
-    rows = [[f"`{name}`", said] for name, (_, said) in COLUMNS.items()]
+def _columns(plan: Plan) -> str:
+    columns = COLUMNS.copy()
+    for task in plan.tasks:
+        columns |= channels(task.spec)
+    rows = [[f"`{name}`", said] for name, (_, said) in columns.items()]
     rows += [
         ["`factor.*`", "the value of each factor, in SI units"],
         ["`group.*`", "the key that the instances differing in that factor alone share: group by it"],

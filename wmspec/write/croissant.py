@@ -8,7 +8,7 @@ from typing import Any
 import pyarrow as pa
 
 from wmspec.write.plan import Plan, Task
-from wmspec.write.rows import COLUMNS, schema
+from wmspec.write.rows import CHANNELS, COLUMNS, schema
 from wmspec.write.shards import Record
 
 #: The context that the specification asks for, as far as it is used here.
@@ -52,6 +52,9 @@ CONTEXT: dict[str, Any] = {
     "transform": "cr:transform",
 }
 
+#: What every column holds, by its name.
+_MEANINGS = {name: said for columns in (COLUMNS, *CHANNELS.values()) for name, (_, said) in columns.items()}
+
 _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
 
 
@@ -88,7 +91,7 @@ def _files(task: Task) -> dict[str, Any]:
 
 def _records(task: Task) -> dict[str, Any]:
     name = task.spec.name
-    fields = [_field(name, f) for f in schema(task.spec.factors)]
+    fields = [_field(name, f) for f in schema(task.spec)]
     described = {"description": task.spec.title} if task.spec.title else {}
     return {
         "@type": "cr:RecordSet",
@@ -114,8 +117,8 @@ def _one(task: str, column: pa.Field, kind: str, part: str = "", named: str = ""
     """The Croissant field of a column, or of one part of the structs in it."""
     name = f"{task}/{column.name}{named}"
     said: dict[str, Any] = {"@type": "cr:Field", "@id": name, "name": name, "dataType": kind}
-    if column.name in COLUMNS:
-        said["description"] = COLUMNS[column.name][1]
+    if column.name in _MEANINGS:
+        said["description"] = _MEANINGS[column.name]
     if pa.types.is_list(column.type):
         said["repeated"] = True
     transform = {"transform": {"jsonPath": part}} if part else {}

@@ -82,7 +82,7 @@ def _cost(plan: Plan, task: Task, effort: Effort, made: list[tuple[float, Outcom
         instances=len(task.indices),
         tried=len(made),
         seconds=seconds / len(made),
-        size=len(parquet(table(rows, schema(task.spec.factors)))) / len(made),
+        size=len(parquet(table(rows, schema(task.spec)))) / len(made),
         asked=len(made) * len(task.spec.questions) * len(plan.engines),
         rejected=lost + sum(len(outcome.rejected) for _, outcome in whole),
     )

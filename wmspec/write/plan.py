@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from wmspec.ask.agree import Consensus
 from wmspec.check.ir import TaskSpec
 from wmspec.errors import WmsError
 
@@ -44,7 +45,7 @@ class Plan:
     """Everything that decides a dataset's bytes.
 
     `texts` are the specs and what they use, by name. `size` is the pictures' (width, height) in pixels, `consensus`
-    whether a question is kept only if all engines agree on it, `shard` the instances of a shard, `versions` those of
+    how many engines must agree on a question for it to be kept, `shard` the instances of a shard, `versions` those of
     wmspec and of the engines. Raises WmsError if two tasks have the same name.
     """
 
@@ -53,7 +54,7 @@ class Plan:
     engines: tuple[str, ...]
     size: tuple[int, int]
     seed: int
-    consensus: bool
+    consensus: Consensus
     versions: dict[str, str]
     shard: int = field(default=64)
 

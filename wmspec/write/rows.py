@@ -12,15 +12,19 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.ask.model import Asked, Change, Option, Picture
-from wmspec.check.ir import Choices, Factor
+from wmspec.ask.looks import kept
+from wmspec.ask.model import Asked, Change, Option, Picture, Strength, Vote
+from wmspec.check.ir import Choices, Factor, TaskSpec
 
 Row = dict[str, Any]
 
 _IMAGES = pa.list_(pa.struct([("bytes", pa.binary()), ("path", pa.string())]))
 _TEXTS = pa.list_(pa.string())
 _READINGS = pa.list_(pa.struct([("name", pa.string()), ("value", pa.float64())]))
-_PICKS = pa.list_(pa.struct([("engine", pa.string()), ("answer", pa.int64())]))
+_VOTES = pa.list_(
+    pa.struct([("engine", pa.string()), ("answer", pa.int64()), ("value", pa.string()), ("rejected", pa.string())])
+)
+_STRENGTH = pa.struct([("name", pa.string()), ("unit", pa.string()), ("value", pa.float64())])
 
 #: What every row says, whatever the task: the column's type and what it holds.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
@@ -30,42 +34,68 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "index": (pa.int64(), "which instance of the task's design"),
     "block": (pa.int64(), "which repetition of the design; instances of a block share their nuisances"),
     "question": (pa.int64(), "which of the task's questions"),
+    "question_name": (pa.string(), "the question's name; empty if it has none"),
     "engine": (pa.string(), "who executed the episode"),
     "renderer": (pa.string(), "who drew the pictures"),
     "text": (pa.string(), "the question"),
     "context": (_IMAGES, "the pictures shown with the question"),
     "context_camera": (_TEXTS, "the camera of each picture shown"),
     "context_time": (pa.list_(pa.float64()), "the time (s) of each picture shown"),
-    "option_text": (_TEXTS, "the options, if they are words; null if they are pictures"),
+    "option_text": (_TEXTS, "the options, if they are words; null if they are pictures, empty for an open question"),
     "option_image": (_IMAGES, "the options, if they are pictures; empty if they are words"),
     "option_kind": (_TEXTS, "what each option is: truth, label or counterfactual"),
     "option_name": (_TEXTS, "the name of each option: of the label's value or of the counterfactual"),
     "option_change": (_TEXTS, "what each counterfactual changed: its kind, what, from what, to what"),
-    "answer": (pa.int64(), "the place (from 0) of the true option"),
+    "answer": (pa.int64(), "the place (from 0) of the true option; null for an open question"),
     "answer_value": (pa.string(), "the answer, measured on the executed episode, in words"),
+    "answer_number": (pa.float64(), "the answer, if it is a number"),
+    "answer_unit": (pa.string(), "the SI unit of that number; empty for plain numbers"),
+    "answer_within": (pa.float64(), "for an open question: how far off a number is still right"),
+    "difference": (_STRENGTH, "how strong the stimulus is: the quantity, its SI unit, its value"),
     "margin": (pa.float64(), "how far the answer is from turning, in multiples of the margin asked for"),
     "measured": (_READINGS, "quantities measured, in SI units"),
-    "agreement": (_PICKS, "the option that each engine's outcome picks"),
+    "agreement": (_VOTES, "of each engine: the option that its outcome picks, its answer, or why it rejects"),
     "seed": (pa.int64(), "the seed of the design"),
+}
+
+#: What rows also say if the task asks for more than colours.
+CHANNELS: dict[str, dict[str, tuple[pa.DataType, str]]] = {
+    "depth": {
+        "context_depth": (_IMAGES, "of each picture shown: distance along the view axis in mm, 16 bits, 0 for none")
+    },
+    "ids": {
+        "context_ids": (
+            _IMAGES,
+            "of each picture shown: the place (from 1) in `context_names` of what is seen, 16 bits",
+        ),
+        "context_names": (_TEXTS, "the names of all objects"),
+    },
 }
 
 #: `"Sequence"`, because versions of `datasets` before 4 do not know `"List"`, and later ones read both.
 _FEATURE = {"_type": "Sequence", "feature": {"_type": "Image"}}
 
 
-def schema(factors: Iterable[Factor]) -> pa.Schema:
-    """The columns of a task: the common ones, then `factor.*`, `group.*` and `nuisance.*`.
+def schema(spec: TaskSpec) -> pa.Schema:
+    """The columns of a task: the common ones, those of its channels, then `factor.*`, `group.*` and `nuisance.*`.
 
-    A factor's column is boolean, float64 or string, as its values are; its metadata hold its SI `unit`. `group.f` is
-    the key that all instances differing in `f` alone share: the "all but f" groups are one `groupby`.
+    A factor's column is boolean, float64, string, or a list of float64 for points, as its values are; its metadata hold
+    its SI `unit`. `group.f` is the key that all instances differing in `f` alone share: the "all but f" groups are one
+    `groupby`.
     """
-    fields = [pa.field(name, kind) for name, (kind, _) in COLUMNS.items()]
-    varied, drawn = _parted(factors)
+    fields = [pa.field(name, kind) for name, (kind, _) in (COLUMNS | channels(spec)).items()]
+    varied, drawn = _parted(spec.factors)
     fields += [_column("factor", f) for f in varied]
     fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]
     fields += [_column("nuisance", f) for f in drawn]
     features = {f.name: _FEATURE for f in fields if f.type == _IMAGES}
     return pa.schema(fields, metadata={"huggingface": json.dumps({"info": {"features": features}})})
+
+
+def channels(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """The columns of what a task keeps of its pictures beside their colours."""
+    wanted = kept(spec)
+    return {name: column for channel in CHANNELS if channel in wanted for name, column in CHANNELS[channel].items()}
 
 
 def _parted(factors: Iterable[Factor]) -> tuple[list[Factor], list[Factor]]:
@@ -81,6 +111,8 @@ def _type(factor: Factor) -> pa.DataType:
     values = factor.domain.values if isinstance(factor.domain, Choices) else (0.0,)
     if all(isinstance(v, bool) for v in values):
         return pa.bool_()
+    if any(isinstance(v, tuple) for v in values):
+        return pa.list_(pa.float64())
     return pa.string() if any(isinstance(v, str) for v in values) else pa.float64()
 
 
@@ -98,6 +130,7 @@ def encode(asked: Asked) -> Row:
         "index": asked.index,
         "block": asked.block,
         "question": asked.question,
+        "question_name": asked.name,
         "engine": asked.engine,
         "renderer": asked.renderer,
         "text": asked.text,
@@ -107,10 +140,15 @@ def encode(asked: Asked) -> Row:
         **_options(asked.options),
         "answer": asked.answer,
         "answer_value": asked.value,
+        "answer_number": asked.number.value if asked.number else None,
+        "answer_unit": asked.number.unit if asked.number else None,
+        "answer_within": asked.number.within if asked.number else None,
+        "difference": _strength(asked.difference),
         "margin": asked.margin,
         "measured": [{"name": n, "value": float(v)} for n, v in asked.measured.items()],
-        "agreement": [{"engine": e, "answer": a} for e, a in asked.agreement],
+        "agreement": [_vote(v) for v in asked.agreement],
         "seed": asked.seed,
+        **_kept(asked.context),
         **{f"factor.{n}": v for n, v in asked.factors.items()},
         **{f"group.{n}": v for n, v in asked.groups.items()},
         **{f"nuisance.{n}": v for n, v in asked.nuisances.items()},
@@ -120,10 +158,10 @@ def encode(asked: Asked) -> Row:
 def _options(options: tuple[Option, ...]) -> Row:
     texts = [o.text for o in options if o.text is not None]
     pictures = [o.picture for o in options if o.picture is not None]
-    if sorted((len(texts), len(pictures))) != [0, len(options)]:
+    if len(texts) + len(pictures) != len(options) or (texts and pictures):
         raise ValueError("the options of a question are either all texts or all pictures")
     return {
-        "option_text": texts or None,
+        "option_text": None if pictures else texts,
         "option_image": [_image(p) for p in pictures],
         "option_kind": [o.kind for o in options],
         "option_name": [o.name for o in options],
@@ -134,19 +172,52 @@ def _options(options: tuple[Option, ...]) -> Row:
 def _said(change: Change | None) -> str | None:
     if change is None:
         return None
-    if change.kind == "without":
-        return f"without {change.target}"
+    if change.kind in ("without", "order"):
+        return f"{change.kind} {change.target}"
     return f"{change.kind} {change.target}: {change.before} -> {change.after}"
 
 
+def _vote(vote: Vote) -> Row:
+    return {"engine": vote.engine, "answer": vote.answer, "value": vote.value, "rejected": vote.rejected}
+
+
+def _strength(strength: Strength | None) -> Row | None:
+    if strength is None:
+        return None
+    return {"name": strength.quantity, "unit": strength.unit, "value": strength.value}
+
+
+def _kept(context: tuple[Picture, ...]) -> Row:
+    """What is kept of the pictures shown beside their colours."""
+    row: Row = {}
+    if any(p.depth is not None for p in context):
+        row["context_depth"] = [_file(millimetres(p.depth)) for p in context if p.depth is not None]
+    if any(p.ids is not None for p in context):
+        row["context_ids"] = [_file((p.ids + 1).astype(np.uint16)) for p in context if p.ids is not None]
+        row["context_names"] = list(next(p.names for p in context if p.ids is not None))
+    return row
+
+
+def millimetres(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """Metres (h, w) as whole millimetres; what is further than 65 m is as far as can be said."""
+    return np.asarray(np.clip(np.rint(depth * 1000.0), 0, 65535).astype(np.uint16))
+
+
 def _image(picture: Picture) -> dict[str, bytes | None]:
-    return {"bytes": png(picture.rgb), "path": None}
+    return _file(picture.rgb)
 
 
-def png(rgb: NDArray[np.uint8]) -> bytes:
-    """A picture (h, w, 3) as a PNG file. Compression 1: 2 to 6 ms; the default takes up to 37 ms for a few percent."""
+def _file(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> dict[str, bytes | None]:
+    return {"bytes": png(pixels), "path": None}
+
+
+def png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
+    """A picture (h, w, 3) of 8 bits or (h, w) of 16 as a PNG file.
+
+    Compression 1: 2 to 6 ms; the default takes up to 37 ms for a few percent.
+    """
     out = io.BytesIO()
-    Image.fromarray(rgb).save(out, "PNG", compress_level=1)
+    Image.fromarray(pixels).save(out, "PNG", compress_level=1)
     return out.getvalue()
 
 

@@ -41,7 +41,7 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     kept = sorted(rows, key=lambda r: (*place.get((r["index"], r["engine"]), (-1, -1)), r["question"]))
     lost = sorted(rejected, key=lambda r: (*place.get((r.index, r.engine), (-1, -1)), r.question))
     _accounted(shard, place.keys(), kept, lost)
-    content = parquet(table(kept, schema(shard.task.spec.factors)))
+    content = parquet(table(kept, schema(shard.task.spec)))
     files.write(folder, shard.path, content)
     record = Record(plan.fingerprint, hashlib.sha256(content).hexdigest(), len(kept), tuple(lost))
     files.write(folder, sidecar(shard), files.text(asdict(record)))

@@ -16,8 +16,8 @@ import pyarrow.compute as pc
 import pyarrow.dataset as ds
 from PIL import Image
 
-from wmspec.check.kinds import TRUTH, Quantity
 from wmspec.check.functions import FUNCTIONS
+from wmspec.check.kinds import TRUTH, Quantity
 from wmspec.errors import WmsError
 from wmspec.write import ink
 from wmspec.write.card import plain
@@ -27,6 +27,9 @@ from wmspec.write.rows import Row
 #: The width of everything on the sheet (px), and of what is in its columns.
 WIDTH, MARGIN, ENGINE, GAP, PARTING, ROOM = 2000, 56, 150, 10, 44, 6
 LARGEST, WORDS = 300, 430
+
+#: What is kept, by the consensus asked for.
+AGREED = {"all": "; only what all of them agree on", "majority": "; only what most of them agree on", "none": ""}
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
@@ -70,7 +73,7 @@ def _inside() -> int:
 
 def _title(said: dict[str, Any]) -> Picture:
     engines = ", ".join(said["engines"])
-    agreed = "; only what all of them agree on" if said["consensus"] else ""
+    agreed = AGREED[said["consensus"]]
     tasks = f"{len(said['tasks'])} {'task' if len(said['tasks']) == 1 else 'tasks'}"
     counted = f"{said['rows']:,} questions in {tasks}, executed and drawn in {engines}{agreed}"
     return ink.above([ink.paragraph("wmspec", TITLE, _inside()), ink.paragraph(counted, SMALL, _inside())], 4)
@@ -219,7 +222,8 @@ def _row(row: Row, side: int) -> Picture:
 
 def _choices(row: Row, side: int) -> list[Picture]:
     if not row["option_image"]:
-        return [ink.above([_word(row, i) for i in range(len(row["option_text"]))], 4)]
+        words = [_word(row, i) for i in range(len(row["option_text"]))]
+        return [ink.above(words or [ink.paragraph("asked for openly", BODY, WORDS)], 4)]
     frames = [(GREEN, 6) if i == row["answer"] else (PALE, 1) for i in range(len(row["option_image"]))]
     return [ink.framed(_sized(p, side), *frame, ROOM) for p, frame in zip(row["option_image"], frames, strict=True)]
 
@@ -249,7 +253,8 @@ def _reasons(rows: list[Row]) -> Picture:
 
 
 def _reason(row: Row) -> str:
-    parts = [f"{LETTERS[row['answer']]} is true ({row['answer_value']})"]
+    true = "the answer is " if row["answer"] is None else f"{LETTERS[row['answer']]} is true: "
+    parts = [true + row["answer_value"]]
     parts += [f"{m['name']} = {_measured(m['name'], m['value'])}" for m in row["measured"]]
     if row["margin"] is not None:
         parts.append(f"{row['margin']:.2g} times the margin asked for")

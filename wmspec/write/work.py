@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-from wmspec.ask.agree import consensus
-from wmspec.ask.ask import Crew, ask
+from wmspec.ask.agree import Consensus, consensus
+from wmspec.ask.ask import ask
 from wmspec.ask.model import Asked, Rejected
+from wmspec.ask.runs import Crew
 from wmspec.check.ir import TaskSpec
 from wmspec.design.design import Design
 from wmspec.execute.studio import Studio
@@ -23,7 +24,7 @@ class Job:
     seed: int
     engines: tuple[str, ...]
     size: tuple[int, int]
-    consensus: bool
+    consensus: Consensus
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ def work(job: Job, task: str, index: int) -> Outcome:
     rejected: list[Rejected] = []
     for q in range(len(design.spec.questions)):
         one: dict[str, Asked | Rejected] = {engine: questions[q] for engine, questions in answers.items()}
-        for answer in (consensus(one) if job.consensus else one).values():
+        for answer in consensus(one, job.consensus).values():
             if isinstance(answer, Rejected):
                 rejected.append(answer)
             else:

@@ -1,0 +1,71 @@
+"""How deep shapes lie in one another, against what geometry says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wmspec.scene.bounds import bounds
+from wmspec.scene.model import Box, Capsule, Cone, Cylinder, Mesh, Pose, Shape, Sphere
+from wmspec.scene.overlap import overlap
+from wmspec.scene.tessellate import tessellate
+from wmspec.scene.transform import apply
+
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+LEAST = 0.001
+CUBE = Mesh(np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.05, np.zeros((0, 3), np.int32))
+SHAPES: list[Shape] = [
+    Box(np.array([0.05, 0.04, 0.03])), Sphere(0.05), Cylinder(0.04, 0.08), Cone(0.05, 0.1), Capsule(0.03, 0.06), CUBE,
+]  # fmt: skip
+FLOOR = Box(np.array([1.0, 1.0, 0.1]))
+
+turns = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: np.linalg.norm(q) > 0.1)
+
+
+def at(x: float, y: float, z: float, turn: tuple[float, ...] = (1, 0, 0, 0)) -> Pose:
+    return Pose(np.array([x, y, z]), np.array(turn) / np.linalg.norm(turn))
+
+
+@settings(max_examples=40)
+@given(st.floats(0.02, 0.1), st.floats(0.02, 0.1), st.floats(-0.01, 0.015), st.floats(0, 6), st.floats(0, 3))
+def test_two_spheres(a: float, b: float, depth: float, turn: float, tilt: float) -> None:
+    far = a + b - depth
+    other = at(far * math.sin(tilt) * math.cos(turn), far * math.sin(tilt) * math.sin(turn), far * math.cos(tilt))
+    expected = depth if depth >= LEAST else 0.0
+    assert overlap(Sphere(a), at(0, 0, 0), Sphere(b), other, LEAST) == pytest.approx(expected, abs=3e-5)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
+@settings(max_examples=20)
+@given(turn=turns, depth=st.floats(0.002, 0.008))
+def test_what_lies_on_a_floor_touches_it_and_no_more(shape: Shape, turn: tuple[float, ...], depth: float) -> None:
+    lowest = bounds(shape, at(0, 0, 0, turn))[0, 2]
+    assert overlap(FLOOR, at(0, 0, -0.1), shape, at(0.1, 0.2, -lowest, turn), LEAST) == 0
+    sunk = overlap(FLOOR, at(0, 0, -0.1), shape, at(0.1, 0.2, -lowest - depth, turn), 1e-6)
+    assert 0 < sunk <= depth + 2e-5
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
+@settings(max_examples=20)
+@given(turn=turns)
+def test_the_upright_box_holds_the_shape_exactly(shape: Shape, turn: tuple[float, ...]) -> None:
+    pose = at(0.3, -0.2, 0.1, turn)
+    points = shape.points if isinstance(shape, Mesh) else tessellate(shape).points
+    corners = apply(pose, points)
+    low, high = bounds(shape, pose)
+    assert (corners.min(axis=0) >= low - 1e-9).all()
+    assert (corners.max(axis=0) <= high + 1e-9).all()
+    assert np.abs(np.stack([corners.min(axis=0), corners.max(axis=0)]) - bounds(shape, pose)).max() < 0.001
+
+
+def test_a_cylinder_half_sunk_and_a_cone_beside_a_cone() -> None:
+    assert overlap(FLOOR, at(0, 0, -0.1), Cylinder(0.1, 0.2), at(0, 0, 0), LEAST) == pytest.approx(0.1, abs=3e-5)
+    legs, base = 2 * math.hypot(0.025, 0.05), 0.05  # two cones share a triangle: its inscribed circle
+    circle = 2 * (base * 0.05) / (legs + base)
+    assert overlap(Cone(0.1, 0.2), at(0, 0, 0.1), Cone(0.1, 0.2), at(0.15, 0, 0.1), LEAST) == pytest.approx(
+        circle, abs=3e-5
+    )

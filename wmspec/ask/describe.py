@@ -1,0 +1,111 @@
+"""Objects in words: by colour and shape, and by what else it takes to tell one from the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from wmspec.ask.difference import ciede2000, lab
+from wmspec.check.vocabulary import COLORS
+from wmspec.design.colors import rgb
+from wmspec.design.forms import volume
+from wmspec.design.values import Values
+from wmspec.errors import WmsError
+
+#: One object is larger than another if its edges are so many times as long; further aside by so much (m).
+LARGER, ASIDE = 1.15, 0.03
+
+#: Materials as adjectives, where their names are none.
+_MADE = {"wood": "wooden", "stripes": "striped", "checker": "checkered"}
+
+
+class Ambiguous(WmsError):
+    """Two objects cannot be told apart in words."""
+
+
+def described(name: str, values: Values) -> str:
+    """An object in words that fit no other object that is there. Raises Ambiguous if there are no such words."""
+    plain = _plain(name, values)
+    rivals = [other for other in present(values) if other != name and _plain(other, values) == plain]
+    if not rivals:
+        return f"the {plain}"
+    for ways in (_material, _size, _side, _depth):
+        for said in ways(name, rivals, values):
+            return f"the {said}"
+    raise Ambiguous(f"`{name}` and `{rivals[0]}` are both {_article(plain)} and nothing tells them apart in words")
+
+
+def present(values: Values) -> Iterator[str]:
+    """The names of the objects that are there."""
+    for thing in values.spec.things:
+        if thing.kind == "object" and values.there(thing.name):
+            yield thing.name
+
+
+def color_word(color: str) -> str:
+    """A colour as a person names it: its word, or that of the colour most like it."""
+    if color in COLORS:
+        return color
+    wanted = lab(rgb(color))
+    return min(COLORS, key=lambda word: float(ciede2000(wanted, lab(COLORS[word]))))
+
+
+def noun(name: str, values: Values) -> str:
+    """What kind of thing an object is: its shape, or its own name if it has parts or is a mesh."""
+    if values.parts(name) or values.has(name, "file") or not values.has(name, "shape"):
+        return name.replace("_", " ")
+    return str(values.property(name, "shape"))
+
+
+def _plain(name: str, values: Values) -> str:
+    what = noun(name, values)
+    if what == name.replace("_", " "):
+        return what
+    return f"{color_word(values.property(name, 'color'))} {what}"
+
+
+def _article(said: str) -> str:
+    return f"{'an' if said[0] in 'aeio' else 'a'} {said}"
+
+
+# ---------------------------------------------------------------- what tells apart
+
+
+def _material(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+    if not all(values.has(n, "material") for n in (name, *rivals)):
+        return
+    mine = values.property(name, "material")
+    if all(values.property(other, "material") != mine for other in rivals):
+        color, _, shape = _plain(name, values).rpartition(" ")
+        yield f"{color} {_MADE.get(mine, mine)} {shape}".strip()
+
+
+def _size(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+    def edge(n: str) -> float:
+        return float(volume(values, n) ** (1 / 3))
+
+    words = ("larger", "smaller") if len(rivals) == 1 else ("largest", "smallest")
+    for word in _extreme(edge(name), [edge(r) for r in rivals], words, lambda a, b: a > b * LARGER):
+        yield f"{word} {_plain(name, values)}"
+
+
+def _side(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+    yield from _placed(name, rivals, values, 0, ("on the right", "on the left"))
+
+
+def _depth(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+    yield from _placed(name, rivals, values, 1, ("at the back", "at the front"))
+
+
+def _placed(name: str, rivals: list[str], values: Values, axis: int, words: tuple[str, str]) -> Iterator[str]:
+    there = [values.pose(r).position[axis] for r in rivals]
+    for word in _extreme(values.pose(name).position[axis], there, words, lambda a, b: a > b + ASIDE):
+        yield f"{_plain(name, values)} {word}"
+
+
+def _extreme(
+    mine: float, others: list[float], words: tuple[str, str], beyond: Callable[[float, float], bool]
+) -> Iterator[str]:
+    if all(beyond(mine, other) for other in others):
+        yield words[0]
+    elif all(beyond(other, mine) for other in others):
+        yield words[1]

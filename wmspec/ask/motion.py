@@ -1,0 +1,86 @@
+"""How bodies moved while they were observed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from wmspec.ask.observed import MOVED, STILL, Observed
+from wmspec.ask.trajectory import form
+from wmspec.errors import WmsError
+from wmspec.scene.model import Array
+
+
+def speed(observed: Observed, name: str) -> float:
+    """The length of the path over the time observed (m/s); 0 if there is only one look."""
+    start, stop = observed.window
+    return float(_steps(observed.path(name)).sum() / (stop - start)) if stop > start else 0.0
+
+
+def moved(observed: Observed, name: str) -> bool:
+    """Whether it was ever more than 2 mm from where it was first seen."""
+    path = observed.path(name)
+    return bool((np.linalg.norm(path - path[0], axis=1) > MOVED).any())
+
+
+def onset(observed: Observed, name: str) -> float:
+    """When (s) it first moved: the last standstill before it had come 2 mm away. Raises WmsError if it never moved."""
+    return float(observed.times[_first_step(observed.path(name), observed.scene.rate, name)])
+
+
+def moving_time(observed: Observed, name: str) -> float:
+    """How long (s) it moved, from its onset to its last standstill; 0 if it never did."""
+    if not moved(observed, name):
+        return 0.0
+    path, rate = observed.path(name), observed.scene.rate
+    first = _first_step(path, rate, name)
+    last = len(path) - 1 - _first_step(path[::-1], rate, name)
+    return float(observed.times[last] - observed.times[first])
+
+
+def heading(observed: Observed, name: str) -> float:
+    """The direction (rad, anticlockwise from +x) from where it was first to where it was last.
+
+    Raises WmsError if it ends within 2 mm of where it began.
+    """
+    path = observed.path(name)
+    x, y, _ = path[-1] - path[0]
+    if math.hypot(x, y) <= MOVED:
+        raise WmsError(f"`{name}` ends where it began, so it has no heading")
+    return math.atan2(y, x)
+
+
+def heads_to(observed: Observed, name: str, others: Sequence[str]) -> str:
+    """The one whose direction, seen from where `name` was first, is nearest to the heading of `name`."""
+    angle, start = heading(observed, name), observed.path(name)[0]
+
+    def off(other: str) -> float:
+        x, y, _ = observed.path(other)[0] - start
+        return abs(math.remainder(math.atan2(y, x) - angle, 2 * math.pi))
+
+    return min(others, key=off)
+
+
+def trajectory(observed: Observed, name: str) -> str:
+    """The form of its path, a word of the vocabulary `path`. Raises WmsError if it has none of these forms."""
+    if not moved(observed, name):
+        raise WmsError(f"`{name}` does not move, so its path has no form")
+    found = form(observed.path(name))
+    if found is None:
+        raise WmsError(f"the path of `{name}` has no form that has a name")
+    return found
+
+
+def _steps(path: Array) -> Array:
+    return np.asarray(np.linalg.norm(np.diff(path, axis=0), axis=1))
+
+
+def _first_step(path: Array, rate: int, name: str) -> int:
+    """The sample at which the motion begins that leads more than 2 mm away from the first."""
+    away = np.linalg.norm(path - path[0], axis=1) > MOVED
+    if not away.any():
+        raise WmsError(f"`{name}` does not move, so there is no time when it begins to")
+    still = np.flatnonzero(_steps(path[: int(away.argmax()) + 1]) * rate < STILL)
+    return int(still[-1]) + 1 if len(still) else 0

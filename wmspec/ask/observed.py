@@ -1,0 +1,93 @@
+"""What was observed of an executed episode: the paths of bodies between the first look and the last, and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from wmspec.ask.looks import Look
+from wmspec.errors import WmsError
+from wmspec.scene.bounds import upright
+from wmspec.scene.model import Array, Body, Frame, Pose, Scene, Trace
+from wmspec.scene.transform import identity, rotate
+
+#: What gets no further than this (m) from where it was has not moved: engines let things at rest creep by 0.3 mm.
+MOVED = 0.002
+#: What is slower than this (m/s) stands still. A solver's jitter stays an order of magnitude below.
+STILL = 0.01
+#: What stands still for so long (s) is at rest.
+REST = 0.1
+
+
+class Observed:
+    """An executed `scene` and the `looks` at it. `draw` gives the picture of a look (None: nothing can be drawn)."""
+
+    def __init__(
+        self, scene: Scene, trace: Trace, looks: Sequence[Look], draw: Callable[[str, float], Frame] | None = None
+    ) -> None:
+        self.scene = scene
+        self.trace = trace
+        self.looks = tuple(looks)
+        self._draw = draw
+        self._index = {body.name: i for i, body in enumerate(scene.bodies)}
+
+    @cached_property
+    def window(self) -> tuple[float, float]:
+        """The first and the last look (s)."""
+        times = [time for _, time in self.looks]
+        return min(times), max(times)
+
+    @cached_property
+    def times(self) -> Array:
+        """The times (t,) s of the samples in the window."""
+        first, last = (self.trace.sample(t) for t in self.window)
+        return self.trace.time[first : last + 1]
+
+    def index(self, name: str) -> int:
+        """Which body of the scene has the name. Raises WmsError if there is none, as where an object is not present."""
+        if name not in self._index:
+            raise WmsError(f"`{name}` is not there, so nothing can be measured on it; ask only of what is present")
+        return self._index[name]
+
+    def body(self, name: str) -> Body:
+        """The body of that name. Raises WmsError if there is none."""
+        return self.scene.bodies[self.index(name)]
+
+    def track(self, name: str) -> Array:
+        """Where the middle of a body's box is (T, 3), m, over the whole episode."""
+        i = self.index(name)
+        middle = upright(self.scene.bodies[i].geoms, identity()).mean(axis=0)
+        return self.trace.position[:, i] + rotate(self.trace.orientation[:, i], middle)
+
+    def path(self, name: str) -> Array:
+        """The part (t, 3) of a body's track that was observed."""
+        first, last = (self.trace.sample(t) for t in self.window)
+        return self.track(name)[first : last + 1]
+
+    def pose(self, name: str, time: float) -> Pose:
+        """Where a body's frame is at a time (s)."""
+        return self.trace.poses(time)[self.index(name)]
+
+    def box(self, name: str, time: float) -> Array:
+        """The corners (2, 3) m of the upright box around a body at a time (s)."""
+        return upright(self.body(name).geoms, self.pose(name, time))
+
+    def radius(self, name: str) -> float:
+        """How far (m) the furthest point of a body's box is from its middle."""
+        low, high = upright(self.body(name).geoms, identity())
+        return float(np.linalg.norm(high - low)) / 2
+
+    def picture(self, camera: str, time: float) -> Frame:
+        """What a camera sees at a time (s). Raises WmsError where nothing can be drawn."""
+        if self._draw is None:
+            raise WmsError("what is seen can only be measured where pictures are drawn")
+        return self._draw(camera, time)
+
+    def looks_of(self, camera: str) -> list[Look]:
+        """The looks of a camera. Raises WmsError if there is none."""
+        looks = [look for look in self.looks if look[0] == camera]
+        if not looks:
+            raise WmsError(f"nothing is observed with the camera `{camera}`; write `observe {camera} at [...]`")
+        return looks

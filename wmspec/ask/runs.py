@@ -1,0 +1,150 @@
+"""Executed episodes: of an instance, of what it would be if one thing were different, of the same with a nudge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.ask.looks import Look
+from wmspec.ask.model import Reject
+from wmspec.ask.observed import MOVED, Observed
+from wmspec.check.ir import Counterfactual
+from wmspec.design.design import Design, Instance
+from wmspec.design.draws import uniform
+from wmspec.design.values import Values
+from wmspec.errors import EngineError, WmsError
+from wmspec.execute.studio import Studio
+from wmspec.execute.trace import Executor
+from wmspec.scene.bounds import bounds
+from wmspec.scene.model import Body, Frame, Geom, Pose, Scene, Shot, Trace
+from wmspec.scene.overlap import overlap
+from wmspec.scene.read import read
+from wmspec.scene.transform import compose as placed
+from wmspec.stage.episode import document
+from wmspec.stage.layers import compose
+
+#: Bodies that lie deeper (m) in one another at the start would be thrown apart, by each engine in its own way.
+DEEP = 0.001
+
+
+@dataclass(frozen=True)
+class Crew:
+    """Who executes and who draws."""
+
+    executor: Executor
+    studio: Studio
+
+
+@dataclass(frozen=True)
+class Run:
+    """An executed episode."""
+
+    values: Values
+    scene: Scene
+    trace: Trace
+
+    def movable(self) -> list[str]:
+        """The names of the bodies that can move."""
+        return [b.name for b in self.scene.bodies if b.motion != "static"]
+
+    def movers(self) -> set[str]:
+        """The names of the bodies that do move, at any time."""
+        away = np.linalg.norm(self.trace.position - self.trace.position[0], axis=2).max(axis=0)
+        return {b.name for b, way in zip(self.scene.bodies, away, strict=True) if way > MOVED}
+
+    def poses(self, names: Sequence[str], time: float) -> NDArray[np.float64]:
+        """Where bodies are (n, 7) at a time (s), NaN for one that is not there."""
+        i, index = self.trace.sample(time), {name: k for k, name in enumerate(self.trace.bodies)}
+        rows = np.full((len(names), 7), np.nan)
+        for row, name in zip(rows, names, strict=True):
+            if name in index:
+                row[:3], row[3:] = self.trace.position[i, index[name]], self.trace.orientation[i, index[name]]
+        return rows
+
+    def observed(self, looks: Sequence[Look], crew: Crew) -> Observed:
+        """What there is to measure, with looks at it."""
+        return Observed(self.scene, self.trace, looks, lambda camera, time: self.draw(camera, time, crew))
+
+    def draw(self, camera: str, time: float, crew: Crew, *, depth: bool = False) -> Frame:
+        """What a camera sees at a time (s)."""
+        return crew.studio.draw(self.scene, Shot(camera, self.trace.poses(time)), depth=depth)
+
+
+def values_of(design: Design, instance: Instance, change: Counterfactual | None = None) -> Values:
+    """The values of an instance, or of what it would be under a counterfactual."""
+    return Values(design.spec, instance.values, change, instance.key)
+
+
+def execute(design: Design, instance: Instance, change: Counterfactual | None, crew: Crew) -> Run:
+    """An instance, or what it would be under a counterfactual.
+
+    Raises Reject if there is no such scene, if bodies overlap in it, or if the engine gives up on it.
+    """
+    label = f"{change.name}: " if change else ""
+    try:
+        scene = read(compose(document(design.spec, instance, change)))
+        for a, b, depth in overlaps(scene):
+            raise Reject("overlap", f"{label}{a} and {b} are {depth * 1000:.1f} mm deep in one another at the start")
+        return Run(values_of(design, instance, change), scene, crew.executor.trace(scene))
+    except EngineError as error:
+        raise Reject("unstable", f"{label}{error}") from None
+    except WmsError as error:
+        raise Reject("invalid", f"{label}{error}") from None
+
+
+# ---------------------------------------------------------------- overlaps
+
+
+def overlaps(scene: Scene) -> Iterator[tuple[str, str, float]]:
+    """The bodies, one of them able to move, that lie more than 1 mm (m) deep in one another at the start."""
+    apart = {frozenset(pair) for pair in scene.filtered}
+    apart |= {frozenset((j.first, j.second)) for j in scene.joints if j.first is not None and not j.collides}
+    pieces = [(b, g, placed(b.pose, g.pose)) for b in scene.bodies for g in b.geoms if g.collides]
+    boxes = np.array([bounds(g.shape, pose) for _, g, pose in pieces]).reshape(-1, 2, 3)
+    for i, j in _near(pieces, boxes):
+        (a, one, at), (b, other, there) = pieces[i], pieces[j]
+        if frozenset((a.name, b.name)) not in apart:
+            depth = overlap(one.shape, at, other.shape, there, DEEP)
+            if depth > 0:
+                yield a.name, b.name, depth
+
+
+def _near(pieces: Sequence[tuple[Body, Geom, Pose]], boxes: NDArray[np.float64]) -> Iterator[tuple[int, int]]:
+    """Pairs of pieces of different bodies, one of which can move, whose upright boxes overlap."""
+    for i, (body, _, _) in enumerate(pieces):
+        shared = np.minimum(boxes[i, 1], boxes[:, 1]) - np.maximum(boxes[i, 0], boxes[:, 0])
+        for j in np.flatnonzero((shared > DEEP).all(axis=1)).tolist():
+            other = pieces[j][0]
+            if j > i and other is not body and not body.motion == other.motion == "static":
+                yield i, j
+
+
+# ---------------------------------------------------------------- nudges
+
+
+def free(scene: Scene) -> list[str]:
+    """The names of the bodies that nothing carries and no joint holds."""
+    held = {name for joint in scene.joints for name in (joint.first, joint.second)}
+    return [b.name for b in scene.bodies if b.motion == "dynamic" and b.name not in held]
+
+
+def nudged(run: Run, by: float, key: Iterable[object], crew: Crew) -> Run:
+    """The same episode with every free body set aside by so much (m), in a direction that depends on `key`.
+
+    Raises Reject if the engine gives up on it.
+    """
+    names, bodies = free(run.scene), []
+    for body in run.scene.bodies:
+        turn = 2 * math.pi * uniform(*key, body.name, "nudge")
+        aside = by * np.array([math.cos(turn), math.sin(turn), 0.0])
+        pose = replace(body.pose, position=body.pose.position + aside)
+        bodies.append(replace(body, pose=pose) if body.name in names else body)
+    scene = replace(run.scene, bodies=tuple(bodies))
+    try:
+        return Run(run.values, scene, crew.executor.trace(scene))
+    except WmsError as error:
+        raise Reject("unstable", f"set aside by {by * 1000:g} mm: {error}") from None

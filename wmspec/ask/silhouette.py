@@ -1,0 +1,85 @@
+"""Where a body would be seen in a picture if nothing else were there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from wmspec.scene.camera import find, project
+from wmspec.scene.model import Array, Body, Camera, Mesh, Pose, Scene, Shape
+from wmspec.scene.tessellate import tessellate
+from wmspec.scene.transform import apply, compose
+
+#: Silhouettes are drawn so many times as finely as pictures, because a polygon covers its edge.
+FINER = 4
+
+
+@dataclass(frozen=True)
+class Silhouette:
+    """How many pixels (not whole ones) a body covers within the picture, and on it and around it together.
+
+    What lies further outside than the picture is wide counts no more.
+    """
+
+    inside: float
+    all: float
+
+
+def silhouette(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tuple[int, int]) -> Silhouette:
+    """The silhouette of body number `index` in a picture of (width, height), from a camera, bodies at their poses."""
+    camera, poses = placed(scene, look[0], look[1]), look[1]
+    width, height = size
+    polygons = [p for p in _polygons(scene.bodies[index], poses[index], camera, size) if len(p) > 2]
+    if not polygons:
+        return Silhouette(0.0, 0.0)
+    points = np.concatenate(polygons)
+    frame = np.array([width, height])
+    low = np.floor(np.clip(points.min(axis=0), -frame, 2 * frame)).astype(int)
+    high = np.ceil(np.clip(points.max(axis=0), -frame, 2 * frame)).astype(int)
+    if (high <= low).any():
+        return Silhouette(0.0, 0.0)
+    across, down = (FINER * (high - low)).tolist()
+    image = Image.new("1", (across, down))
+    draw = ImageDraw.Draw(image)
+    for polygon in polygons:
+        draw.polygon([tuple(p) for p in ((polygon - low) * FINER - 0.5).tolist()], fill=1)
+    mask = np.asarray(image)
+    left, top = np.maximum(-low, 0) * FINER
+    right, bottom = (np.minimum(frame, high) - low) * FINER
+    within = mask[top : max(bottom, top), left : max(right, left)]
+    return Silhouette(float(within.sum()) / FINER**2, float(mask.sum()) / FINER**2)
+
+
+def placed(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:
+    """A camera of the scene in the world, also if it rides on a body."""
+    found = find(scene, camera)
+    if found.body is None:
+        return found
+    carrier = next(i for i, b in enumerate(scene.bodies) if b.name == found.body)
+    return replace(found, pose=compose(poses[carrier], found.pose), body=None)
+
+
+def _polygons(body: Body, pose: Pose, camera: Camera, size: tuple[int, int]) -> list[Array]:
+    """The pixel coordinates of polygons (n, 2) that together cover what is seen of a body."""
+    found: list[Array] = []
+    for geom in body.geoms:
+        if geom.visible:
+            found += _outlines(geom.shape, compose(pose, geom.pose), camera, size)
+    return found
+
+
+def _outlines(shape: Shape, pose: Pose, camera: Camera, size: tuple[int, int]) -> list[Array]:
+    from scipy.spatial import ConvexHull, QhullError
+
+    facets = tessellate(shape)
+    points, depth = project(camera, apply(pose, facets.points), *size)
+    before = depth > camera.near
+    if isinstance(shape, Mesh):
+        return [points[face] for face in facets.faces if before[face].all()]
+    points = points[before]
+    try:
+        return [points[ConvexHull(points).vertices]]
+    except (QhullError, ValueError):  # seen edge on, or behind the camera
+        return []
