@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wmspec.design.space import Vector
 from wmspec.errors import WmsError
+from wmspec.parse.load import located
 
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
     import numpy as np
@@ -44,7 +44,7 @@ def load(path: str, scale: float, collision: str) -> Mesh:
     Raises:
         WmsError: if the file is missing, of another kind, broken, or has no volume.
     """
-    file = Path(path)
+    file = located(path)
     if file.suffix.lower() not in SUFFIXES:
         raise WmsError(f"{file.name} is no mesh that can be read; use one of {', '.join(SUFFIXES)}")
     try:

@@ -8,6 +8,7 @@ from wmspec.design.colors import linear, rgb
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
 from wmspec.looks import MATERIALS
+from wmspec.parse.load import located
 from wmspec.stage.document import Document, Prim
 
 
@@ -67,7 +68,7 @@ def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, t
 def _image(part: str, values: Values) -> tuple[Path | None, float]:
     """The image on a surface, and how often it is repeated on a metre; 0 for one that is laid out once."""
     if values.has(part, "image"):
-        path = Path(values.property(part, "image"))
+        path = located(values.property(part, "image"))
         if not path.is_file():
             raise WmsError(f"{values.place(part, 'image')}: there is no picture {path}")
         return path, 0.0
