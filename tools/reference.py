@@ -10,10 +10,13 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from wmspec.check.calls import signature
 from wmspec.check.functions import FUNCTIONS
+from wmspec.check.kinds import either
+from wmspec.check.slots import LOOKS
 from wmspec.check.units import EXAMPLES, UNITS
-from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import PROPERTIES, SETTINGS, WORDS, Slot
+from wmspec.check.verbs import ROBOTS, VERBS, Verb
+from wmspec.check.vocabulary import JOINTS, PROPERTIES, SETTINGS, TOLERANCES, WORDS, Slot
 from wmspec.parse.diagnostics import CODES
 
 PAGE = Path(__file__).parent.parent / "docs/language.md"
@@ -32,25 +35,41 @@ def reference() -> Iterator[str]:
     for kind, slots in PROPERTIES.items():
         yield f"Of {'the world' if kind == 'world' else f'{article(kind)} {kind}'}:\n"
         yield from table(
-            ("property", "takes", "left out", "meaning"), (row(name, slot) for name, slot in slots.items())
+            ("property", "takes", "left out", "meaning"),
+            (
+                row(name, slot, "its object's" if kind == "part" and name in LOOKS else "")
+                for name, slot in slots.items()
+            ),
         )
     yield "### Verbs\n"
     for name, verb in VERBS.items():
-        arguments = ", ".join(verb.arguments)
-        yield f"`{name}({arguments})`{' for TIME' if verb.lasts else ''} {verb.meaning}.\n"
-        slots = verb.arguments.items()
-        yield from table(("argument", "takes", "left out", "meaning"), (row(n, slot) for n, slot in slots))
+        yield from described(name, verb)
+    yield "### Robots\n"
+    yield "What robots do is checked, and not executed yet.\n"
+    for model, verbs in ROBOTS.items():
+        yield f"A `{model}`:\n"
+        calls = (
+            (f"`{call(name, verb)}`", ", ".join(arguments(verb)) or "—", verb.meaning) for name, verb in verbs.items()
+        )
+        yield from table(("verb", "takes", "meaning"), calls)
     yield "### Functions\n"
     for measured in (False, True):
-        told = "Measured on the executed episode, in `answer`, `ensure` and `margin`:" if measured else "Anywhere:"
+        told = (
+            "Measured on the executed episode, in `answer`, `ensure`, `margin` and `difference`:"
+            if measured
+            else "Anywhere:"
+        )
         yield f"{told}\n"
         chosen = ((n, f) for n, f in FUNCTIONS.items() if f.measured == measured)
-        rows = ((f"`{n}({', '.join(map(str, f.parameters))})`", str(f.result), f.meaning) for n, f in chosen)
+        rows = ((f"`{signature(n, f)}`", str(f.result), f.meaning) for n, f in chosen)
         yield from table(("function", "gives", "meaning"), rows)
     yield "### Settings\n"
     yield "Of a task, each once: " + ", ".join(f"`{name}` ({kind})" for name, kind in SETTINGS.items()) + ".\n"
+    yield "### Tolerances\n"
+    limits = ((f"`{name}`", str(slot.kinds[0]), slot.meaning) for name, slot in TOLERANCES.items())
+    yield from table(("tolerance", "takes", "of"), limits)
     yield "### Words\n"
-    for vocabulary, words in WORDS.items():
+    for vocabulary, words in (WORDS | {"kind of joint": JOINTS}).items():
         yield f"- **{vocabulary}**: {', '.join(f'`{word}`' for word in words)}"
     yield "\n### Units\n"
     units = (
@@ -63,15 +82,37 @@ def reference() -> Iterator[str]:
     yield from table(("code", "meaning"), ((f"`{code}`", meaning) for code, meaning in CODES.items()))
 
 
-def row(name: str, slot: Slot) -> tuple[str, ...]:
+def described(name: str, verb: Verb) -> Iterator[str]:
+    """A verb with a table of its arguments."""
+    yield f"`{call(name, verb)}` {verb.meaning}.\n"
+    slots = verb.arguments.items()
+    yield from table(("argument", "takes", "left out", "meaning"), (row(n, slot) for n, slot in slots))
+
+
+def call(name: str, verb: Verb) -> str:
+    """How a verb is written."""
+    return f"{name}({', '.join(verb.arguments)}){' for TIME' if verb.lasts else ''}"
+
+
+def arguments(verb: Verb) -> Iterator[str]:
+    """The arguments of a verb in a line."""
+    for name, slot in verb.arguments.items():
+        _, takes, left_out, _ = row(name, slot)
+        yield f"`{name}`: {takes}" + (f" ({left_out})" if slot.default is not None else "")
+
+
+def row(name: str, slot: Slot, default: str = "") -> tuple[str, ...]:
     """A property or argument as a row of its table."""
-    kinds = " or ".join(str(kind) for kind in slot.kinds)
+    kinds = either([str(kind) for kind in slot.kinds])
     left_out = f"`{slot.default}`" if slot.default is not None else "—" if slot.optional else "must be given"
+    left_out = default or left_out
     return f"`{name}`", kinds + bounds(slot), left_out, slot.meaning
 
 
 def bounds(slot: Slot) -> str:
     """What a slot's values are limited to, as it is said after their kind."""
+    if slot.among:
+        return f", {either([f'`{word}`' for word in slot.among])}"
     if slot.least is not None and slot.most is not None:
         return f", {slot.least:g} to {slot.most:g}"
     limits = (("more than", slot.above), ("at least", slot.least), ("at most", slot.most))

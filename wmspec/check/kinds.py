@@ -45,6 +45,8 @@ class List:
     item: Kind | None
 
     def __str__(self) -> str:
+        if isinstance(self.item, Vector):
+            return f"list of {self.item.plural}"
         return f"list of {self.item}s" if self.item else "empty list"
 
 
@@ -56,8 +58,20 @@ class Vector:
     size: int
 
     def __str__(self) -> str:
-        what = {LENGTH: "lengths", NUMBER: "plain numbers"}.get(self.dimension, f"values ({self.dimension})")
-        return f"{'pair' if self.size == 2 else 'triple'} of {what}"
+        return f"{self._tuple} of {self._parts}"
+
+    @property
+    def plural(self) -> str:
+        """Several of them, in words."""
+        return f"{self._tuple}s of {self._parts}"
+
+    @property
+    def _tuple(self) -> str:
+        return "pair" if self.size == 2 else "triple"
+
+    @property
+    def _parts(self) -> str:
+        return {LENGTH: "lengths", NUMBER: "plain numbers"}.get(self.dimension, f"values ({self.dimension})")
 
 
 Kind = Quantity | Word | Plain | List | Vector
