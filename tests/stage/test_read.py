@@ -387,6 +387,7 @@ def test_foreign_intensities_keep_the_default_split() -> None:
 
 # ---------------------------------------------------------------- what is refused
 
+RIGID = '["PhysicsRigidBodyAPI", '
 COLLIDER = '(prepend apiSchemas = ["PhysicsCollisionAPI"])'
 ACTION = 'def WmsAction "a" { uniform token wms:verb = "%s" rel wms:object = </World/%s> %s }'
 PREVIEW = """def Cube "x" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:binding = </World/m> }
@@ -439,7 +440,7 @@ REFUSED = {
         "no volume",
     ),
     "hollow collider": (
-        f'def Mesh "a" {COLLIDER} {{ {QUAD_BOX.replace("(1,1,1)", "(.3,.3,.3)")} }}',
+        f'def Mesh "a" {COLLIDER.replace("[", RIGID)} {{ {QUAD_BOX.replace("(1,1,1)", "(.3,.3,.3)")} }}',
         "a",
         "not convex",
     ),

@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Gf
 
 from wmspec.scene.model import Array, Body, Geom
+from wmspec.scene.read.colliders import collider
 from wmspec.scene.read.frames import World, split, vector
 from wmspec.scene.read.geoms import Materials, geoms
 from wmspec.scene.read.masses import body_inertia
@@ -39,7 +40,8 @@ def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
         with problems.gathered():
             here = placed(piece.prim, split(world.matrix(piece.prim) * inverse, piece.prim))
             below = str(piece.prim.GetPath()).removeprefix(path)
-            found += geoms(piece, here, names.give(below or prim.GetName()), names, materials)
+            touched = collider(here, owner.motion) if piece.collides else ()
+            found += geoms(piece, here, touched, names.give(below or prim.GetName()), names, materials)
             if piece.collides:
                 colliders.append((here, materials.density(piece.prim)))
     problems.report()

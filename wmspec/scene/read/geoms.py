@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from pxr import Sdf, Usd
 
-from wmspec.scene.model import Friction, Geom, Mesh, Surface
+from wmspec.scene.model import Friction, Geom, Pose, Shape, Surface
 from wmspec.scene.read import looks, meshes
-from wmspec.scene.read.prims import Names, refuse, value
+from wmspec.scene.read.prims import Names
 from wmspec.scene.read.shapes import Placed
 from wmspec.scene.read.walk import Piece
-
-_HULLS = ("convexHull", "convexDecomposition", "meshSimplification", "none")
 
 
 class Materials:
@@ -47,15 +45,20 @@ class Materials:
         return looks.density(self._physics[prim.GetPath()])
 
 
-def geoms(piece: Piece, placed: Placed, name: str, names: Names, materials: Materials) -> list[Geom]:
-    """The geometry `name`; if its subsets look different, they are drawn instead of it.
+def geoms(
+    piece: Piece,
+    placed: Placed,
+    touched: Sequence[tuple[Shape, Pose]],
+    name: str,
+    names: Names,
+    materials: Materials,
+) -> list[Geom]:
+    """The geometry `name`, with what collides for it; if its subsets look different, they are drawn instead of it.
 
     Raises:
         StageError: if its collider or its look is not supported.
     """
     prim = piece.prim
-    if piece.collides and isinstance(placed.shape, Mesh):
-        _check_collider(prim, placed.shape)
     friction = materials.friction(prim)
     drawn = []
     for part, faces in meshes.parts(prim) if piece.visible else []:
@@ -67,19 +70,14 @@ def geoms(piece: Piece, placed: Placed, name: str, names: Names, materials: Mate
         return drawn
     visible = piece.visible and not drawn
     surface = materials.surface(prim) if visible else Surface()
-    return [*drawn, Geom(name, placed.shape, placed.pose, surface, friction, piece.collides, visible)]
-
-
-def _check_collider(prim: Usd.Prim, found: Mesh) -> None:
-    """A mesh collides as its convex hull: refuse one that was meant otherwise."""
-    way = value(prim, "physics:approximation", "none")
-    if way not in _HULLS:
-        refuse(prim, f"the approximation '{way}' is not supported", "set physics:approximation to convexHull")
-    if meshes.is_flat(found):
-        refuse(prim, "a mesh that collides has no volume", "use a Cube, a Plane or a mesh that is not flat")
-    if way != "convexHull" and not meshes.is_convex(found):
-        remedy = "set physics:approximation to convexHull, or split it into convex meshes"
-        refuse(prim, "a mesh that is not convex would collide as its convex hull", remedy)
+    if all(shape is placed.shape for shape, _ in touched):
+        return [*drawn, Geom(name, placed.shape, placed.pose, surface, friction, piece.collides, visible)]
+    if visible:
+        drawn.append(Geom(name, placed.shape, placed.pose, surface, friction, collides=False))
+    return drawn + [
+        Geom(names.give(f"{name}_{i}"), shape, pose, Surface(), friction, visible=False)
+        for i, (shape, pose) in enumerate(touched)
+    ]
 
 
 def _subsets(prim: Usd.Prim) -> list[Usd.Prim]:

@@ -15,8 +15,10 @@ import numpy as np
 from pxr import Gf, Usd
 
 from wmspec.errors import WmsError
+from wmspec.scene.decompose import whole
 from wmspec.scene.inertia import inertia, principal, volume
-from wmspec.scene.model import Array, Inertia
+from wmspec.scene.model import Array, Inertia, Mesh
+from wmspec.scene.read.colliders import as_hull, collider
 from wmspec.scene.read.frames import Place, World, quaternion, vector
 from wmspec.scene.read.prims import refuse, value
 from wmspec.scene.read.shapes import Placed
@@ -47,7 +49,14 @@ def _collider_inertia(c: Placed, density: float, world: World) -> Inertia:
     mass = _amount(c.prim, "mass") * world.kilograms
     per_volume = (_amount(c.prim, "density") or density) * world.kilograms / world.meters**3
     try:
-        found = inertia([(c.shape, c.pose, mass or (per_volume or WATER) * volume(c.shape))])
+        if isinstance(c.shape, Mesh) and not as_hull(c.prim, c.shape):
+            size, unit = whole(
+                c.shape, c.pose, [shape for shape, _ in collider(c, "static") if isinstance(shape, Mesh)]
+            )
+            mass = mass or (per_volume or WATER) * size
+            found = replace(unit, mass=mass, moments=unit.moments * mass)
+        else:
+            found = inertia([(c.shape, c.pose, mass or (per_volume or WATER) * volume(c.shape))])
     except WmsError as error:
         refuse(c.prim, str(error), "author a shape with a volume")
     return _override(c.prim, c.place, found, world)

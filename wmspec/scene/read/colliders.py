@@ -1,0 +1,60 @@
+"""What collides for a geometry: itself, or for a mesh what its `physics:approximation` says."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd
+
+from wmspec.errors import WmsError
+from wmspec.scene.decompose import pieces
+from wmspec.scene.model import Box, Mesh, Motion, Pose, Shape, Sphere
+from wmspec.scene.read import meshes
+from wmspec.scene.read.prims import refuse, value
+from wmspec.scene.read.shapes import Placed
+from wmspec.scene.transform import apply
+
+APART = ("convexDecomposition", "none", "meshSimplification")
+WAYS = ("convexHull", "boundingCube", "boundingSphere", *APART)
+
+
+def collider(here: Placed, motion: Motion) -> tuple[tuple[Shape, Pose], ...]:
+    """The shapes that collide for a geometry, in the body's frame.
+
+    Raises:
+        StageError: if a mesh is flat, or can't collide as it is meant to.
+    """
+    prim, mesh = here.prim, here.shape
+    if not isinstance(mesh, Mesh):
+        return ((mesh, here.pose),)
+    way = value(prim, "physics:approximation", "none")
+    if way not in WAYS:
+        refuse(prim, f"the approximation '{way}' is not supported", f"set it to one of: {', '.join(WAYS)}")
+    if way.startswith("bounding"):
+        return (_bounds(mesh, here.pose, way),)
+    if meshes.is_flat(mesh):
+        refuse(prim, "a mesh that collides has no volume", "use a Cube, a Plane or a mesh that is not flat")
+    if as_hull(prim, mesh):
+        return ((mesh, here.pose),)
+    if motion == "dynamic" and way != "convexDecomposition":
+        remedy = "set physics:approximation to convexDecomposition or convexHull"
+        refuse(prim, "a dynamic mesh that is not convex can't collide as it is", remedy)
+    try:
+        return tuple((piece, here.pose) for piece in pieces(mesh))
+    except WmsError as error:
+        refuse(prim, str(error), "or split it into convex meshes")
+
+
+def as_hull(prim: Usd.Prim, mesh: Mesh) -> bool:
+    """Whether the mesh is taken for its convex hull: it is meant so, or is convex."""
+    way = value(prim, "physics:approximation", "none")
+    return way == "convexHull" or (way in APART and meshes.is_convex(mesh))
+
+
+def _bounds(mesh: Mesh, pose: Pose, way: str) -> tuple[Shape, Pose]:
+    """The box along the prim's own axes around a mesh, or the sphere around the middle of that box."""
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    middle = (low + high) / 2
+    at = Pose(apply(pose, middle), pose.orientation)
+    if way == "boundingCube":
+        return Box((high - low) / 2), at
+    return Sphere(float(np.linalg.norm(mesh.points - middle, axis=1).max())), at
