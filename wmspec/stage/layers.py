@@ -30,6 +30,7 @@ _VALUES: dict[str, Callable[[Any], Any]] = {
     "float3[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
     "int[]": Vt.IntArray,
     "point3f[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
+    "normal3f[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
     "texCoord2f[]": lambda v: Vt.Vec2fArray([Gf.Vec2f(*x) for x in v]),
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from wmspec.design.forms import pieces
 from wmspec.design.meshes import Mesh
 from wmspec.design.solids import SLAB, Piece, Solid
-from wmspec.design.space import HERE, Vector
+from wmspec.design.space import HERE, Vector, add, cross, times, unit
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
 from wmspec.stage import looks
@@ -128,6 +128,14 @@ def _mesh(prim: Prim, points: tuple[Vector, ...], faces: list[tuple[int, ...]], 
     prim.set("faceVertexCounts", "int[]", tuple(len(face) for face in faces), form)
     prim.set("faceVertexIndices", "int[]", tuple(i for face in faces for i in face), form)
     prim.set("subdivisionScheme", "token", "none", form, uniform=True)
+    normals = tuple(_normal(*(points[i] for i in face[:3])) for face in faces)
+    prim.set("primvars:normals", "normal3f[]", normals, form, varies="uniform")  # one for each face
     low = tuple(min(p[i] for p in points) for i in range(3))
     high = tuple(max(p[i] for p in points) for i in range(3))
     prim.set("extent", "float3[]", (low, high), form)
+
+
+def _normal(a: Vector, b: Vector, c: Vector) -> Vector:
+    """The unit vector that points out of a face whose corners go round anticlockwise, seen from outside."""
+    across = cross(add(b, times(-1, a)), add(c, times(-1, a)))
+    return unit(across) if any(across) else (0.0, 0.0, 1.0)

@@ -1,0 +1,1 @@
+"""Programs that are not ours read our stages and run our native files, in environments of their own."""

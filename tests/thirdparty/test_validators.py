@@ -1,0 +1,42 @@
+"""USD's own validators and NVIDIA's find nothing wrong with any stage of the catalogue, and would if there were."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from pxr import Usd, UsdValidation
+from usd_validation_nvidia import ValidationEngine
+from usd_validation_nvidia.rules import UsdAsciiPerformanceChecker
+
+
+def pixar(path: Path) -> list[str]:
+    """What the validators of OpenUSD complain about."""
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    errors = UsdValidation.ValidationContext(validators).Validate(Usd.Stage.Open(str(path)))
+    return [f"{path.name}: {error.GetErrorAsString()}" for error in errors]
+
+
+def nvidia(path: Path) -> list[str]:
+    """What the rules of usd-validation-nvidia complain about."""
+    engine = ValidationEngine()
+    engine.disable_rule(UsdAsciiPerformanceChecker)  # our stages are text on purpose: what differs is to be read
+    return [f"{path.name}: {issue.message} ({issue.at})" for issue in engine.validate(str(path)).issues()]
+
+
+def test_openusd_has_no_complaint(catalogue: dict[str, list[Path]]) -> None:
+    assert [said for paths in catalogue.values() for path in paths for said in pixar(path)] == []
+
+
+@pytest.mark.slow
+def test_nvidia_has_no_complaint(catalogue: dict[str, list[Path]]) -> None:
+    assert [said for paths in catalogue.values() for path in paths for said in nvidia(path)] == []
+
+
+def test_both_complain_about_what_is_wrong(catalogue: dict[str, list[Path]], tmp_path: Path) -> None:
+    (base, *_), *_ = catalogue.values()
+    wrong = tmp_path / "wrong.usda"
+    text = base.read_text()
+    wrong.write_text(text.replace('    upAxis = "Z"\n', "").replace('defaultPrim = "World"', 'defaultPrim = "Nowhere"'))
+    assert pixar(wrong)
+    assert nvidia(wrong)
