@@ -46,15 +46,21 @@ def _texels(side: int) -> tuple[Array, Array]:
     return directions.reshape(-1, 3), area.reshape(-1)
 
 
+def _arriving(directions: Array) -> Array:
+    """The surroundings in Filament's axes, in which y is up."""
+    x, y, z = np.moveaxis(directions, -1, 0)
+    return radiance(np.stack([x, -z, y], axis=-1))
+
+
 def _level(k: int) -> Array:
     """Radiance (6 s s, 3), spread over the lobe of the level's roughness."""
     directions, _ = _texels(SIDES[k])
     if k == 0:
-        return radiance(directions)
+        return _arriving(directions)
     fine, area = _texels(FINE)
     spread = (k / (len(SIDES) - 1)) ** 2
     weight = np.exp((directions @ fine.T - 1) * 2 / spread**2) * area
-    blurred: Array = weight @ radiance(fine) / weight.sum(axis=1, keepdims=True)
+    blurred: Array = weight @ _arriving(fine) / weight.sum(axis=1, keepdims=True)
     return blurred
 
 
@@ -66,7 +72,7 @@ def _irradiance() -> Array:
     basis = np.stack([one, y, z, x, y * x, y * z, 3 * z * z - 1, z * x, x * x - y * y])
     norm = (area * basis**2).sum(axis=1)
     band = np.repeat(_COSINE, (1, 3, 5))
-    coefficients: Array = (basis * area) @ radiance(directions) * (band / norm)[:, None]
+    coefficients: Array = (basis * area) @ _arriving(directions) * (band / norm)[:, None]
     return coefficients
 
 

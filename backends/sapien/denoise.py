@@ -22,7 +22,7 @@ PLANE, LIGHT = 0.004, 0.9
 with the difference of light (as a share of the light; less in every pass)."""
 
 DARK, FIREFLY = 0.02, 2.0
-"""Colours below are not divided out; light beyond so many times the median around it is cut off."""
+"""Colours below are not divided out; light that is so many times the median around it, or such a part, is cut off."""
 
 
 def denoise(light: Picture, color: Picture, normal: Picture, place: Picture) -> Picture:
@@ -38,10 +38,11 @@ def denoise(light: Picture, color: Picture, normal: Picture, place: Picture) -> 
 
 
 def _calm(light: Planes) -> Planes:
-    """Without the single pixels that a rare path made very bright."""
+    """Without the single pixels that a rare path made very bright, or none reached."""
     around, (height, width) = np.pad(light, ((0, 0), (1, 1), (1, 1)), mode="edge"), light.shape[1:]
     near = [around[:, i : i + height, j : j + width] for i in range(3) for j in range(3)]
-    calm: Planes = np.minimum(light, np.float32(FIREFLY) * np.median(near, axis=0) + np.float32(0.05))
+    usual = np.median(near, axis=0)
+    calm: Planes = np.clip(light, usual / np.float32(FIREFLY), np.float32(FIREFLY) * usual + np.float32(0.05))
     return calm
 
 

@@ -10,6 +10,7 @@ from wmspec.design.colors import rgb
 from wmspec.design.forms import volume
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
+from wmspec.looks import SHADES
 
 #: One object is larger than another if its edges are so many times as long; further aside by so much (m).
 LARGER, ASIDE = 1.15, 0.03
@@ -45,6 +46,8 @@ def color_word(color: str) -> str:
     """A colour as a person names it: its word, or that of the colour most like it."""
     if color in COLORS:
         return color
+    if color in SHADES:
+        return color.partition("_")[0]
     wanted = lab(rgb(color))
     return min(COLORS, key=lambda word: float(ciede2000(wanted, lab(COLORS[word]))))
 

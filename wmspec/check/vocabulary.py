@@ -29,19 +29,19 @@ from wmspec.check.kinds import (
     Quantity,
 )
 from wmspec.check.units import ACCELERATION, DENSITY, MASS, NUMBER, SPEED, TIME
-from wmspec.looks import MATERIALS
+from wmspec.looks import MATERIALS, SHADES
 
 #: sRGB in 0..1. Told apart at a glance, named as a person would name them.
 COLORS: dict[str, tuple[float, float, float]] = {
-    "red": (0.80, 0.12, 0.12),
-    "orange": (0.93, 0.50, 0.10),
+    "red": (0.82, 0.17, 0.10),
+    "orange": (0.94, 0.48, 0.05),
     "yellow": (0.92, 0.80, 0.12),
-    "green": (0.13, 0.58, 0.22),
-    "cyan": (0.15, 0.70, 0.78),
-    "blue": (0.12, 0.27, 0.80),
-    "purple": (0.50, 0.18, 0.64),
-    "pink": (0.93, 0.52, 0.68),
-    "brown": (0.42, 0.26, 0.14),
+    "green": (0.21, 0.56, 0.31),
+    "cyan": (0.10, 0.71, 0.80),
+    "blue": (0.05, 0.25, 0.91),
+    "purple": (0.49, 0.18, 0.61),
+    "pink": (0.87, 0.54, 0.64),
+    "brown": (0.40, 0.25, 0.15),
     "white": (0.95, 0.95, 0.93),
     "gray": (0.50, 0.50, 0.50),
     "black": (0.08, 0.08, 0.09),
@@ -56,7 +56,7 @@ COLORS: dict[str, tuple[float, float, float]] = {
 
 WORDS: dict[str, tuple[str, ...]] = {
     "shape": ("box", "cube", "sphere", "cylinder", "cone", "capsule", "wedge", "plane"),
-    "color": tuple(COLORS),
+    "color": (*COLORS, *SHADES),
     "material": tuple(MATERIALS),
     "collision": ("hull", "pieces", "bounds"),
     "direction": ("left", "right", "away", "nearer"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wmspec.check.vocabulary import COLORS
+from wmspec.looks import SHADES
 
 Color = tuple[float, float, float]
 
@@ -12,7 +13,7 @@ def rgb(color: str) -> Color:
     if color.startswith("rgb:"):
         r, g, b = (float(part) for part in color[4:].split(","))
         return (r, g, b)
-    return COLORS[color]
+    return SHADES[color] if color in SHADES else COLORS[color]
 
 
 def word(parts: Color) -> str:

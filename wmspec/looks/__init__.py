@@ -54,3 +54,18 @@ MATERIALS: dict[str, Material] = {
     "stripes": Material("stripes, light and dark", (0.95, 0.95, 0.93), 0.60, image="stripes.png", texels=4267),
 }  # fmt: skip
 """Material by its name in the language."""
+
+SAFE = ("red", "orange", "yellow", "green", "cyan", "blue", "purple", "pink", "brown", "white", "gray", "black")
+"""The colours to ask about: any two differ by a CIEDE2000 of 16 or more to most eyes, and of 9.5 or more to those with
+a colour vision deficiency of any kind (Machado, Oliveira and Fernandes, IEEE TVCG 15, 2009)."""
+
+SHADES: dict[str, Color] = {
+    "blue_1": (0.84, 0.90, 0.98),
+    "blue_2": (0.63, 0.76, 0.96),
+    "blue_3": (0.43, 0.59, 0.93),
+    "blue_4": (0.26, 0.44, 0.90),
+    "blue_5": (0.16, 0.31, 0.77),
+    "blue_6": (0.07, 0.17, 0.58),
+    "blue_7": (0.03, 0.07, 0.30),
+}
+"""Blue (sRGB) from light to dark, in steps of equal difference (a CIEDE2000 of 12)."""
