@@ -95,5 +95,5 @@ def example(kind: Kind) -> str:
         case Vector(dimension, size) if dimension in units.EXAMPLES:
             return f"({', '.join([units.EXAMPLES[dimension]] * size)})"
         case Word(vocabulary):
-            return WORDS[vocabulary][-1]
+            return WORDS[vocabulary][0]
     return ""
