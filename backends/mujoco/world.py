@@ -48,12 +48,13 @@ class World:
         self.data.qvel[at : at + 3] = linear
         self.data.qvel[at + 3 : at + 6] = rotate(conjugate(turn), angular)
 
-    def drive(self, body: int, pose: Any, speeds: Any) -> None:
+    def drive(self, body: int, here: Any, _there: Any, speeds: Any) -> None:
         """Put a kinematic body back on its path, undoing whatever pushed it."""
         place, speed = self.qpos[body], self.qvel[body]
-        self.data.qpos[place : place + 7] = pose
-        self.data.qvel[speed : speed + 3] = speeds[:3]
-        self.data.qvel[speed + 3 : speed + 6] = rotate(conjugate(pose[3:]), speeds[3:])
+        self.data.qpos[place : place + 7] = here
+        self.data.qvel[speed : speed + 6] = speeds
+        if speeds[3:].any():
+            self.data.qvel[speed + 3 : speed + 6] = rotate(conjugate(here[3:]), speeds[3:])
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Let a force and a torque act at the centre of mass of a dynamic body during the next step."""

@@ -128,12 +128,13 @@ class World:
         """Set the velocities of a free body."""
         pybullet.resetBaseVelocity(self.ids[body][0], list(linear), list(angular), physicsClientId=self.client)
 
-    def drive(self, body: int, pose: Any, speeds: Any) -> None:
+    def drive(self, body: int, here: Any, _there: Any, speeds: Any) -> None:
         """Put a kinematic body back on its path, undoing whatever pushed it, and hold it against gravity."""
-        handle, place = self.ids[body][0], list(pose[:3])
-        pybullet.resetBasePositionAndOrientation(handle, place, xyzw(pose[3:]), physicsClientId=self.client)
+        handle, place = self.ids[body][0], list(here[:3])
+        pybullet.resetBasePositionAndOrientation(handle, place, xyzw(here[3:]), physicsClientId=self.client)
         pybullet.resetBaseVelocity(handle, list(speeds[:3]), list(speeds[3:]), physicsClientId=self.client)
-        self.push(body, -HEAVY_MASS * self.gravity, np.zeros(3))
+        lift = list(-HEAVY_MASS * self.gravity)
+        pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, physicsClientId=self.client)
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Let a force and a torque act at the centre of mass of a body during the next step."""
@@ -156,7 +157,8 @@ class World:
         if body not in self.held:
             self.held.add(body)
             self.weigh(body, HEAVY_MASS, [HEAVY_INERTIA] * 3)
-        self.drive(body, self.bodies[body].start, (0.0,) * 6)
+        start = self.bodies[body].start
+        self.drive(body, start, start, (0.0,) * 6)
 
     def free(self, body: int) -> None:
         """Let go of what has been held."""

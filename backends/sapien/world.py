@@ -11,7 +11,7 @@ from wmspec.backends.sapien.joints import HERE, ball, branches, connect, frame, 
 from wmspec.scene.episode import TOUCH, Vector
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.silence import silence
-from wmspec.scene.transform import multiply, turning
+from wmspec.scene.transform import multiply
 from wmspec.scene.trees import Limb
 
 with silence():
@@ -47,7 +47,7 @@ class World:
         self.system = sapien.physx.PhysxCpuSystem()
         self.scene = sapien.Scene([self.system])
         self.scene.set_timestep(assembly.step)
-        self.step_size, self.bodies, self.gravity = assembly.step, assembly.bodies, np.array(assembly.gravity)
+        self.bodies = assembly.bodies
         self.targets: dict[int, Any] = {}
         self.lanes = lanes(assembly.bodies)
         self.ignored = ignored(assembly.apart, len(self.bodies))
@@ -136,13 +136,11 @@ class World:
         self.parts[body].set_linear_velocity(np.array(linear, np.float32))
         self.parts[body].set_angular_velocity(np.array(angular, np.float32))
 
-    def drive(self, body: int, place: Any, speeds: Any) -> None:
+    def drive(self, body: int, here: Any, there: Any, _speeds: Any) -> None:
         """Tell a kinematic body where to be after the next step; put it where it's to be before, if it isn't there."""
-        here, h = np.asarray(place), self.step_size
-        if np.abs(self.targets.setdefault(body, here) - here).max() > JUMP:
+        if np.abs(self.targets.get(body, here) - here).max() > JUMP:
             self.parts[body].entity.set_pose(frame(here))
-        there = [*(here[:3] + speeds[:3] * h), *multiply(turning(speeds[3:] * h), here[3:])]
-        self.targets[body] = np.array(there)
+        self.targets[body] = there
         self.parts[body].set_kinematic_target(frame(there))
 
     def push(self, body: int, force: Any, torque: Any) -> None:
@@ -157,7 +155,8 @@ class World:
         """Put a dynamic body back where it began, and make a free one kinematic."""
         if body not in self.trees:
             self.parts[body].set_kinematic(True)
-            self.drive(body, np.array(self.bodies[body].start), np.zeros(6))
+            start = np.array(self.bodies[body].start)
+            self.drive(body, start, start, np.zeros(6))
             return
         for branch in branches(self.trees[body]):
             part = self.parts[branch[0].body]

@@ -112,7 +112,7 @@ def test_the_model_opens_in_mujoco_by_itself(tmp_path: Path) -> None:
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert [model.body(i + 1).name for i in range(model.nbody - 1)] == [b.name for b in lively().bodies]
     assert model.nkey == 1
+    assert model.key_qvel.any()
     (tmp_path / "limbs.xml").write_text(backend.native(limbs())["scene.xml"])
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "limbs.xml"))
     assert (model.njnt, model.nu) == (7, 1)  # all but the weld, and two that are free
-    assert model.key_qvel.any()

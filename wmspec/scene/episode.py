@@ -87,25 +87,26 @@ class Track:
     turns: tuple[Vector, ...]
     spins: tuple[Vector, ...]
 
-    def at(self, time: float) -> Any:
-        """Position, quaternion, linear and angular velocity, (13,), from `time` on."""
-        return self.part(int(np.searchsorted(self.times, time, side="right")) - 1, time)
+    def at(self, times: Any) -> Any:
+        """Position, quaternion, linear and angular velocity, (T, 13), from each of the `times` (T,) on."""
+        return self.parts(np.searchsorted(self.times, times, side="right") - 1, times)
 
-    def before(self, time: float) -> Any:
-        """The same just before `time`: what differs if it jumps then."""
-        return self.part(int(np.searchsorted(self.times, time, side="left")) - 1, time)
+    def before(self, times: Any) -> Any:
+        """The same just before: what differs where it jumps."""
+        return self.parts(np.searchsorted(self.times, times, side="left") - 1, times)
 
-    def part(self, i: int, time: float) -> Any:
-        """The same, on part `i` of the path."""
-        velocity, spin = np.array(self.velocities[i]), np.array(self.spins[i])
-        turn = multiply(turning((time - self.times[i]) * spin), np.array(self.turns[i]))
-        return np.concatenate([np.array(self.points[i]) + (time - self.times[i]) * velocity, turn, velocity, spin])
+    def parts(self, which: Any, times: Any) -> Any:
+        """The same, on the given parts of the path (T,)."""
+        velocities, spins = np.array(self.velocities)[which], np.array(self.spins)[which]
+        since = (times - np.array(self.times)[which])[:, None]
+        turns = multiply(turning(since * spins), np.array(self.turns)[which])
+        return np.concatenate([np.array(self.points)[which] + since * velocities, turns, velocities, spins], axis=1)
 
-    def speeds(self, start: float, stop: float) -> Any:
-        """The linear and angular velocity, (6,), that lead from where it is at `start` to where it is at `stop` (s)."""
-        here, there = self.at(start), self.before(stop)
-        turn = turned(multiply(there[3:7], conjugate(here[3:7])))
-        return np.concatenate([there[:3] - here[:3], turn]) / (stop - start)
+    def steps(self, times: Any) -> tuple[Any, Any, Any]:
+        """Between the `times` (T,): where each step begins and ends (T - 1, 7), and its velocities (T - 1, 6)."""
+        here, there = self.at(times)[:-1, :7], self.before(times)[1:, :7]
+        turn = turned(multiply(there[:, 3:], conjugate(here[:, 3:])))
+        return here, there, np.concatenate([there[:, :3] - here[:, :3], turn], axis=1) / np.diff(times)[:, None]
 
 
 @dataclass(frozen=True)
@@ -152,8 +153,8 @@ class World(Protocol):
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         """Set the velocities of a dynamic body."""
 
-    def drive(self, body: int, pose: Any, speeds: Any) -> None:
-        """Make a kinematic body move from `pose` (7,) with linear and angular velocity (6,) during the next step."""
+    def drive(self, body: int, here: Any, there: Any, speeds: Any) -> None:
+        """Make a kinematic body move from `here` (7,) to `there`, with velocities (6,), during the next step."""
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Let a force and a torque (3,) act at the centre of mass of a dynamic body during the next step."""
@@ -179,15 +180,21 @@ class World(Protocol):
 
 def play(world: World, episode: Episode) -> Recording:
     """Play the episode in a freshly built world."""
+    steps = (episode.samples - 1) * episode.substeps
+    paths = {track.body: track.steps(np.arange(steps + 1) * episode.step) for track in episode.tracks}
     states = np.zeros((episode.samples, len(episode.start), 13))
     states[:, :, :7] = episode.start
+    for track in episode.tracks:
+        states[:, track.body] = track.at(np.arange(episode.samples) / episode.rate)
     touching = []
-    for i in range((episode.samples - 1) * episode.substeps + 1):
+    for i in range(steps + 1):
         kicks = begin(world, episode, i)
         if i % episode.substeps == 0:
-            observe(world, episode, kicks, i * episode.step, states[i // episode.substeps])
-        if i == (episode.samples - 1) * episode.substeps:
+            observe(world, episode, kicks, states[i // episode.substeps])
+        if i == steps:
             break
+        for body, (here, there, speeds) in paths.items():
+            world.drive(body, here[i], there[i], speeds[i])
         act(world, episode, i)
         world.step()
         touching.append(world.touching())
@@ -205,17 +212,14 @@ def begin(world: World, episode: Episode, i: int) -> list[Kick]:
         if aim.step == i:
             world.aim(aim.joint, aim.target)
     kicks = [kick for kick in episode.kicks if kick.step == i]
-    half_fall = np.array(episode.gravity) * (episode.step / 2)
     for kick in kicks:  # engines fall by g h² too much in the first step; half a step less of g makes flight exact
+        half_fall = np.array(episode.gravity) * (episode.step / 2)
         world.kick(kick.body, np.array(kick.linear) - half_fall, np.array(kick.angular))
     return kicks
 
 
 def act(world: World, episode: Episode, i: int) -> None:
-    """What happens during step number `i`."""
-    for track in episode.tracks:
-        start, stop = i * episode.step, (i + 1) * episode.step
-        world.drive(track.body, track.at(start)[:7], track.speeds(start, stop))
+    """What pushes during step number `i`."""
     for push in episode.pushes:
         if push.first <= i <= push.last:
             world.push(push.body, push.during(i), np.zeros(3))
@@ -226,14 +230,12 @@ def act(world: World, episode: Episode, i: int) -> None:
         world.push(drag.body, -drag.linear * speed, -torque)
 
 
-def observe(world: World, episode: Episode, kicks: list[Kick], time: float, into: Any) -> None:
-    """Write the state of every body that moves into `into` (N, 13)."""
+def observe(world: World, episode: Episode, kicks: list[Kick], into: Any) -> None:
+    """Write the state of every dynamic body into `into` (N, 13)."""
     for body in episode.dynamic:
         into[body] = world.state(body)
     for kick in kicks:
         into[kick.body, 7:] = kick.linear + kick.angular
-    for track in episode.tracks:
-        into[track.body] = track.at(time)
 
 
 def mounted(states: Any, episode: Episode) -> Any:

@@ -43,17 +43,18 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def turning(v: Array) -> Array:
-    """The unit quaternion (4,) of a turn about the vector `v` (3,) by its length (rad)."""
-    angle = float(np.linalg.norm(v))
-    turn: Array = np.array([np.cos(angle / 2), *(np.sinc(angle / (2 * np.pi)) / 2 * np.asarray(v, float))])
+    """The unit quaternions (..., 4) of turns about the vectors `v` (..., 3) by their lengths (rad)."""
+    half = np.linalg.norm(v, axis=-1, keepdims=True) / 2
+    turn: Array = np.concatenate([np.cos(half), np.sinc(half / np.pi) / 2 * v], axis=-1)
     return turn
 
 
 def turned(q: Array) -> Array:
-    """The vector (3,) along the axis of the unit quaternion `q` (4,), as long as its angle (rad), at most pi."""
-    w, u = (q[0], np.asarray(q[1:])) if q[0] >= 0 else (-q[0], -np.asarray(q[1:]))
-    sine = float(np.linalg.norm(u))
-    vector: Array = u * (2 * np.arctan2(sine, w) / sine if sine > 0 else 2.0)
+    """The vectors (..., 3) along the axes of the unit quaternions `q` (..., 4), as long as their angles, at most pi."""
+    q = np.asarray(q, float)
+    q = np.where(q[..., :1] < 0, -q, q)
+    sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    vector: Array = q[..., 1:] * (2 * np.arctan2(sine, q[..., :1]) / np.where(sine > 0, sine, 1.0))
     return vector
 
 
