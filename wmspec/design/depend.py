@@ -17,8 +17,9 @@ from wmspec.design.values import INHERITED
 
 #: What decides the form of an object or part.
 FORM = ("shape", "size", "radius", "height", "file", "scale", "collision")
+_TURN = ("yaw", "pitch", "roll")
 #: What decides where an object is.
-PLACEMENT = ("at", "on", "inside", "yaw", "pitch", "roll")
+PLACEMENT = ("at", "on", "inside", *_TURN)
 _SCATTER = ("scatter", "gap")
 
 #: What of its objects a function looks at.
@@ -108,9 +109,9 @@ class Dependencies:
             yield from (f"{thing.name}.material", f"{thing.name}.image")
 
     def _form(self, thing: Thing) -> Iterator[str]:
-        yield from (f"{thing.name}.{name}" for name in FORM)
-        for part in self._parts(thing):
-            yield from (f"{part.name}.{name}" for name in (*FORM, "at", "yaw", "pitch", "roll"))
+        placed = ("at", *_TURN) if thing.kind == "part" else ()
+        yield from (f"{thing.name}.{name}" for name in (*FORM, *placed))
+        yield from (f"{part.name}.form" for part in self._parts(thing))
 
     def _pose(self, thing: Thing) -> Iterator[str | Expr]:
         yield f"{thing.name}.form"

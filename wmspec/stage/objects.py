@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, cast
+
 from wmspec.design.forms import pieces
-from wmspec.design.meshes import Mesh
 from wmspec.design.solids import SLAB, Piece, Solid
-from wmspec.design.space import HERE, Vector, add, cross, times, unit
+from wmspec.design.space import HERE
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
-from wmspec.stage import looks
+from wmspec.stage import looks, polygons
 from wmspec.stage.document import Document, Prim
+
+if TYPE_CHECKING:
+    from wmspec.design.meshes import Mesh
 
 #: What a shape is in USD; a wedge and the mesh of a file are meshes.
 PRIMS = {
@@ -97,13 +101,11 @@ def _op(prim: Prim, kind: str, type: str, value: tuple[float, ...], source: str)
 def _shape(prim: Prim, made: Solid, form: str) -> None:
     x, y, z = made.edges
     corner = (x / 2, y / 2, z / 2)
-    if isinstance(made.hull, Mesh):
-        _mesh(prim, made.hull.points, [tuple(face) for face in made.hull.faces], form)
-        if made.hull.st:
-            prim.set("primvars:st", "texCoord2f[]", made.hull.st, form, varies="vertex")
+    if made.kind == "mesh":
+        polygons.of_mesh(cast("Mesh", made.hull)).give(prim, form)
         return
     if made.kind == "wedge":
-        _mesh(prim, *_wedge(corner), form)
+        polygons.wedge(x, y, z).give(prim, form)
         return
     if PRIMS[made.kind] == "Cube":
         prim.set("size", "double", 1.0, form)
@@ -114,28 +116,3 @@ def _shape(prim: Prim, made: Solid, form: str) -> None:
         prim.set("height", "double", z - x if made.kind == "capsule" else z, form)
         prim.set("axis", "token", "Z", form, uniform=True)
     prim.set("extent", "float3[]", (tuple(-c for c in corner), corner), form)
-
-
-def _wedge(corner: Vector) -> tuple[tuple[Vector, ...], list[tuple[int, ...]]]:
-    """The right prism whose top falls from the left to the right: its points and faces, seen from outside."""
-    x, y, z = corner
-    points = ((-x, -y, -z), (x, -y, -z), (x, y, -z), (-x, y, -z), (-x, -y, z), (-x, y, z))
-    return points, [(0, 3, 2, 1), (0, 4, 5, 3), (1, 2, 5, 4), (0, 1, 4), (3, 5, 2)]
-
-
-def _mesh(prim: Prim, points: tuple[Vector, ...], faces: list[tuple[int, ...]], form: str) -> None:
-    prim.set("points", "point3f[]", points, form)
-    prim.set("faceVertexCounts", "int[]", tuple(len(face) for face in faces), form)
-    prim.set("faceVertexIndices", "int[]", tuple(i for face in faces for i in face), form)
-    prim.set("subdivisionScheme", "token", "none", form, uniform=True)
-    normals = tuple(_normal(*(points[i] for i in face[:3])) for face in faces)
-    prim.set("primvars:normals", "normal3f[]", normals, form, varies="uniform")  # one for each face
-    low = tuple(min(p[i] for p in points) for i in range(3))
-    high = tuple(max(p[i] for p in points) for i in range(3))
-    prim.set("extent", "float3[]", (low, high), form)
-
-
-def _normal(a: Vector, b: Vector, c: Vector) -> Vector:
-    """The unit vector that points out of a face whose corners go round anticlockwise, seen from outside."""
-    across = cross(add(b, times(-1, a)), add(c, times(-1, a)))
-    return unit(across) if any(across) else (0.0, 0.0, 1.0)
