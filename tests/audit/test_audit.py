@@ -11,8 +11,8 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from tests.audit.made import Ask, make, race, roll
-from wmspec.ask.model import Asked
+from tests.audit.made import Ask, make, picture, race, roll
+from wmspec.ask.model import Asked, Number, Picture, Strength
 from wmspec.audit.audit import audit
 from wmspec.audit.model import Audit, Finding
 from wmspec.errors import WmsError
@@ -174,6 +174,43 @@ def test_a_question_asked_twice_is_told(noise: int, exact: str, audited: Make) -
 def test_options_that_look_the_same_fail(audited: Make) -> None:
     (finding,) = failing(audited("roll", roll(alike=True), 40), "options")
     assert "the same option twice" in finding.what
+
+
+# ---------------------------------------------------------------- open questions, stimulus differences
+
+
+def counting(fickle: bool) -> Ask:
+    """How many balls? Without options; the answer is the number of balls, or anything if it is `fickle`."""
+
+    def ask(asked: Asked, random: np.random.Generator) -> Asked:
+        shown = 1 + asked.index % 4
+        count = int(random.integers(1, 5)) if fickle else shown
+        balls = [(0.15 + 0.2 * i, 0.5, (20, 20, 20)) for i in range(shown)]
+        return replace(
+            asked,
+            text="How many?",
+            context=(Picture("front", 0.0, picture(balls)),),
+            answer=None,
+            value=str(count),
+            number=Number(count, "", 0.5),
+            difference=Strength("count", "", count),
+        )
+
+    return ask
+
+
+def test_an_open_question_has_no_shortcuts_and_no_places(audited: Make) -> None:
+    found = audited("race", counting(fickle=False), 80)
+    assert found.passed
+    assert not found.probes
+    assert {t.first for t in found.tests} == {"answer"}
+    (spread,) = found.spreads
+    assert (spread.name, spread.quantiles[0], spread.quantiles[-1]) == ("count", 1, 4)
+
+
+def test_open_questions_about_the_same_pictures_have_the_same_answer(audited: Make) -> None:
+    (finding,) = failing(audited("race", counting(fickle=True), 80), "duplicates")
+    assert "different answers" in finding.what
 
 
 # ---------------------------------------------------------------- files

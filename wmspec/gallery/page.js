@@ -136,7 +136,7 @@
 
   function choice(q, run, option, i, told) {
     const letter = LETTERS[i], true_ = i === run.true, picked = chosen.get(q.id) === i;
-    const fate = !told ? null : true_ ? "✓ this happens" : option.change ? `${option.name}: ${option.change.replace("->", "→")}` : "";
+    const fate = !told ? null : true_ ? ("src" in option ? "✓ this happens" : "✓ true") : option.change ? `${option.name}: ${option.change.replace("->", "→")}` : "";
     const kind = ["option", "src" in option ? "picture" : "", told && true_ ? "true" : "", picked && !true_ ? "wrong" : ""];
     const label = `Option ${letter}${option.text ? `: ${option.text}` : `, ${run.engine}`}${fate ? `, ${fate}` : ""}`;
     return make("button", { type: "button", class: kind.join(" ").trim(), "aria-label": label, "aria-pressed": String(picked),

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -16,13 +14,12 @@ import pyarrow.compute as pc
 import pyarrow.dataset as ds
 from PIL import Image
 
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.kinds import TRUTH, Quantity
 from wmspec.errors import WmsError
 from wmspec.write import ink
-from wmspec.write.card import plain
+from wmspec.write.finished import Finished
 from wmspec.write.ink import BLACK, GREEN, GREY, PALE, Picture, Style
 from wmspec.write.rows import Row
+from wmspec.write.words import human, reading
 
 #: The width of everything on the sheet (px), and of what is in its columns.
 WIDTH, MARGIN, ENGINE, GAP, PARTING, ROOM = 2000, 56, 150, 10, 44, 6
@@ -37,16 +34,13 @@ TITLE, TASK, QUESTION = Style(46, bold=True), Style(34, bold=True), Style(28, bo
 BODY, SMALL, TINY = Style(22), Style(20, GREY), Style(17, GREY)
 NAME, TRUE = Style(20, bold=True), Style(20, GREEN, bold=True)
 
-#: SI units that people read better in another: its sign, and how many of it make one.
-READABLE = {"m": ("cm", 100.0), "rad": ("°", 180 / math.pi), "kg": ("g", 1000.0), "m/s": ("cm/s", 100.0)}
-
 
 def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = None) -> Picture:
     """A sheet, 2000 px wide, with `count` instances of each task (or of the named ones) of a finished dataset.
 
     Raises WmsError if there is no finished dataset in the folder, or no such task in it.
     """
-    said = _manifest(folder)
+    said = Finished.open(folder).manifest
     chosen = list(said["tasks"]) if tasks is None else list(tasks)
     for name in chosen:
         if name not in said["tasks"]:
@@ -54,14 +48,6 @@ def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = No
     parts = [_title(said)]
     parts += [_task(folder, said, name, count) for name in chosen]
     return ink.padded(ink.above(parts, 70), MARGIN)
-
-
-def _manifest(folder: Path) -> dict[str, Any]:
-    try:
-        said: dict[str, Any] = json.loads((folder / "manifest.json").read_bytes())
-    except (OSError, ValueError):
-        raise WmsError(f"{folder} holds no finished dataset; make one with `wmspec generate`") from None
-    return said
 
 
 def _inside() -> int:
@@ -144,16 +130,8 @@ def _question(rows: list[Row], units: dict[str, str]) -> Picture:
 def _factors(row: Row, units: dict[str, str]) -> str:
     """The instance in words: its factors, then its nuisances."""
     named = [(name, value) for name, value in row.items() if name.startswith(("factor.", "nuisance."))]
-    values = "  ·  ".join(f"{name.partition('.')[2]} {_human(value, units[name])}" for name, value in named)
+    values = "  ·  ".join(f"{name.partition('.')[2]} {human(value, units[name])}" for name, value in named)
     return f"instance {row['index']}:  {values}"
-
-
-def _human(value: bool | float | str, unit: str) -> str:
-    if isinstance(value, float) and unit in READABLE:
-        unit, scale = READABLE[unit]
-        value *= scale
-    said = f"{value:.3g}" if isinstance(value, float) else plain(value)
-    return said + (unit if unit == "°" else f" {unit}" if unit else "")
 
 
 def _side(row: Row) -> int:
@@ -255,16 +233,7 @@ def _reasons(rows: list[Row]) -> Picture:
 def _reason(row: Row) -> str:
     true = "the answer is " if row["answer"] is None else f"{LETTERS[row['answer']]} is true: "
     parts = [true + row["answer_value"]]
-    parts += [f"{m['name']} = {_measured(m['name'], m['value'])}" for m in row["measured"]]
+    parts += [f"{m['name']} = {reading(m['name'], m['value'])}" for m in row["measured"]]
     if row["margin"] is not None:
         parts.append(f"{row['margin']:.2g} times the margin asked for")
     return "  ·  ".join(parts)
-
-
-def _measured(name: str, value: float) -> str:
-    """A measured value with the unit of the function that measured it."""
-    function = FUNCTIONS.get(name.partition("(")[0])
-    if function is not None and function.result == TRUTH:
-        return plain(bool(value))
-    unit = function.result.dimension.symbol if function is not None and isinstance(function.result, Quantity) else ""
-    return _human(value, unit)
