@@ -1,0 +1,108 @@
+"""What physics reads decides the trace, and nothing else: where a stage comes from and what it looks like do not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Usd
+
+from tests.language.specs import SPECS, task_of
+from tests.physics.scenes import ENGINES
+from tests.physics.test_determinism import digest
+from tests.physics.test_native import limbs, lively
+from wmspec.design.design import Design
+from wmspec.execute.backends import backend
+from wmspec.execute.trace import Executor, physics_key
+from wmspec.scene.model import Friction, Geom, Light, Scene, Surface
+from wmspec.scene.read import read
+from wmspec.stage.episode import document
+from wmspec.stage.layers import compose
+from wmspec.stage.write import write_stages
+
+(COLLIDE,) = (task_of(path) for path in SPECS if path.stem == "collide")
+
+
+def scene_of(index: int) -> Scene:
+    """An instance, through the stage."""
+    return read(compose(document(COLLIDE, Design(COLLIDE)[index])))
+
+
+def twins() -> tuple[Scene, Scene]:
+    """Two instances that differ in a colour."""
+    design = Design(COLLIDE)
+    other = next(iter(design.neighbours(7, "ball_color")))
+    assert design[7].factors["ball_color"] != design[other].factors["ball_color"]
+    return scene_of(7), scene_of(other)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_twins_share_one_trace(engine: str) -> None:
+    pytest.importorskip(engine)
+    one, other = twins()
+    executor = Executor(engine)
+    assert executor.trace(one) is executor.trace(other)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_twins_may_share_it(engine: str) -> None:
+    """Executed one by one they give the same bits."""
+    pytest.importorskip(engine)
+    first, second = (digest(backend(engine).execute(scene)) for scene in twins())
+    assert first == second
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_stage_from_the_disk_gives_the_same_bits(engine: str, tmp_path: Path) -> None:
+    pytest.importorskip(engine)
+    design = Design(COLLIDE)
+    stage = next(path for path in write_stages(design, design[7], tmp_path) if path.name == "000007.usda")
+    written = read(Usd.Stage.Open(str(stage)))
+    assert physics_key(written) == physics_key(scene_of(7))
+    assert digest(backend(engine).execute(written)) == digest(backend(engine).execute(scene_of(7)))
+
+
+def geoms(scene: Scene, change: Callable[[Geom], Geom]) -> Scene:
+    """The scene with its second body's geometries changed."""
+    bodies = list(scene.bodies)
+    bodies[1] = replace(bodies[1], geoms=tuple(change(geom) for geom in bodies[1].geoms))
+    return replace(scene, bodies=tuple(bodies))
+
+
+LOOKS: dict[str, Callable[[Scene], Scene]] = {
+    "surface": lambda s: geoms(s, lambda g: replace(g, surface=Surface((0.1, 0.2, 0.3), 0.9))),
+    "light": lambda s: replace(s, light=Light(np.array([0, 0, -1.0]), 0.5, 0.5)),
+    "background": lambda s: replace(s, background=(0, 0, 0)),
+    "cameras": lambda s: replace(s, cameras=(), observations=()),
+}
+PHYSICS: dict[str, Callable[[Scene], Scene]] = {
+    "gravity": lambda s: replace(s, gravity=s.gravity * 0.5),
+    "duration": lambda s: replace(s, duration=s.duration + 0.1),
+    "rate": lambda s: replace(s, rate=480),
+    "actions": lambda s: replace(s, actions=s.actions[:-1]),
+    "filtered": lambda s: replace(s, filtered=((s.bodies[1].name, s.bodies[2].name),)),
+    "order": lambda s: replace(s, bodies=s.bodies[::-1]),
+    "friction": lambda s: geoms(s, lambda g: replace(g, friction=Friction(0.11, 0.11, 0.0))),
+    "collision": lambda s: geoms(s, lambda g: replace(g, collides=False)),
+    "place": lambda s: replace(
+        s, bodies=(*s.bodies[:-1], replace(s.bodies[-1], pose=replace(s.bodies[-1].pose, position=np.ones(3))))
+    ),
+}
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_looks_are_not_read(look: str) -> None:
+    assert physics_key(LOOKS[look](lively())) == physics_key(lively())
+
+
+@pytest.mark.parametrize("part", PHYSICS)
+def test_physics_is_read(part: str) -> None:
+    assert physics_key(PHYSICS[part](lively())) != physics_key(lively())
+
+
+def test_joints_are_read() -> None:
+    assert physics_key(replace(limbs(), joints=limbs().joints[:-1])) != physics_key(limbs())
+    assert physics_key(limbs()) == physics_key(limbs())
