@@ -218,7 +218,7 @@ def _weighted(check: Expressions, e: s.Call) -> Written:
     written = _separate(check, values, "`weighted`")
     numbers = tuple(_weights(check, weights))
     if len(numbers) != len(written.options):
-        what = f"there are {len(written.options)} values and {len(numbers)} weights"
+        what = f"there are {len(written.options)} values, but {len(numbers)} of weights"
         check.fail("WMS401", what, weights.span, "give one weight for each value")
     return replace(written, weights=numbers)
 

@@ -108,12 +108,12 @@ class Factors:
             self.check.fail("WMS201", f"there is no design `{kind}`", name.span, suggestion(kind, PLANS))
         if PLANS[kind] and design.count is None:
             self.check.fail(
-                "WMS408", f"how many instances is this {kind} of?", name.span, f"write `design {kind} of 500`"
+                "WMS408", f"`{kind}` does not say of how many instances", name.span, f"write `design {kind} of 500`"
             )
         if design.count is not None and not PLANS[kind]:
             remedy = "write `design sample of N` for N of them"
             self.check.fail(
-                "WMS408", f"how many instances `{kind}` has follows from the factors", design.count.span, remedy
+                "WMS408", f"the number of instances of `{kind}` follows from the factors", design.count.span, remedy
             )
         if design.baseline and kind != "one_at_a_time":
             remedy = "only `design one_at_a_time { ... }` varies factors around one"

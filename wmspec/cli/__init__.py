@@ -12,8 +12,8 @@ import click
 from wmspec import __version__
 from wmspec.errors import WmsError
 
-#: Much is made while a command starts, and it stays: looking for garbage in it every 700 objects takes a twentieth.
-gc.set_threshold(20_000, 20, 20)
+# Much is made while a command starts, and it stays: looking for garbage in it every 700 objects takes a tenth.
+gc.set_threshold(100_000, 20, 20)
 
 COMMANDS = (
     "check",

@@ -12,6 +12,7 @@ from wmspec.design.constrain import Constraint
 from wmspec.design.draws import Level
 from wmspec.design.fault import Fault
 from wmspec.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
+from wmspec.design.told import told
 
 #: So many sets of conditions are looked through for the smallest that leaves nothing.
 MOST_SETS = 500
@@ -99,7 +100,7 @@ def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence
     first, *more = (said[i] for i in guilty)
     names = [n for n in domains if any(n in c.scope for c in conditions if c.said in guilty)]
     whose = f"{'combination' if len(names) > 1 else 'value'} of {', '.join(names)}" if names else "instance"
-    met = " and ".join(f"`{said[i].text}`" for i in guilty)
+    met = " and ".join(said[i].text for i in guilty)
     notes = tuple(("together with this", c.place) for c in more)
     return Fault("WMS402", f"no {whose} meets {met}", first.place, "weaken a condition, or widen a domain", notes)
 
@@ -135,10 +136,10 @@ def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Cons
     ranks = _ranks(columns, baseline)
     if ranks is None:
         broken = next(c for c in conditions if not c.holds(baseline))
-        told = ", ".join(f"{name} = {baseline[name]}" for name in broken.scope)
+        where = told(spec.factors, {name: baseline[name] for name in broken.scope})
         place = spec.plan.place or broken.place
         notes = (("this condition", broken.place),)
-        raise Fault("WMS408", f"the baseline, with {told}, is excluded", place, "choose another value for it", notes)
+        raise Fault("WMS408", f"the baseline, with {where}, is excluded", place, "choose another value for it", notes)
     yield ranks
     for factor in spec.factors:
         for value in factor.domain.values if isinstance(factor.domain, Choices) and not factor.nuisance else ():

@@ -14,6 +14,7 @@ from wmspec.check.ir import Choices, Expr, Factor, Operation, Place, TaskSpec
 from wmspec.design.depend import Dependencies
 from wmspec.design.draws import Level
 from wmspec.design.fault import Fault
+from wmspec.design.told import told
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
 
@@ -55,8 +56,8 @@ class Constraint:
         try:
             return bool(evaluate(condition, _Known(self.spec, known)))
         except WmsError as error:
-            where = ", ".join(f"{name} = {value}" for name, value in known.items())
-            raise Fault("WMS304", f"`{self.text}` has no value where {where}: {error}", self.place) from None
+            where = told(self.spec.factors, known)
+            raise Fault("WMS304", f"{self.text} has no value where {where}: {error}", self.place) from None
 
 
 class _Known:
@@ -111,7 +112,7 @@ def _constraints(spec: TaskSpec) -> Iterator[Constraint]:
             tied = depend.expression(condition) & set(order)
             scope = tuple(name for name in order if name in tied)
             _separate(scope, domains, spec, require.place)
-            yield Constraint(spec, said, require.text, require.place, scope, (condition,), domains)
+            yield Constraint(spec, said, f"`{require.text}`", require.place, scope, (condition,), domains)
     for said, factor in enumerate(conditional, start=len(spec.requires)):
         assert isinstance(factor.domain, Choices)
         when = factor.domain.when or ()
@@ -136,5 +137,6 @@ def _separate(scope: tuple[str, ...], domains: Mapping[str, Any], spec: TaskSpec
         if name not in domains:
             factor: Factor = next(f for f in spec.factors if f.name == name)
             what = "the nuisance" if factor.nuisance else "the interval"
-            remedy = "let it depend on factors; a condition on what is drawn is an `ensure` of a question"
+            drawn = "a condition on what is drawn is an `ensure` of a question"
+            remedy = drawn if factor.nuisance else "give that separate values, with `by STEP` or `in COUNT`"
             raise Fault("WMS407", f"a condition on the design cannot depend on {what} `{name}`", place, remedy)

@@ -10,6 +10,7 @@ from wmspec.check.ir import Counterfactual, Question, TaskSpec
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design, Instance
 from wmspec.design.fault import Fault
+from wmspec.design.told import told
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Note, Report
@@ -21,8 +22,8 @@ from wmspec.stage.overlap import overlaps
 from wmspec.stage.point import Pointer
 from wmspec.stage.sight import blind
 
-#: How many instances are tried, and how many of them with every counterfactual.
-TRIED, TRIED_CHANGED = 24, 8
+#: How many instances are built, how many of them with every counterfactual, and of how many the options are compared.
+TRIED, TRIED_CHANGED, COMPARED = 16, 4, 250
 
 #: What follows from the place or the turn of something else, as it should.
 _FOLLOWS = ("pose", "way", "form", "there", "start")
@@ -38,9 +39,11 @@ def trial(spec: TaskSpec, report: Report) -> int:
         _doubt(doubts(spec), pointer, report)
         design = Design(spec)
         _doubt(idle_requires(spec, design.conditions), pointer, report)
-        tried = _Trial(without(spec), pointer, report)
+        tried = _Trial(without(spec), design, pointer, report)
         for count, index in enumerate(design.sample(TRIED)):
             tried.instance(design[index], count < TRIED_CHANGED)
+        for question in spec.questions:
+            _compare(question, design, pointer, report)
     except Fault as fault:
         notes = tuple(Note(note, pointer.span(place)) for note, place in fault.notes)
         report.add(fault.code, fault.message, pointer.span(fault.place), fault.help, notes)
@@ -59,8 +62,9 @@ def _doubt(found: Iterable[Doubt], pointer: Pointer, report: Report) -> None:
 class _Trial:
     """Builds the scenes of instances. What is found in several of them is told of the first."""
 
-    def __init__(self, spec: TaskSpec, pointer: Pointer, report: Report) -> None:
+    def __init__(self, spec: TaskSpec, design: Design, pointer: Pointer, report: Report) -> None:
         self.spec = spec
+        self.design = design
         self.pointer = pointer
         self.report = report
         self.depend = Dependencies(spec)
@@ -74,7 +78,6 @@ class _Trial:
         self.overlapping(values, instance)
         self.blind(values)
         for question in self.spec.questions:
-            self.coinciding(question, values, instance)
             for change in question.counterfactuals if changed else ():
                 if change.owner in self.things:
                     altered = built(Values(self.spec, instance.values, change, instance.key))
@@ -94,7 +97,7 @@ class _Trial:
                 note = Note(f"`{pair.first}` is declared here", self.pointer.span(values.place(pair.first)))
                 span = self.pointer.span(values.place(pair.second))
                 remedy = "move them apart, make one smaller, or exclude this with `require`"
-                self.report.add("WMS601", f"{what} {_in(instance)}", span, remedy, (note,))
+                self.report.add("WMS601", f"{what} {_in(self.design, instance)}", span, remedy, (note,))
 
     def blind(self, values: Values) -> None:
         """Cameras that look at nothing that matters."""
@@ -105,21 +108,11 @@ class _Trial:
                 remedy = "turn it with `look_at:`, widen its `fov:`, or leave it out"
                 self.report.add("WMS602", what, self.pointer.span(seen), remedy, severity="warning")
 
-    def coinciding(self, question: Question, values: Values, instance: Instance) -> None:
-        """Options that are the same."""
-        if question.options is None or not _asked(question, values):
-            return
-        for a, b in combinations(evaluate(question.options, values), 2):
-            if _same(a, b) and self.new("options", question.place):
-                what = f"two options of this question are the same, {_shown(a)}, {_in(instance)}"
-                remedy = "keep them apart with `require`"
-                self.report.add("WMS507", what, self.pointer.span(question.place), remedy)
-
     def changes(self, change: Counterfactual, truth: Document, altered: Document, instance: Instance) -> None:
         """A counterfactual that changes nothing, or more than it says."""
         span, differing = self.pointer.span(change.place), truth.differing(altered)
         if not differing and self.new("idle", change.name):
-            self.report.add("WMS503", f"`{change.name}` changes nothing {_in(instance)}", span)
+            self.report.add("WMS503", f"`{change.name}` changes nothing {_in(self.design, instance)}", span)
         more = sorted(set(self.more(change, differing)))
         if more and self.new("more", change.name):
             target = f"{change.owner}.{change.property}"
@@ -137,6 +130,23 @@ class _Trial:
             if all(owner != change.owner for owner, _, _ in owned):
                 found = (f"{owner}.{name}" for owner, _, name in owned if name not in _FOLLOWS)
                 yield from (source for source in found if target in self.depend.source(source))
+
+
+# ---------------------------------------------------------------- options
+
+
+def _compare(question: Question, design: Design, pointer: Pointer, report: Report) -> None:
+    """Report options of a question that are the same in one of the instances compared."""
+    if question.options is None:
+        return
+    for index in design.sample(COMPARED):
+        instance = design[index]
+        values = Values(design.spec, instance.values, None, instance.key)
+        same = [a for a, b in combinations(evaluate(question.options, values), 2) if _same(a, b)]
+        if same and _asked(question, values):
+            what = f"two options of this question are the same, {_shown(same[0])}, {_in(design, instance)}"
+            report.add("WMS507", what, pointer.span(question.place), "keep them apart with `require`")
+            return
 
 
 def _asked(question: Question, values: Values) -> bool:
@@ -159,6 +169,6 @@ def _long(length: float) -> str:
     return f"{100 * length:.2g} cm" if length >= 0.01 else f"{1000 * length:.2g} mm"
 
 
-def _in(instance: Instance) -> str:
-    told = ", ".join(f"{k} = {v:g}" if isinstance(v, float) else f"{k} = {v}" for k, v in instance.factors.items())
-    return f"in instance {instance.index}" + (f" ({told})" if told and len(told) < 60 else "")
+def _in(design: Design, instance: Instance) -> str:
+    where = told(design.factors, instance.factors)
+    return f"in instance {instance.index}" + (f" ({where})" if where and len(where) < 60 else "")

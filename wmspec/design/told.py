@@ -1,0 +1,25 @@
+"""Combinations of factors, as messages tell them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from wmspec.check.ir import Factor
+from wmspec.design.draws import Level
+
+
+def told(factors: Iterable[Factor], values: Mapping[str, Level]) -> str:
+    """Such as `tone = red, pace = 0.5 m/s`, of those factors that have a value."""
+    return ", ".join(f"{f.name} = {_shown(values[f.name], f.unit)}" for f in factors if f.name in values)
+
+
+def _shown(value: Level, unit: str) -> str:
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case float():
+            return f"{value:g} {unit}".rstrip()
+        case tuple():
+            return f"({', '.join(_shown(x, unit) for x in value)})"
+        case _:
+            return str(value)
