@@ -8,9 +8,10 @@ from wmspec.cli.common import json_option
 
 
 @click.command("doctor")
+@click.option("--capabilities", is_flag=True, help="Say instead what each engine can do, and why not the rest.")
 @json_option
 @click.pass_context
-def doctor_command(ctx: click.Context, as_json: bool) -> None:
+def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> None:
     """Say what works on this machine, and the command that mends what does not.
 
     Each engine executes and draws a falling cube. Exit code 0 if at least one engine does both, else 1.
@@ -20,6 +21,9 @@ def doctor_command(ctx: click.Context, as_json: bool) -> None:
 
     from wmspec.execute.doctor import examine, fit
 
+    if capabilities:
+        _capabilities(as_json)
+        return
     findings = examine()
     if as_json:
         click.echo(json.dumps({"ok": fit(findings), "findings": [asdict(f) for f in findings]}, indent=2))
@@ -31,3 +35,23 @@ def doctor_command(ctx: click.Context, as_json: bool) -> None:
         for cure in dict.fromkeys(f.remedy for f in findings if f.remedy):
             click.echo(f"\nto mend {', '.join(f.name for f in findings if f.remedy == cure)}:\n  {cure}")
     ctx.exit(0 if fit(findings) else 1)
+
+
+def _capabilities(as_json: bool) -> None:
+    import json
+
+    from wmspec.scene.capability import NAMES, table
+
+    if as_json:
+        click.echo(json.dumps([{"capability": name, "lacking": _lacking(row)} for name, row in table()], indent=2))
+        return
+    for name, row in table():
+        marks = "  ".join(click.style("--", fg="red") if row[e] else click.style("ok", fg="green") for e in NAMES)
+        click.echo(f"{marks}  {name}")
+        for reason in dict.fromkeys(_lacking(row).values()):
+            click.echo(f"            {reason}")
+    click.echo(f"\nin columns: {', '.join(NAMES.values())}")
+
+
+def _lacking(row: dict[str, str]) -> dict[str, str]:
+    return {engine: reason for engine, reason in row.items() if reason}

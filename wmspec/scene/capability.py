@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 from wmspec.errors import WmsError
 from wmspec.scene.contact import colliders
-from wmspec.scene.drives import stubborn
+from wmspec.scene.drives import too_damped, too_stiff
 from wmspec.scene.model import Joint, Scene
 
-ENGINES = ("mujoco", "pybullet", "sapien")
+RATES = {"mujoco": 3840, "pybullet": 1920}  # steps per second of engines that compute drives step by step
 MOST_FRICTION = 10.0  # of a pair: Bullet's own limit
+
+NAMES = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "sapien": "SAPIEN"}
 
 Where = Iterator[tuple[str, str]]
 """Prim paths, and what is asked of each."""
@@ -23,7 +25,7 @@ class Capability:
 
     name: str
     lacking: dict[str, str]
-    asked: Callable[[Scene], Where]
+    asked: Callable[[Scene, str], Where]
 
 
 def require(engine: str, scene: Scene) -> None:
@@ -32,46 +34,46 @@ def require(engine: str, scene: Scene) -> None:
         f"{path}: {what}; {row.lacking[engine]}"
         for row in TABLE
         if engine in row.lacking
-        for path, what in row.asked(scene)
+        for path, what in row.asked(scene, engine)
     ]
     if problems:
         raise WmsError("\n".join(problems))
 
 
-def _nowhere(_scene: Scene) -> Where:
+def _nowhere(_scene: Scene, _engine: str) -> Where:
     yield from ()
 
 
-def _cones(scene: Scene) -> Where:
+def _cones(scene: Scene, _engine: str) -> Where:
     yield from ((j.path, "a ball joint with limits") for j in scene.joints if j.kind == "ball" and j.limits)
 
 
-def _touching_neighbours(scene: Scene) -> Where:
+def _touching_neighbours(scene: Scene, _engine: str) -> Where:
     dynamic = {body.name for body in scene.bodies if body.motion == "dynamic"}
     for j in scene.joints:
         if j.collides and j.kind != "ball" and {j.first, j.second} <= dynamic:
             yield j.path, "the bodies of a joint that touch each other"
 
 
-def _materials(scene: Scene) -> Where:
+def _materials(scene: Scene, _engine: str) -> Where:
     for body in scene.bodies:
         if body.motion != "static" and len({geom.friction for geom in colliders(body)}) > 1:
             yield body.path, "a moving body with pieces of different friction or restitution"
 
 
-def _rough(scene: Scene) -> Where:
+def _rough(scene: Scene, _engine: str) -> Where:
     for body in scene.bodies:
         most = max((geom.friction.dynamic for geom in colliders(body)), default=0.0)
         if most > MOST_FRICTION:
             yield body.path, f"friction {most:g}, above {MOST_FRICTION:g}"
 
 
-def _stiff(explicit_damping: bool, rate: int) -> Callable[[Scene], Where]:
-    def found(scene: Scene) -> Where:
-        for joint in stubborn(scene, rate, explicit_damping):
-            yield joint.path, _drive(joint)
+def _stiff(scene: Scene, engine: str) -> Where:
+    yield from ((joint.path, _drive(joint)) for joint in too_stiff(scene, RATES[engine]))
 
-    return found
+
+def _damped(scene: Scene, engine: str) -> Where:
+    yield from ((joint.path, _drive(joint)) for joint in too_damped(scene, RATES[engine]))
 
 
 def _drive(joint: Joint) -> str:
@@ -100,10 +102,8 @@ TABLE = (
         {"sapien": "PhysX lets the two bodies of a joint pass through each other; author physics:collisionEnabled = 0"},
         _touching_neighbours,
     ),
-    Capability("drives however stiff", {"mujoco": _STIFF.format("MuJoCo")}, _stiff(explicit_damping=False, rate=3840)),
-    Capability(
-        "drives however damped", {"pybullet": _STIFF.format("PyBullet")}, _stiff(explicit_damping=True, rate=1920)
-    ),
+    Capability("drives however stiff", {e: _STIFF.format(NAMES[e]) for e in RATES}, _stiff),
+    Capability("drives however damped", {"pybullet": _STIFF.format("PyBullet")}, _damped),
     Capability("several materials in a moving body", {"pybullet": _ONE_MATERIAL}, _materials),
     Capability(
         f"friction above {MOST_FRICTION:g}",
@@ -112,3 +112,15 @@ TABLE = (
     ),
 )
 """What stages may ask for, and who lacks it."""
+
+LOOPS = Capability(
+    "joints that close a loop, that break, gears, mimics, tendons, distance joints",
+    dict.fromkeys(NAMES, "the reader refuses them, as trees of joints are what all engines solve alike"),
+    _nowhere,
+)
+"""What no engine is given: refused before."""
+
+
+def table() -> list[tuple[str, dict[str, str]]]:
+    """What can be asked for, and for each engine why it lacks it, or nothing."""
+    return [(row.name, {engine: row.lacking.get(engine, "") for engine in NAMES}) for row in (*TABLE, LOOPS)]

@@ -7,26 +7,31 @@ from collections.abc import Iterator
 import numpy as np
 
 from wmspec.scene.centred import centred
-from wmspec.scene.model import Array, Joint, Scene
+from wmspec.scene.model import Array, Drive, Joint, Scene
 from wmspec.scene.numbers import placed
 from wmspec.scene.transform import compose, cross, rotate, rotation
 from wmspec.scene.trees import Limb, Tree, trees
 
-STIFFEST = 0.5  # part of a vibration's radian that may pass in a step, squared; and of a decay
+STIFFEST = 0.5  # of a vibration, in radians a step, squared; of a decay, the part in a step
 
 
-def stubborn(scene: Scene, rate: int, explicit_damping: bool) -> Iterator[Joint]:
-    """The joints whose drives are too stiff for `rate` steps per second, or too damped if that is explicit too."""
-    if not any(joint.drive for joint in scene.joints):
-        return
-    for tree in trees(scene):
+def too_stiff(scene: Scene, rate: int) -> Iterator[Joint]:
+    """The joints whose drives would vibrate faster than `rate` steps per second can follow."""
+    return (joint for joint, drive, lightness in _driven(scene) if drive.stiffness * lightness > STIFFEST * rate**2)
+
+
+def too_damped(scene: Scene, rate: int) -> Iterator[Joint]:
+    """The joints whose drives would brake in less than `rate` steps per second can follow."""
+    return (joint for joint, drive, lightness in _driven(scene) if drive.damping * lightness > STIFFEST * rate)
+
+
+def _driven(scene: Scene) -> Iterator[tuple[Joint, Drive, float]]:
+    """The joints with drives, and the acceleration that a force gives to them."""
+    for tree in trees(scene) if any(joint.drive for joint in scene.joints) else ():
         lightness = mobility(scene, tree)
-        for limb in tree:
-            if limb.drive:
-                stiffness, damping = limb.drive[:2]
-                decay = damping / rate if explicit_damping else 0.0
-                if (stiffness / rate**2 + decay) * lightness[limb.joint] > STIFFEST:
-                    yield scene.joints[limb.joint]
+        for joint in (scene.joints[limb.joint] for limb in tree if limb.drive):
+            if joint.drive:
+                yield joint, joint.drive, lightness[scene.joints.index(joint)]
 
 
 def mobility(scene: Scene, tree: Tree) -> dict[int, float]:

@@ -1,0 +1,49 @@
+"""The table of docs/stage.md that says which engine can do what, made from what refuses it.
+
+python tools/capabilities.py            rewrites it
+python tools/capabilities.py --check    exits with 1 if it is not current
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from wmspec.scene.capability import NAMES, table
+
+PAGE = Path(__file__).parent.parent / "docs/stage.md"
+START, STOP = "<!-- capabilities -->\n", "<!-- /capabilities -->\n"
+
+
+def current(page: str) -> str:
+    """The page with its table as it should be."""
+    before, start, rest = page.partition(START)
+    _, stop, after = rest.partition(STOP)
+    assert start
+    assert stop
+    return before + start + "\n" + "\n".join(lines()) + "\n\n" + stop + after
+
+
+def lines() -> list[str]:
+    """The table in Markdown."""
+    head = f"| | {' | '.join(NAMES.values())} | otherwise |"
+    rows = [f"| {name} | {' | '.join(cells(row))} |" for name, row in table()]
+    return [head, "|---|" + "---|" * (len(NAMES) + 1), *rows]
+
+
+def cells(row: dict[str, str]) -> list[str]:
+    """A mark for each engine, and the reasons."""
+    marks = ["—" if row[engine] else "✓" for engine in NAMES]
+    return [*marks, "; ".join(dict.fromkeys(filter(None, row.values())))]
+
+
+def main() -> None:
+    """Rewrite or check the page."""
+    text = PAGE.read_text()
+    if "--check" in sys.argv:
+        sys.exit(text != current(text))
+    PAGE.write_text(current(text))
+
+
+if __name__ == "__main__":
+    main()
