@@ -29,9 +29,9 @@ def _driven(scene: Scene) -> Iterator[tuple[Joint, Drive, float]]:
     """The joints with drives, and the acceleration that a force gives to them."""
     for tree in trees(scene) if any(joint.drive for joint in scene.joints) else ():
         lightness = mobility(scene, tree)
-        for joint in (scene.joints[limb.joint] for limb in tree if limb.drive):
-            if joint.drive:
-                yield joint, joint.drive, lightness[scene.joints.index(joint)]
+        for limb in tree:
+            if limb.joint >= 0 and (drive := scene.joints[limb.joint].drive):
+                yield scene.joints[limb.joint], drive, lightness[limb.joint]
 
 
 def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
