@@ -16,7 +16,7 @@ from wmspec.ask.measure import Measured
 from wmspec.ask.model import Asked, Number, Option, Picture, Reason, Reject, Rejected, Strength
 from wmspec.ask.options import Alternative, Seat, labelled, pictured
 from wmspec.ask.runs import Crew, Run, execute
-from wmspec.ask.say import question_text, say, si_unit, written
+from wmspec.ask.say import question_text, say_option, si_unit, written
 from wmspec.ask.seen import named, shown, shown_in
 from wmspec.ask.stable import stable, stable_picture
 from wmspec.check.evaluate import evaluate
@@ -185,4 +185,4 @@ def said_answer(question: Question, answer: Any, values: Values) -> str:
     """An answer in words; of a picture, which it is."""
     if question.sort == "picture":
         return f"{answer[0]} at {answer[1]:g} s"
-    return say(answer, question.sort, values)
+    return say_option(answer, question.sort, values)

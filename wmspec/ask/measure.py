@@ -40,8 +40,8 @@ class Measured:
         """A measured function, or one of the design. An option of a function, if given, is its last argument."""
         if function not in FUNCTIONS or not FUNCTIONS[function].measured:
             return self.values.call(function, arguments)
-        if function in _CHOICES:
-            return _CHOICES[function](self, *arguments)
+        if function in CHOICES:
+            return CHOICES[function](self, *arguments)
         value = MEASURES[function](self.observed, *arguments)
         if isinstance(value, float | bool):
             if not math.isfinite(value):
@@ -108,7 +108,7 @@ def _first(measured: Measured, names: tuple[str, ...], tie: float | None = None)
     return onsets[0][0]
 
 
-_CHOICES: dict[str, Callable[..., str]] = {
+CHOICES: dict[str, Callable[..., str]] = {
     "fastest": _fastest,
     "slowest": _slowest,
     "longest": _longest,

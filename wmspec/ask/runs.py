@@ -24,7 +24,7 @@ from wmspec.scene.model import Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.scene.overlap import overlap
 from wmspec.scene.read import read
 from wmspec.scene.transform import compose as placed
-from wmspec.stage.episode import document
+from wmspec.stage.episode import built
 from wmspec.stage.layers import compose
 
 #: Bodies that lie deeper (m) in one another at the start would be thrown apart, by each engine in its own way.
@@ -86,10 +86,11 @@ def execute(design: Design, instance: Instance, change: Counterfactual | None, c
     """
     label = f"{change.name}: " if change else ""
     try:
-        scene = read(compose(document(design.spec, instance, change)))
+        values = values_of(design, instance, change)
+        scene = read(compose(built(values)))
         for a, b, depth in overlaps(scene):
             raise Reject("overlap", f"{label}{a} and {b} are {depth * 1000:.1f} mm deep in one another at the start")
-        return Run(values_of(design, instance, change), scene, crew.executor.trace(scene))
+        return Run(values, scene, crew.executor.trace(scene))
     except EngineError as error:
         raise Reject("unstable", f"{label}{error}") from None
     except WmsError as error:

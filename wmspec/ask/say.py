@@ -90,6 +90,8 @@ def written(expr: ir.Expr) -> str:
             return f"{written(expr.owner)}.{expr.name}"
         case ir.Items():
             return f"[{', '.join(map(written, expr.items))}]"
+        case ir.Call(function="present", arguments=(ir.Items(items=(ir.Value(value=str(first)), *_)),)):
+            return first.rpartition("_")[0]  # a set, by its own name
         case ir.Call():
             return f"{expr.function}({', '.join(map(written, expr.arguments))})"
         case ir.Operation():

@@ -12,8 +12,8 @@ from wmspec.scene.model import Array, Body, Camera, Mesh, Pose, Scene, Shape
 from wmspec.scene.tessellate import tessellate
 from wmspec.scene.transform import apply, compose
 
-#: Silhouettes are drawn so many times as finely as pictures, because a polygon covers its edge.
-FINER = 4
+#: How wide silhouettes are drawn (px), the smaller ones larger than they are seen, because a polygon covers its edge.
+WIDE, MOST_FINER = 1024, 16
 
 
 @dataclass(frozen=True)
@@ -40,16 +40,17 @@ def silhouette(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], siz
     high = np.ceil(np.clip(points.max(axis=0), -frame, 2 * frame)).astype(int)
     if (high <= low).any():
         return Silhouette(0.0, 0.0)
-    across, down = (FINER * (high - low)).tolist()
+    finer = min(max(WIDE // int((high - low).max()), 1), MOST_FINER)
+    across, down = (finer * (high - low)).tolist()
     image = Image.new("1", (across, down))
     draw = ImageDraw.Draw(image)
     for polygon in polygons:
-        draw.polygon([tuple(p) for p in ((polygon - low) * FINER - 0.5).tolist()], fill=1)
+        draw.polygon([tuple(p) for p in ((polygon - low) * finer - 0.5).tolist()], fill=1)
     mask = np.asarray(image)
-    left, top = np.maximum(-low, 0) * FINER
-    right, bottom = (np.minimum(frame, high) - low) * FINER
+    left, top = np.maximum(-low, 0) * finer
+    right, bottom = (np.minimum(frame, high) - low) * finer
     within = mask[top : max(bottom, top), left : max(right, left)]
-    return Silhouette(float(within.sum()) / FINER**2, float(mask.sum()) / FINER**2)
+    return Silhouette(float(within.sum()) / finer**2, float(mask.sum()) / finer**2)
 
 
 def placed(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:

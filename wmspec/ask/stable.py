@@ -45,10 +45,14 @@ def stable_picture(
     key: tuple[object, ...],
     crew: Crew,
 ) -> None:
-    """Raise Reject if after a nudge the outcome (the first of `outcomes`) has moved far towards another option."""
-    nearest = min((apart(outcomes[0], other) for other in outcomes[1:]), default=np.inf)
+    """Raise Reject if after a nudge the outcome (the first of `outcomes`) has moved far towards another option.
+
+    Options that are nearer than the nudge itself differ in something else than places, such as a colour.
+    """
+    gaps = [apart(outcomes[0], other) for other in outcomes[1:]]
     for by, other in _nudges(question, run, key, crew):
         moved = apart(outcomes[0], other.poses(names, time))
+        nearest = min((gap for gap in gaps if gap > by), default=np.inf)
         if moved > MOST_MOVED * nearest:
             raise Reject(
                 "unstable",

@@ -75,11 +75,14 @@ def generate_command(
     from wmspec.design.design import Design
     from wmspec.execute.backends import chosen, engine_version
     from wmspec.execute.pool import Effort
+    from wmspec.stage.agents import refuse
     from wmspec.write.plan import Plan, Task
 
     if full and per_task:
         raise WmsError("--full makes all instances and --per-task some of them; give one of the two")
     tasks = of_dimensions(load_tasks(specs), only_dimension)
+    for _, spec in tasks:
+        refuse(spec)
     engines = chosen(backend)
     plan = Plan(
         texts=_texts(tasks),

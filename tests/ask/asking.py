@@ -1,0 +1,54 @@
+"""Asking small specs, written as text, in one engine."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from tests.language.specs import task_from
+from wmspec.ask.ask import ask
+from wmspec.ask.model import Asked, Rejected
+from wmspec.ask.runs import Crew, Run, execute
+from wmspec.design.design import Design
+from wmspec.execute.studio import Studio
+from wmspec.execute.trace import Executor
+
+SCENE = """
+use tabletop
+task t : custom {{
+  {body}
+}}
+"""
+
+
+@cache
+def crew(engine: str = "pybullet", side: int = 128) -> Crew:
+    """One for all tests: what it remembers is found by what it shows."""
+    pytest.importorskip(engine)
+    return Crew(Executor(engine), Studio(engine, side, side))
+
+
+def asked(body: str, index: int = 0, engine: str = "pybullet") -> list[Asked | Rejected]:
+    """The questions of an instance of a task with this body, on a table."""
+    return ask(Design(task_from(SCENE.format(body=body))), index, crew(engine))
+
+
+def one(body: str, index: int = 0, engine: str = "pybullet") -> Asked:
+    """The only question, which is asked."""
+    (found,) = asked(body, index, engine)
+    assert isinstance(found, Asked), found
+    return found
+
+
+def refused(body: str, index: int = 0, engine: str = "pybullet") -> str:
+    """Why the only question is not asked."""
+    (found,) = asked(body, index, engine)
+    assert isinstance(found, Rejected), found.text
+    return f"{found.reason}: {found.detail}"
+
+
+def run(body: str, index: int = 0) -> Run:
+    """The executed instance."""
+    design = Design(task_from(SCENE.format(body=body)))
+    return execute(design, design[index], None, crew())

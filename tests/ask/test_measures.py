@@ -1,0 +1,188 @@
+"""Every measured function, on paths written down by hand: no engine, so every number is known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.physics.scenes import body, scene, turn
+from wmspec.ask.measure import CHOICES, MEASURES, Measured
+from wmspec.ask.observed import Observed
+from wmspec.check.evaluate import evaluate
+from wmspec.check.functions import FUNCTIONS
+from wmspec.check.ir import Call, Items, Value
+from wmspec.check.make import observe, task, thing
+from wmspec.design.values import Values
+from wmspec.errors import WmsError
+from wmspec.scene.model import Body, Box, Contact, Geom, Pose, Sphere, Trace
+
+RATE = 240
+T = np.arange(2 * RATE + 1) / RATE
+UPRIGHT = np.tile([1.0, 0.0, 0.0, 0.0], (len(T), 1))
+SPEC = task(
+    "t", thing("camera", "front", at=(0, -1, 1)), observe("front", [0, 2]), thing("object", "a", shape="sphere")
+)
+
+
+def straight(start: float, stop: float, speed: float, angle: float = 0.0, y: float = 0.0) -> np.ndarray:
+    """A path along a heading at constant speed from `start` to `stop` (s)."""
+    far = speed * np.clip(T - start, 0, stop - start)
+    return np.stack([far * math.cos(angle), y + far * math.sin(angle), np.full(len(T), 0.05)], axis=1)
+
+
+def measured(
+    window: tuple[float, float] = (0.0, 2.0),
+    turned: dict[str, np.ndarray] | None = None,
+    contacts: tuple[Contact, ...] = (),
+    bodies: tuple[Body, ...] | None = None,
+    **paths: np.ndarray,
+) -> Measured:
+    """What was observed of spheres of 5 cm radius (or of `bodies`) that take these paths."""
+    made = bodies or tuple(body(name, Sphere(0.05), path[0]) for name, path in paths.items())
+    position = np.stack([paths[b.name] for b in made], axis=1)
+    orientation = np.stack([(turned or {}).get(b.name, UPRIGHT) for b in made], axis=1)
+    velocity = np.gradient(position, T, axis=0)
+    zero = np.zeros_like(position)
+    trace = Trace("hand", tuple(b.name for b in made), T, position, orientation, velocity, zero, contacts)
+    looks = [("front", time) for time in window]
+    return Measured(Values(SPEC, {}), Observed(scene(*made, duration=2.0), trace, looks))
+
+
+def of(m: Measured, function: str, *arguments: object) -> object:
+    """A function of names, numbers and lists of names."""
+
+    def expr(value: object) -> object:
+        return Items(items=tuple(map(expr, value))) if isinstance(value, list) else Value(value=value)
+
+    return evaluate(Call(function=function, arguments=tuple(map(expr, arguments))), m)
+
+
+def test_every_measured_function_of_the_language_is_measured() -> None:
+    assert {n for n, f in FUNCTIONS.items() if f.measured} == MEASURES.keys() | CHOICES.keys()
+
+
+def test_when_it_moved() -> None:
+    m = measured(a=straight(0.5, 1.25, 0.2), b=straight(0.75, 1.0, 0.2), c=straight(0, 0, 0))
+    assert of(m, "onset", "a") == pytest.approx(0.5, abs=1e-9)
+    assert of(m, "moving_time", "a") == pytest.approx(0.75, abs=1e-9)
+    assert of(m, "moving_time", "c") == 0
+    assert (of(m, "moved", "a"), of(m, "moved", "c")) == (True, False)
+    assert of(m, "first", ["b", "a", "c"]) == "a"
+    assert of(m, "first", ["b", "a"], 0.3) == "neither"
+    assert of(m, "first", ["b", "a"], 0.2) == "a"
+    assert of(m, "longest", ["b", "a"]) == "a"
+    assert of(m, "mover", ["c", "b", "a"]) == "a"
+    with pytest.raises(WmsError, match="`c` does not move"):
+        of(m, "onset", "c")
+    with pytest.raises(WmsError, match="none of c moves"):
+        of(m, "mover", ["c"])
+
+
+def test_creep_and_jitter_are_no_motion() -> None:
+    random = np.random.default_rng(1)
+    creep = straight(0, 2, 0.0009) + random.normal(0, 2e-5, (len(T), 3))
+    late = creep + straight(1.0, 2.0, 0.3)
+    m = measured(still=creep, late=late)
+    assert not of(m, "moved", "still")
+    assert of(m, "onset", "late") == pytest.approx(1.0, abs=2 / RATE)
+
+
+def test_only_what_is_observed_counts() -> None:
+    m = measured(window=(1.0, 2.0), a=straight(0.0, 0.9, 0.5), b=straight(0.0, 1.5, 0.2))
+    assert not of(m, "moved", "a")
+    assert of(m, "speed", "b") == pytest.approx(0.1, rel=1e-6)
+    assert of(m, "onset", "b") == pytest.approx(1.0)
+
+
+def test_who_is_faster() -> None:
+    m = measured(a=straight(0, 2, 0.2), b=straight(0, 2, 0.21), c=straight(0, 2, 0.5), still=straight(0, 0, 0))
+    assert of(m, "fastest", ["a", "b", "c"]) == "c"
+    assert of(m, "fastest", ["a", "b"], 1.1) == "neither"
+    assert of(m, "fastest", ["a", "c"], 1.1) == "c"
+    assert of(m, "slowest", ["a", "b"], 1.1) == "neither"
+    assert of(m, "slowest", ["still", "b"], 1.1) == "still"
+    assert m.readings["speed(c)"] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.0, 2.5, -2.0])
+def test_where_it_goes(angle: float) -> None:
+    around = [np.array([math.cos(a), math.sin(a), 0]) for a in (-2.1, 0.1, 1.2, 2.4)]
+    others = {f"o{i}": straight(0, 0, 0) + place for i, place in enumerate(around)}
+    m = measured(a=straight(0, 2, 0.3, angle), **others)
+    assert of(m, "heading", "a") == pytest.approx(angle)
+    assert of(m, "heads_to", "a", list(others)) == {0.0: "o1", 1.0: "o2", 2.5: "o3", -2.0: "o0"}[angle]
+    assert of(m, "trajectory", "a") == "straight"
+    assert of(m, "displacement", "a") == pytest.approx(0.6)
+    assert of(m, "distance", "a", "o0") > 0
+
+
+def test_what_is_left_stands_still() -> None:
+    m = measured(a=straight(0.0, 1.5, 0.3), b=straight(0.0, 1.95, 0.3), contacts=(Contact("b", "a", 0.1, 0.2),))
+    assert (of(m, "at_rest", "a"), of(m, "at_rest", "b")) == (True, False)
+    assert of(m, "contact", "a", "b") is True
+    assert of(m, "height", "a") == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 0.7, 0.9, 3.0])
+def test_tipped_more_than_half_way(angle: float) -> None:
+    first, last = turn((0, 1, 0), 0.3), turn((0, 1, 0), 0.3 + angle)
+    turned = np.where(T[:, None] < 1, first, last)
+    assert of(measured(turned={"a": turned}, a=straight(0, 0, 0)), "toppled", "a") == (angle > math.pi / 4)
+
+
+@pytest.mark.parametrize(
+    ("way", "word"),
+    [
+        ((0.3, 0.1, 0), "right_of"),
+        ((-0.3, 0.1, 0), "left_of"),
+        ((0.1, 0.3, 0), "behind"),
+        ((0.1, -0.3, 0), "in_front_of"),
+        ((0.02, 0.03, 0.1), "above"),
+        ((0.02, 0.03, -0.1), "below"),
+        ((0.06, 0.02, 0.01), "right_of"),
+    ],
+)
+def test_where_one_is_from_the_other(way: tuple[float, ...], word: str) -> None:
+    m = measured(a=straight(0, 0, 0) + np.array(way), b=straight(0, 0, 0))
+    assert of(m, "relation", "a", "b") == word
+
+
+def test_what_lies_diagonally_has_no_relation() -> None:
+    m = measured(a=straight(0, 0, 0) + np.array([0.3, 0.28, 0]), b=straight(0, 0, 0))
+    with pytest.raises(WmsError, match="diagonally"):
+        of(m, "relation", "a", "b")
+
+
+def rack() -> Body:
+    """A box without top, its frame on the ground in its middle."""
+    base = body("rack", Sphere(1.0))
+    sizes = [((0.2, 0.2, 0.01), (0, 0, 0.01)), ((0.01, 0.2, 0.1), (-0.19, 0, 0.1)), ((0.01, 0.2, 0.1), (0.19, 0, 0.1))]
+    geoms = tuple(
+        Geom(f"g{i}", Box(np.array(half)), Pose(np.array(at, float), UPRIGHT[0])) for i, (half, at) in enumerate(sizes)
+    )
+    return Body("rack", "/World/rack", "dynamic", base.pose, geoms, base.inertia, np.zeros(3), np.zeros(3))
+
+
+def test_a_compound_is_measured_at_its_middle() -> None:
+    tipped = np.where(T[:, None] < 1, UPRIGHT, turn((0, 1, 0), math.pi / 2))
+    still = np.zeros((len(T), 3))
+    ball = body("ball", Sphere(0.03), (0.05, 0, 0.05))
+    m = measured(bodies=(rack(), ball), rack=still, ball=straight(0, 0, 0))
+    assert of(m, "height", "rack") == pytest.approx(0.1)
+    assert of(m, "contains", "rack", "ball") is True
+    assert (
+        of(measured(bodies=(rack(), ball), rack=still, ball=straight(0, 1, 0.3)), "contains", "rack", "ball") is False
+    )
+    over = measured(bodies=(rack(),), turned={"rack": tipped}, rack=still)
+    assert of(over, "displacement", "rack") == pytest.approx(math.hypot(0.1, 0.1))
+
+
+def test_what_is_absent_cannot_be_measured() -> None:
+    with pytest.raises(WmsError, match="`ghost` is not there"):
+        of(measured(a=straight(0, 0, 0)), "speed", "ghost")
+    with pytest.raises(WmsError, match="where pictures are drawn"):
+        of(measured(a=straight(0, 0, 0), floor=straight(0, 0, 0)), "visible", "a", "front")
+    with pytest.raises(WmsError, match="`top`"):
+        of(measured(a=straight(0, 0, 0)), "visible", "a", "top")

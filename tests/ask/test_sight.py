@@ -1,0 +1,102 @@
+"""What pictures show, against where bodies are: silhouettes, shares, what hides what, what stands out."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.ask.asking import crew, one, refused, run
+from wmspec.ask import sight
+from wmspec.ask.observed import Observed
+
+LOOK = ("front", 0.0)
+OBJECT = "object {name} {{ shape: {shape}  size: 10 cm  color: {color}  on: table at ({at}) }}"
+SHAPES = ("cube", "sphere", "cylinder", "cone", "capsule", "wedge")
+
+
+def seen(*objects: str) -> Observed:
+    return run("\n".join([*objects, "observe front at [0 s]"])).observed([LOOK], crew())
+
+
+def an(name: str, at: str, shape: str = "cube", color: str = "red") -> str:
+    size = "size: (10 cm, 10 cm, 10 cm)" if shape == "wedge" else "size: 10 cm"
+    return OBJECT.format(name=name, shape=shape, color=color, at=at).replace("size: 10 cm", size)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_silhouette_is_what_the_engine_draws(shape: str) -> None:
+    observed = seen(an("a", "-20 cm, 5 cm", shape))
+    i = observed.index("a")
+    outline = sight.outline(observed, i, LOOK)
+    drawn = int((observed.picture(*LOOK).ids == i).sum())
+    assert outline.inside == outline.all
+    assert drawn == pytest.approx(outline.inside, rel=0.05, abs=6)
+    assert sight.occluded(observed, "a", "front") < 0.05
+    assert sight.visible(observed, "a", "front") == drawn / observed.picture(*LOOK).ids.size
+
+
+def test_half_of_it_is_behind_another() -> None:
+    observed = seen(an("near", "5 cm, 0 cm", color="blue"), an("far", "0 cm, 11 cm"))
+    hidden = sight.occluded(observed, "far", "front")
+    ids, i = observed.picture(*LOOK).ids, observed.index("far")
+    assert 0.2 < hidden < 0.6
+    alone = int((seen(an("far", "0 cm, 11 cm")).picture(*LOOK).ids == i - 1).sum())
+    assert hidden == pytest.approx(1 - (ids == i).sum() / alone, abs=0.05)
+    assert sight.occluded(observed, "near", "front") < 0.05
+
+
+def test_the_same_color_does_not_stand_out() -> None:
+    oak, red = seen(an("a", "0, 0", color="oak")), seen(an("a", "0, 0", color="red"))
+    contrasts = [sight.contrast(o, "a", "front") for o in (oak, red)]
+    assert contrasts[0] < 20 < contrasts[1], contrasts
+
+
+def test_what_is_outside_has_no_silhouette() -> None:
+    observed = seen(an("a", "0, 0"), "object b { size: 10 cm  at: (0, -3 m, 1 m)  fixed: true }")
+    i = observed.index("b")
+    outline = sight.outline(observed, i, LOOK)
+    assert (outline.inside, outline.all) == (0, 0)
+    assert sight.hidden(observed, i, LOOK) == 1
+    assert sight.contrast(observed, "b", "front") == 0
+
+
+def test_half_outside_the_frame() -> None:
+    narrow = "camera eye { at: (0, -1 m, 60 cm)  look_at: (0, 0, 0)  fov: 20 deg }"
+    at = np.arange(0, 40)
+    shares = []
+    for x in at:
+        observed = run(
+            f"{an('a', f'{x} cm, 0')} {narrow} observe eye at [0 s]"
+        ).observed([("eye", 0.0)], crew())  # fmt: skip
+        outline = sight.outline(observed, observed.index("a"), ("eye", 0.0))
+        if outline.inside == 0:
+            break
+        shares.append(outline.inside / outline.all)
+    assert shares[0] == 1
+    assert 0 < min(shares) < 0.4
+    assert all(a >= b - 0.02 for a, b in pairwise(shares))
+
+
+QUESTION = 'question "Which is larger, {{a}} or {{b}}?" {{ options [a, b]  answer {answer} }}'
+TWO = """object a {{ size: 8 cm  color: {color}  on: table at ({at}) }}
+  object b {{ size: 6 cm  color: blue  on: table at (20 cm, 0) }}"""
+WALL = "object wall { shape: box  size: (14 cm, 2 cm, 20 cm)  color: white  on: table at (20 cm, 12 cm)  fixed: true }"
+
+
+@pytest.mark.parametrize(
+    ("color", "at", "why"),
+    [
+        ("red", "-20 cm, 0", ""),
+        ("red", "26 cm, 20 cm", "of it is hidden"),
+        ("red", "-44 cm, -32 cm", "outside the frame"),
+    ],
+)
+def test_what_is_asked_about_must_be_seen(color: str, at: str, why: str) -> None:
+    body = f"{TWO.format(color=color, at=at)} {WALL} observe front at [0 s] {QUESTION.format(answer='largest([a, b])')}"
+    if why:
+        assert why in refused(body)
+        assert refused(body).startswith("unseen: a from front at 0 s")
+    else:
+        assert one(body).value == "the red cube"
