@@ -66,7 +66,7 @@ def _arc(length: float, width: float) -> tuple[Vector, ...]:
 
 
 def _around(middle: Vector, radius: float, start: float, stop: float) -> tuple[Vector, ...]:
-    count = max(8, math.ceil(PIECES * abs(stop - start) / (2 * math.pi)))
+    count = 2 * max(4, math.ceil(PIECES / 2 * abs(stop - start) / (2 * math.pi)))  # even: half way is a point
     angles = (start + (stop - start) * i / count for i in range(count + 1))
     points = (add(middle, times(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
     first, *rest = points

@@ -19,7 +19,6 @@ _TYPES = {
 }
 #: Kinds with one coordinate: the drive's token, and how many of USD's units are one of ours.
 _COORDINATES = {"hinge": ("angular", 180 / math.pi), "slider": ("linear", 1.0)}
-_OF_COORDINATE = ("low", "high", "target")
 
 
 def joint_path(name: str) -> str:
@@ -52,7 +51,7 @@ def add_joint(doc: Document, joint: Thing, values: Values) -> None:
 
 def has_drive(joint: Thing, values: Values) -> bool:
     """Whether a joint has a drive, whose target an action can change."""
-    return joint.model in _COORDINATES and _driven(joint, values)
+    return _driven(joint, values)
 
 
 def _side(prim: Prim, number: int, name: str, body: str | None, frame: Pose, values: Values) -> None:
@@ -78,14 +77,14 @@ def _frame(joint: Thing, values: Values) -> Quaternion:
 
 
 def _driven(joint: Thing, values: Values) -> bool:
-    name = joint.name
-    springy = values.property(name, "stiffness") > 0 or values.property(name, "damping") > 0
-    said = [p for p in _OF_COORDINATE if values.has(name, p)] + ["stiffness"] * springy
-    if joint.model not in _COORDINATES and said:
-        raise WmsError(f"{values.place(name, said[0])}: a {joint.model} joint takes no `{said[0]}`; leave it out")
-    if values.has(name, "target") and not values.property(name, "stiffness"):
-        raise WmsError(f"{values.place(name, 'target')}: nothing takes `{name}` to its target; add `stiffness:`")
-    return bool(springy)
+    """Whether it has a drive. A drive that is damped alone slows the joint down."""
+    if joint.model not in _COORDINATES:
+        return False
+    stiffness, damping = (values.property(joint.name, name) for name in ("stiffness", "damping"))
+    if values.has(joint.name, "target") and stiffness == 0:
+        place = values.place(joint.name, "target")
+        raise WmsError(f"{place}: nothing takes `{joint.name}` to its target, as its stiffness is 0")
+    return bool(stiffness > 0 or damping > 0)
 
 
 def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
