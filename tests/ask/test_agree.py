@@ -1,0 +1,105 @@
+"""Engines that agree, a majority of them, and one that rejects: what is kept and what is told."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.dataset.made import asked
+from wmspec.ask.agree import Consensus, agree, answered, consensus
+from wmspec.ask.model import Asked, Number, Option, Rejected
+
+ENGINES = ("mujoco", "pybullet", "sapien")
+
+
+def label(engine: str, answer: int) -> Asked:
+    """A question whose options are in another order in every engine."""
+    names = ["left", "right", "neither"]
+    order = np.roll(np.arange(3), len(engine))
+    options = tuple(Option("truth" if i == answer else "label", names[i], text=names[i]) for i in order)
+    blank = asked("motion_speed", 1, engine)
+    return replace(blank, options=options, answer=list(order).index(answer), value=names[answer], agreement=())
+
+
+def picture(engine: str, truth: float, others: tuple[float, ...] = (0.2, 0.4)) -> Asked:
+    """A picture question: where the ball is in the truth and in two counterfactuals."""
+    outcome = np.array([[[x, 0, 0, 1, 0, 0, 0]] for x in (truth, *others)], float)
+    options = tuple(Option("truth" if i == 0 else "counterfactual", f"o{i}") for i in range(3))
+    return replace(asked("collide", 1, engine), options=options, answer=0, outcome=outcome, agreement=())
+
+
+def number(engine: str, value: float) -> Asked:
+    blank = asked("motion_speed", 1, engine)
+    return replace(blank, options=(), answer=None, value=f"{value}", number=Number(value, "m", 0.02), agreement=())
+
+
+def lost(engine: str) -> Rejected:
+    return Rejected("motion_speed", 1, 0, engine, "margin", "1.1 where 1.2 apart was asked for")
+
+
+def kept(wanted: Consensus, *answers: Asked | Rejected) -> str:
+    """The first letters of the engines that keep the question."""
+    found = consensus({a.engine: a for a in answers}, wanted)
+    assert list(found) == [a.engine for a in answers]
+    return "".join(e[0] for e, a in found.items() if isinstance(a, Asked))
+
+
+@pytest.mark.parametrize(
+    ("answers", "kept_of"),
+    [
+        ((0, 0, 0), ("mps", "mps", "mps")),
+        ((0, 1, 0), ("", "ms", "mps")),
+        ((0, 1, 2), ("", "", "mps")),
+        ((None, 1, 1), ("", "ps", "ps")),
+        ((None, 1, None), ("", "", "p")),
+    ],
+)
+def test_labels(answers: tuple[int | None, ...], kept_of: tuple[str, str, str]) -> None:
+    made = [label(e, a) if a is not None else lost(e) for e, a in zip(ENGINES, answers, strict=True)]
+    assert tuple(kept(wanted, *made) for wanted in ("all", "majority", "none")) == kept_of
+
+
+def test_pictures_agree_where_each_picks_the_others_truth() -> None:
+    mine, near, far = picture("mujoco", 0.0), picture("pybullet", 0.05), picture("sapien", 0.19)
+    assert agree(mine, near)
+    assert not agree(mine, far)
+    assert answered(mine, far) == 1
+    assert kept("majority", mine, near, far) == "mp"
+    assert kept("all", mine, near, far) == ""
+
+
+def test_a_body_that_is_gone_is_far_from_one_that_is_there() -> None:
+    mine, other = picture("mujoco", 0.0), picture("sapien", 0.21)
+    assert other.outcome is not None
+    gone = replace(other, outcome=np.where(other.outcome == 0.21, np.nan, other.outcome))
+    assert answered(mine, other) == 1
+    assert answered(mine, gone) == 0  # no nearer to one than to another: the first
+
+
+def test_open_numbers_agree_within_what_is_allowed() -> None:
+    assert kept("all", number("mujoco", 1.0), number("sapien", 1.019)) == "ms"
+    assert kept("all", number("mujoco", 1.0), number("sapien", 1.021)) == ""
+
+
+def test_every_row_tells_what_every_engine_says() -> None:
+    found = consensus({a.engine: a for a in (label("mujoco", 0), label("pybullet", 1), lost("sapien"))}, "none")
+    mine = found["mujoco"]
+    assert isinstance(mine, Asked)
+    votes = {v.engine: v for v in mine.agreement}
+    assert mine.options[votes["mujoco"].answer or 0].name == "left" or votes["mujoco"].answer == mine.answer
+    assert votes["pybullet"].answer is not None
+    assert mine.options[votes["pybullet"].answer].name == "right"
+    assert votes["sapien"].answer is None
+    assert votes["sapien"].rejected == "margin: 1.1 where 1.2 apart was asked for"
+    assert votes["pybullet"].value == "right"
+
+
+def test_a_disagreement_tells_what_every_engine_says() -> None:
+    found = consensus({a.engine: a for a in (label("mujoco", 0), label("pybullet", 1), lost("sapien"))}, "all")
+    told = found["mujoco"]
+    assert isinstance(told, Rejected)
+    assert told.reason == "disagreement"
+    assert "sapien rejects it: margin" in told.detail
+    assert found["sapien"].reason == "margin"  # type: ignore[union-attr]

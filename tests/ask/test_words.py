@@ -1,0 +1,98 @@
+"""Objects, values and expressions in words."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.ask.asking import SCENE
+from tests.language.specs import task_from
+from wmspec.ask.describe import Ambiguous, described
+from wmspec.ask.say import say, say_option, written
+from wmspec.design.values import Values
+
+TASK = """{objects}
+  object other {{ shape: cone  color: green  on: table at (0, 20 cm) }}
+  observe front at [0 s]
+  {more}"""
+
+
+def values(objects: str, more: str = "") -> Values:
+    return Values(task_from(SCENE.format(body=TASK.format(objects=objects, more=more))), {})
+
+
+def two(first: str, second: str) -> Values:
+    return values(f"object a {{ color: red  {first} }}  object b {{ color: red  {second} }}")
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "a", "b"),
+    [
+        ("shape: cube", "shape: sphere", "the red cube", "the red sphere"),
+        ("size: 10 cm", "size: 6 cm", "the larger red cube", "the smaller red cube"),
+        ("material: wood", "material: rubber", "the red wooden cube", "the red rubber cube"),
+        ("at: (-9 cm, 0, 0)", "at: (9 cm, 0, 0)", "the red cube on the left", "the red cube on the right"),
+        ("at: (0, -9 cm, 0)", "at: (0, 9 cm, 0)", "the red cube at the front", "the red cube at the back"),
+        ("color: rgb(0.8, 0.1, 0.1)", "color: rgb(0.1, 0.2, 0.8)", "the red cube", "the blue cube"),
+        ("part p { size: 2 cm }", "", "the a", "the red cube"),
+    ],
+)
+def test_what_tells_two_objects_apart(first: str, second: str, a: str, b: str) -> None:
+    both = two(first, second) if "color" not in first else values(f"object a {{ {first} }}  object b {{ {second} }}")
+    assert (described("a", both), described("b", both)) == (a, b)
+
+
+def test_what_is_not_there_needs_no_telling_apart() -> None:
+    assert described("b", two("present: false", "")) == "the red cube"
+
+
+def test_the_largest_of_three() -> None:
+    three = values("".join(f"object {n} {{ color: red  size: {s} cm }} " for n, s in (("a", 4), ("b", 6), ("c", 9))))
+    assert described("a", three) == "the smallest red cube"
+    assert described("c", three) == "the largest red cube"
+    with pytest.raises(Ambiguous):
+        described("b", three)
+
+
+def test_nothing_tells_them_apart() -> None:
+    with pytest.raises(Ambiguous, match="`a` and `b` are both a red cube"):
+        described("a", two("", ""))
+
+
+@pytest.mark.parametrize(
+    ("value", "sort", "said", "option"),
+    [
+        ("left_of", "relation", "to the left of", "to the left of it"),
+        ("behind", "relation", "behind", "behind it"),
+        ("back_and_forth", "path", "back and forth", "back and forth"),
+        (0.3, "length", "30 cm", "30 cm"),
+        (0.1 + 0.2, "length", "30 cm", "30 cm"),
+        (-0.0, "plain number", "0", "0"),
+        (3.0, "plain number", "3", "3"),
+        (0.25, "speed", "25 cm/s", "25 cm/s"),
+        (2.5, "force", "2.5 kg*m/s^2", "2.5 kg*m/s^2"),
+        (True, "truth value", "yes", "yes"),
+        ("rgb:0.1,0.25,0.8", "color", "blue", "blue"),
+        ("other", "label", "the green cone", "the green cone"),
+        ("neither", "label", "neither", "neither"),
+        ("under_score", "text", "under_score", "under_score"),
+    ],
+)
+def test_values(value: object, sort: str, said: str, option: str) -> None:
+    there = values("")
+    assert say(value, sort, there) == said
+    assert say_option(value, sort, there) == option
+
+
+def test_expressions_read_as_they_were_written() -> None:
+    spec = values(
+        "objects blocks[3] { size: 2 cm  color: red  at: (index * 5 cm, 0, 0) }",
+        """question "?" { answer count(blocks)  options [2, 3, 4]  difference (speed(other) + 1 m/s) / speed(other) }
+        question "?" { answer if moved(other) then "yes" else "no"  options ["yes", "no"]  difference -other.size }""",
+    ).spec
+    first, second = spec.questions
+    assert first.difference is not None
+    assert second.difference is not None
+    assert written(first.answer) == "count(blocks)"
+    assert written(first.difference.value) == "(speed(other) + 1) / speed(other)"
+    assert written(second.difference.value) == "- other.size"
+    assert written(second.answer) == "if moved(other) then yes else no"
