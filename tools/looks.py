@@ -53,11 +53,11 @@ def soft(edge: Grey, width: float) -> Grey:
 
 def wood() -> Grey:
     """Year rings cut lengthwise: wavy bands along x with a sharp dark end, and fine fibres."""
-    phase = 6 * Y + 0.42 * noise(1, 2.6, across=4) + 0.05 * noise(2, 1.5, across=8)
+    phase = 6 * Y + 0.30 * noise(1, 2.6, across=4) + 0.05 * noise(2, 1.5, across=8)
     ring = phase % 1
     band = ring**2 * soft(0.95 - ring, 0.10)
     fibre = noise(3, 0.9, across=10, least=14)
-    return np.clip(0.97 - 0.50 * band - 0.04 * fibre, 0, 1)
+    return np.clip(0.97 - 0.38 * band - 0.04 * fibre, 0, 1)
 
 
 def marble() -> Grey:

@@ -1,0 +1,100 @@
+"""The picture of docs/pixels.md: every environment, in every look, by every engine.
+
+python tools/pixels.py [OUTPUT]
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+from wmspec.check.task import check
+from wmspec.design.design import Design
+from wmspec.execute.studio import Studio
+from wmspec.parse.diagnostics import Report
+from wmspec.scene.model import Look, Scene, Shot
+from wmspec.scene.read import read
+from wmspec.stage.episode import document
+from wmspec.stage.layers import compose
+from wmspec.write import ink
+from wmspec.write.ink import Style
+
+OUTPUT = Path(__file__).parent.parent / "docs/images/pixels.png"
+PLACES = {
+    "tabletop": "table",
+    "tabletop_cool": "table",
+    "tabletop_dark": "table",
+    "room": "floor",
+    "room_cool": "floor",
+    "room_dark": "floor",
+    "floor": "floor",
+}
+"""The environments, and what things stand on in each."""
+
+LOOKS: tuple[tuple[str, Look], ...] = (
+    ("mujoco", "parity"),
+    ("pybullet", "parity"),
+    ("sapien", "parity"),
+    ("mujoco", "beauty"),
+    ("sapien", "beauty"),
+)
+CAMERA, SIDE, SAMPLES = "oblique", 256, 16
+
+STILL = """
+use {place}
+task still : custom {{
+  factor only in [1, 2]
+  object can   {{ shape: cylinder  size: 11 cm  color: white   material: marble   on: {ground} at (-22 cm, 9 cm) }}
+  object dice  {{ shape: cube      size: 11 cm  color: blue    material: rubber   on: {ground} at (-3 cm, 13 cm)  yaw: 25 deg }}
+  object ball  {{ shape: sphere    size: 13 cm  color: red     on: {ground} at (18 cm, 8 cm)  mass: only * 1 kg }}
+  object hat   {{ shape: cone      size: 13 cm  color: orange  material: wood     on: {ground} at (-20 cm, -12 cm) }}
+  object steel {{ shape: sphere    size: 11 cm  material: brushed  on: {ground} at (-1 cm, -7 cm) }}
+  object block {{ shape: cube      size: 10 cm  color: yellow  material: checker  on: {ground} at (19 cm, -13 cm)  yaw: 40 deg }}
+  observe {camera} at [0 s]
+}}
+"""
+
+
+def still(place: str) -> Scene:
+    """Six things in an environment."""
+    with tempfile.TemporaryDirectory() as folder:
+        spec = Path(folder) / "still.wms"
+        spec.write_text(STILL.format(place=place, ground=PLACES[place], camera=CAMERA))
+        report = Report()
+        tasks = check(spec, report)
+        report.stop_if_failed()
+        return read(compose(document(tasks[0], Design(tasks[0])[0])))
+
+
+def picture(scene: Scene, engine: str, look: Look) -> Image.Image:
+    """The scene as it begins."""
+    studio = Studio(engine, SIDE, SIDE, look, SAMPLES if look == "beauty" else None)
+    frame = studio.draw(scene, Shot(CAMERA, tuple(body.pose for body in scene.bodies)))
+    studio.close()
+    return Image.fromarray(frame.rgb)
+
+
+def sheet() -> Image.Image:
+    """A row for each environment, a column for each engine and look."""
+    label, name, wide = Style(20, bold=True), Style(17), 150
+    heads = [ink.paragraph(f"{engine}, {look}", label, SIDE) for engine, look in LOOKS]
+    rows = [ink.beside([ink.blank(wide, 1), *heads], 8)]
+    for place in PLACES:
+        scene = still(place)
+        pictures = [picture(scene, *look) for look in LOOKS]
+        rows.append(ink.beside([ink.paragraph(place, name, wide), *pictures], 8, middle=True))
+        print(place, flush=True)
+    return ink.padded(ink.above(rows, 8), 16)
+
+
+def main(output: str = str(OUTPUT)) -> int:
+    """Write the picture."""
+    sheet().save(output, optimize=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
