@@ -39,13 +39,13 @@ _SHAPES = st.lists(
 _SIZES = st.lists(st.integers(4, 12), min_size=2, max_size=3, unique=True)
 
 
-_SHELF = """template shelf(width: 30 cm, hollow: 12 cm) {
+SHELF = """template shelf(width: 30 cm, hollow: 12 cm) {
   color: oak
   part left   { shape: box  size: (2 cm, 8 cm, hollow)  at: (-width / 2, 0, hollow / 2) }
   part right  { shape: box  size: (2 cm, 8 cm, hollow)  at: (width / 2, 0, hollow / 2)  material: stuff }
 }
 """
-_FACTORS = {"pace": "[0.3, 0.6] m/s", "stuff": "[plastic, wood, stone]", "lean": "[0, 12] deg", "n": "[1, 3]",
+FACTORS = {"pace": "[0.3, 0.6] m/s", "stuff": "[plastic, wood, stone]", "lean": "[0, 12] deg", "n": "[1, 3]",
             "spot": "[(10 cm, -20 cm), (12 cm, -24 cm)]"}  # fmt: skip
 
 
@@ -58,17 +58,17 @@ def random_text(draw: st.DrawFn) -> str:
         "form": f"[{', '.join(draw(_SHAPES))}]",
         "big": f"[{', '.join(map(str, draw(_SIZES)))}] cm",
         "which": f"[{', '.join(names)}]",
-        **_FACTORS,
+        **FACTORS,
     }
     lines = [f"  factor {name} in {domain}" for name, domain in domains.items()]
     lines += ["  nuisance turn in -20 deg .. 20 deg", "  let half = big / 2", "  let place = half + 20 cm"]
     lines += [_object(draw, names, i) for i in range(len(names))]
-    lines += [line for line in _OTHERS if draw(st.booleans())]
-    deeds = draw(st.sampled_from(_DEEDS))
+    lines += [line for line in OTHERS if draw(st.booleans())]
+    deeds = draw(st.sampled_from(DEEDS))
     changes = [*_CHANGES, *["counterfactual swapped { order go, on }"] * ("action on" in deeds)]
     lines += [f"  {deeds}", "  observe front at 0 s .. 1 s in 3 frames"]
     lines.append(f'  question "And then?" {{ answer frame(front, end) {" ".join(changes)} }}')
-    return "use tabletop\n" + _SHELF + "task random : custom {\n" + "\n".join(lines) + "\n}\n"
+    return "use tabletop\n" + SHELF + "task random : custom {\n" + "\n".join(lines) + "\n}\n"
 
 
 def _object(draw: st.DrawFn, names: list[str], i: int) -> str:
@@ -91,7 +91,7 @@ def _object(draw: st.DrawFn, names: list[str], i: int) -> str:
     )
 
 
-_OTHERS = (
+OTHERS = (
     """
   object rack : shelf { hollow: big  width: 3 * big  on: table at (0, 30 cm)  fixed: true }
   object pea  { shape: sphere  size: half  inside: rack at (0, 0) }""",
@@ -105,12 +105,14 @@ _OTHERS = (
   object door  { shape: box  size: (8 cm, 1 cm, big)  at: (-34 cm, 20 cm, half)  color: tone }
   joint swing : hinge { of: door  to: frame  at: (-39 cm, 20 cm, half)  high: lean + 60 deg }""",
     """
-  object eyed { shape: sphere  size: half  on: table at (40 cm, 0)  present: which == a }
+  object eyed { shape: sphere  size: half  on: table at right_of(a, 50 cm)  present: which == a }
+  object next { shape: cube  size: 3 cm  on: table at polar(eyed, 10 cm, turn)  present: n > 1 }
+  action roll = launch(next, direction: toward(eyed), speed: 0.1 m/s) at 0.7 s
   camera eye { ride: a  at: (0, 0, place)  look_at: (1 m, 0, big) }""",
 )
 """More that a scene may have."""
 
-_DEEDS = (
+DEEDS = (
     "action go = launch(which, direction: turn, speed: pace, climb: lean) at 0.1 s",
     "action go = launch(a, direction: toward(which), speed: pace) at 0.1 s",
     """action go = glide(which, direction: lean, speed: pace) for 0.2 s
@@ -130,6 +132,24 @@ _CHANGES = (
     "counterfactual turned  { state  a.yaw: a.yaw + 10 deg }",
     "counterfactual painted { state  a.material: fabric }",
 )
+
+
+def busy_text(deeds: str) -> str:
+    """A task with everything that a scene of the random ones may have, in which this happens."""
+    factors = {"tone": "[red, blue]", "form": "[sphere, cube]", "big": "[4, 8] cm", "which": "[a, b]", **FACTORS}
+    lines = [f"  factor {name} in {domain}" for name, domain in factors.items()]
+    lines += [
+        "  nuisance turn in -20 deg .. 20 deg",
+        "  let half = big / 2",
+        "  let place = 24 cm",
+        *OTHERS,
+        f"  {deeds}",
+    ]
+    lines += ["  object a { shape: form  size: 6 cm  color: tone  material: stuff  on: table at spot  pitch: lean }",
+              "  object b { shape: sphere  size: half  on: a at (0, 1 cm)  mass: n * 50 g }",
+              "  observe front at [0 s, 1 s]"]  # fmt: skip
+    lines.append(f'  question "And then?" {{ answer frame(front, end) {" ".join(_CHANGES)} }}')
+    return "use tabletop\n" + SHELF + "task busy : custom {\n" + "\n".join(lines) + "\n}\n"
 
 
 def random_spec() -> st.SearchStrategy[TaskSpec]:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any, TypeVar, cast
 
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Counterfactual, Place, TaskSpec, Thing
+from wmspec.check.ir import Counterfactual, Place, TaskSpec, Thing, Value
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, Slot
 from wmspec.design import colors, functions, placement
@@ -64,7 +64,14 @@ class Values:
     def property(self, owner: str, name: str) -> Any:
         """The value of a property or argument. Raises WmsError with its place if it is impossible."""
         key = (owner, name)
-        return self._known[key] if key in self._known else self.once(key, lambda: self._value(owner, name))
+        if key in self._known:
+            return self._known[key]
+        setting = self._things[owner].properties.get(name)
+        if setting is None or self.change is not None or not isinstance(setting.value, Value):
+            return self.once(key, lambda: self._value(owner, name))
+        constant = self._known[key] = setting.value.value  # most are, and need no more than this
+        self._check(self._things[owner], name, constant, setting.place)
+        return constant
 
     def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
         """A function of the design."""
@@ -172,6 +179,8 @@ class Values:
 
     def _check(self, thing: Thing, name: str, value: Any, place: Place) -> None:
         """Complain about numbers that are out of bounds."""
+        if isinstance(value, str | bool):
+            return
         slot = _slot(thing, name)
         for number in value if isinstance(value, tuple) else (value,):
             if isinstance(number, float) and slot and (reason := slot.fault(number)):

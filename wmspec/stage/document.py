@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 
-@dataclass(frozen=True)
-class Attribute:
+class Attribute(NamedTuple):
     """A value with its USD type, or the `connection` to another attribute that it is taken from.
 
     `sources` are the `owner.property`s of the spec that decide it. `varies` is the interpolation of a primvar.
@@ -25,8 +24,7 @@ class Attribute:
     varies: str = ""
 
 
-@dataclass(frozen=True)
-class Relation:
+class Relation(NamedTuple):
     """A relationship to prims."""
 
     targets: tuple[str, ...]

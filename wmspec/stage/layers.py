@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from typing import Any
 
 from pxr import Gf, Sdf, Usd, Vt
@@ -126,18 +125,18 @@ def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
         _attribute(spec, name, *_over(before.attributes.get(name), attribute))
     for name in sorted(lost):
         gone = before.attributes[name]
-        _attribute(spec, name, replace(gone, value=Sdf.ValueBlock(), connection=""), bool(gone.connection))
+        _attribute(spec, name, gone._replace(value=Sdf.ValueBlock(), connection=""), bool(gone.connection))
     for name, relation in relations.items():
         _relation(spec, name, relation)
     for name in sorted(unrelated):
-        _relation(spec, name, replace(before.relations[name], targets=()))
+        _relation(spec, name, before.relations[name]._replace(targets=()))
 
 
 def _over(before: Attribute | None, after: Attribute) -> tuple[Attribute, bool]:
     """The attribute as an override, and whether it ends a connection. One that begins hides the value."""
     if before is None or bool(before.connection) == bool(after.connection):
         return after, False
-    return (replace(after, value=Sdf.ValueBlock()), False) if after.connection else (after, True)
+    return (after._replace(value=Sdf.ValueBlock()), False) if after.connection else (after, True)
 
 
 def _same(a: Attribute | None, b: Attribute) -> bool:

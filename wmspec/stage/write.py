@@ -5,7 +5,6 @@ Images lie beside them in `textures`, named by their content, so that a folder o
 
 from __future__ import annotations
 
-from dataclasses import replace
 from hashlib import blake2b
 from pathlib import Path
 
@@ -56,7 +55,7 @@ def _moved(made: Document, images: dict[str, Path]) -> Document:
             if attribute.type == "asset":
                 here = _name(Path(attribute.value))
                 images[here] = Path(attribute.value)
-                prim.attributes[name] = replace(attribute, value=f"./{here}")
+                prim.attributes[name] = attribute._replace(value=f"./{here}")
     return made
 
 
