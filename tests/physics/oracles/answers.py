@@ -7,12 +7,11 @@ e.g. Goldstein, Poole and Safko, Classical Mechanics; rolling balls also Cross, 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import atan, cos, degrees, radians, sin, sqrt
+from math import atan, cos, pi, radians, sin, sqrt
 
 import numpy as np
-from pxr import Gf, Usd
 
-from tests.physics.oracles.runs import Factors, Motion, Run
+from tests.physics.oracles.runs import Motion, Run
 from wmspec.scene.model import Array
 from wmspec.scene.transform import rotate, rotation
 
@@ -118,15 +117,6 @@ def stopping(run: Run) -> float:
     """Of the distance v²/2μg."""
     expected = run.factor("speed") ** 2 / (2 * run.factor("mu") * G)
     return abs(float(run["block"].position[-1, 0]) / expected - 1)
-
-
-def tilted(stage: Usd.Stage, factors: Factors) -> None:
-    """Everything turned about the y axis by the factor `angle`, which makes an incline of the floor."""
-    turn = Gf.Rotation(Gf.Vec3d(0, 1, 0), degrees(float(factors["angle"])))
-    for prim in stage.GetPrimAtPath("/World/Objects").GetChildren():
-        place, spin = prim.GetAttribute("xformOp:translate"), prim.GetAttribute("xformOp:orient")
-        place.Set(turn.TransformDir(place.Get()))
-        spin.Set(Gf.Quatd(turn.GetQuat()) * spin.Get())
 
 
 def holds(run: Run) -> bool:
@@ -241,6 +231,29 @@ def fell(run: Run) -> bool:
 def drifted(run: Run) -> float:
     """The largest distance moved by a body that should rest, m."""
     return max(float(np.linalg.norm(m.position[-1] - m.position[0])) for m in run.moving)
+
+
+def period(run: Run) -> float:
+    """Of the period 2π √(I/mgd)/M(1, cos(θ/2)), with M the arithmetic-geometric mean and θ the amplitude.
+
+    Measured from the first passage of the vertical to the last. Source: Carvalhaes and Suppes, Am. J. Phys. 76
+    (2008) 1150.
+    """
+    bar, t, arm = run["bar"], run.trace.time, 0.3
+    side = rotate(bar.orientation, np.array([0.0, 0.0, 1.0]))[:, 0]
+    before = np.flatnonzero(np.diff(np.sign(side)))
+    passages = t[before] + side[before] / (side[before] - side[before + 1]) * (t[1] - t[0])
+    measured = 2 * (passages[-1] - passages[0]) / (len(passages) - 1)
+    inertia = (0.04**2 + 0.6**2) / 12 + arm**2
+    expected = 2 * pi * sqrt(inertia / (G * arm)) / agm(1, cos(run.factor("amplitude") / 2))
+    return float(abs(measured / expected - 1))
+
+
+def agm(a: float, b: float) -> float:
+    """The arithmetic-geometric mean."""
+    while abs(a - b) > 1e-15 * a:
+        a, b = (a + b) / 2, sqrt(a * b)
+    return a
 
 
 def gentle(run: Run) -> bool:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from pxr import Usd
-
 from tests.language.specs import task_of
-from wmspec.design.design import Design, Setting
+from wmspec.design.design import Design
+from wmspec.design.draws import Level
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Array, Body, Scene, Trace
 from wmspec.scene.read import read
@@ -18,10 +17,6 @@ from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 
 FOLDER = Path(__file__).parent
-
-Factors = Mapping[str, Setting]
-Edit = Callable[[Usd.Stage, Factors], None]
-"""What a stage is given that the language cannot say yet."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +40,7 @@ class Motion:
 class Run:
     """An executed instance and the values of its factors, in SI units."""
 
-    factors: Factors
+    factors: Mapping[str, Level]
     scene: Scene
     trace: Trace
 
@@ -66,14 +61,11 @@ class Run:
 
 
 @cache
-def runs(spec: str, engine: str, edit: Edit | None = None) -> tuple[Run, ...]:
+def runs(spec: str, engine: str) -> tuple[Run, ...]:
     """Every instance of a spec in an engine, in the order of the design."""
     task = task_of(FOLDER / f"{spec}.wms")
     found = []
     for instance in Design(task):
-        stage = compose(document(task, instance))
-        if edit:
-            edit(stage, instance.values)
-        scene = read(stage)
+        scene = read(compose(document(task, instance)))
         found.append(Run(instance.values, scene, backend(engine).execute(scene)))
     return tuple(found)
