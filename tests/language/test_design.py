@@ -1,12 +1,16 @@
-"""Designs: an instance is a pure function of its index, and draws of what they are for."""
+"""Designs: an instance is a pure function of its index, and only combinations that conditions allow have one."""
 
-from hypothesis import given, settings
+from itertools import combinations, pairwise
+
+import pytest
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from tests.language.designs import allowed, compare, design_of, random_design
 from tests.language.specs import random_spec, task_from
-from wmspec.check.ir import TaskSpec
+from wmspec.check.ir import Plan, TaskSpec
 from wmspec.design.design import Design
-from wmspec.design.draws import permuted
+from wmspec.design.fault import Fault
 
 SPEC = """
 use tabletop
@@ -32,6 +36,23 @@ def test_the_design_is_the_allowed_product() -> None:
     assert all(i.factors["a"] != i.factors["c"] for i in design)
 
 
+@settings(max_examples=150, deadline=None)
+@given(spec=random_design())
+def test_counting_finds_what_trying_finds(spec: TaskSpec) -> None:
+    """Numbering by counts gives each allowed combination once, and its index back."""
+    expected = list(allowed(spec))
+    if not expected:
+        with pytest.raises(Fault, match="no "):
+            Design(spec)
+        return
+    design = Design(spec)
+    found = [i.factors for i in design]
+    assert sorted(found, key=str) == sorted(expected * spec.repeat, key=str)
+    assert [design.index(i.factors, i.block) for i in design] == list(range(len(design)))
+    if not spec.requires:
+        assert found == expected * spec.repeat
+
+
 @settings(max_examples=30, deadline=None)
 @given(spec=random_spec(), seed=st.integers(0, 9))
 def test_index_and_assignment_are_inverse(spec: TaskSpec, seed: int) -> None:
@@ -40,34 +61,87 @@ def test_index_and_assignment_are_inverse(spec: TaskSpec, seed: int) -> None:
         assert design.index(instance.factors, instance.block) == instance.index
 
 
+def test_what_is_excluded_has_no_index() -> None:
+    design = Design(design_of({"a": 3, "b": 3}, compare("!=", "a", "b")))
+    assert design.index({"a": 1.0, "b": 1.0}) is None
+    assert design.index({"a": 7.0, "b": 1.0}) is None
+
+
 def test_a_huge_design_is_built_at_once() -> None:
-    lines = "".join(f"  factor f{i} in 0 .. 9 by 1\n" for i in range(12))
-    mass = " + ".join(f"f{i}" for i in range(12))
-    scene = f"  object x {{ mass: ({mass} + 1) * 1 g  on: table }}\n  observe front at [0 s]\n"
-    spec = task_from(f"use tabletop\ntask t : custom {{\n{lines}{scene}}}\n")
-    design = Design(spec)
+    design = Design(design_of({f"f{i:02}": 10 for i in range(12)}))
     assert len(design) == 10**12
-    assert design[123_456_789_012].factors == {f"f{i}": float(d) for i, d in enumerate("123456789012")}
+    assert list(design[123_456_789_012].factors.values()) == [float(d) for d in "123456789012"]
     assert len(set(design.sample(100))) == 100
 
 
-def test_nuisances_are_drawn_by_block_and_name_alone() -> None:
-    """Adding, fixing or reordering factors, objects or nuisances leaves every other draw as it was."""
-    plain = Design(task_from(SPEC), seed=7)
-    changed = (
-        SPEC.replace("factor a in [1, 2, 3]", "factor d in [1, 2]\n  nuisance k in 0 .. 1\n  factor a in [3]")
-        .replace("nuisance n in 0 .. 1\n  nuisance m in 0 .. 1", "nuisance m in 0 .. 1\n  nuisance n in 0 .. 1")
-        .replace("object x", "object y { mass: (d + k) * 1 kg  on: table at (30 cm, 0) }\n  object x")
-    )
-    other = Design(task_from(changed), seed=7)
-    for block in range(3):
-        a, b = plain[block * plain.block_size], other[block * other.block_size]
-        assert (a.nuisances["n"], a.nuisances["m"]) == (b.nuisances["n"], b.nuisances["m"])
-    draws = {plain[b * plain.block_size].nuisances["n"] for b in range(3)}
-    assert len(draws) == 3
-    assert Design(task_from(SPEC), seed=8)[0].nuisances != plain[0].nuisances
+def test_a_chain_of_conditions_is_counted_without_trying_all() -> None:
+    """Twelve factors, each unlike the next: 10 * 9^11 combinations, and in a ring 9^12 + 9 (its chromatic number)."""
+    sizes = {f"f{i:02}": 10 for i in range(12)}
+    names = list(sizes)
+    chain = [compare("!=", a, b) for a, b in pairwise(names)]
+    design = Design(design_of(sizes, *chain))
+    assert len(design) == 10 * 9**11
+    assert len(Design(design_of(sizes, *chain, compare("!=", names[0], names[-1])))) == 9**12 + 9
+    for index in (0, 123_456_789, len(design) - 1):
+        values = list(design[index].factors.values())
+        assert all(a != b for a, b in pairwise(values))
+        assert design.index(design[index].factors) == index
 
 
-@given(st.integers(1, 300), st.integers(0, 5))
-def test_permutations_permute(n: int, seed: int) -> None:
-    assert sorted(permuted(i, n, seed) for i in range(n)) == list(range(n))
+def test_an_order_is_found_where_that_of_the_spec_is_too_costly() -> None:
+    """The first factor tied to all others: they are eliminated before it, though it is written last."""
+    sizes = {**{f"f{i}": 30 for i in range(6)}, "hub": 30}
+    spokes = [compare("!=", f"f{i}", "hub") for i in range(6)]
+    design = Design(design_of(sizes, *spokes))
+    assert len(design) == 30 * 29**6
+    here = design[987_654_321]
+    assert all(here.factors[f"f{i}"] != here.factors["hub"] for i in range(6))
+    assert design.index(here.factors) == 987_654_321
+
+
+def test_too_much_to_try_or_to_number_is_refused() -> None:
+    with pytest.raises(Fault, match=r"100,000,000 combinations .* 1,000,000 are the most"):
+        Design(design_of(dict.fromkeys("abcd", 100), *(compare("!=", *pair) for pair in combinations("abcd", 2))))
+    with pytest.raises(Fault, match="more than can be numbered"):
+        Design(design_of({f"f{i}": 1000 for i in range(7)}))
+    assert len(Design(design_of({f"f{i}": 1000 for i in range(7)}, plan=Plan(kind="sample", count=10)))) == 10
+
+
+# ---------------------------------------------------------------- conditions that leave nothing
+
+
+@settings(max_examples=150, deadline=None)
+@given(spec=random_design())
+def test_the_fewest_conflicting_conditions_are_named(spec: TaskSpec) -> None:
+    assume(not list(allowed(spec)))
+    with pytest.raises(Fault) as caught:
+        Design(spec)
+    fault = caught.value
+    assert fault.code == "WMS402"
+    named = {int(part) for part in fault.message.split("`")[1::2]}
+
+    def empty(which: set[int]) -> bool:
+        kept = tuple(r for i, r in enumerate(spec.requires) if i in which)
+        return not list(allowed(spec.model_copy(update={"requires": kept})))
+
+    assert empty(named)
+    fewer = (set(s) for s in combinations(range(len(spec.requires)), len(named) - 1))
+    assert not any(empty(which) for which in fewer)
+    assert len(fault.notes) == len(named) - 1
+
+
+# ---------------------------------------------------------------- parts of a design
+
+
+def test_slices_and_shards_are_lazy_and_make_up_the_whole() -> None:
+    design = Design(design_of({f"f{i}": 10 for i in range(12)}))
+    part = design[10**11 : 10**11 + 5]
+    assert [i.index for i in part] == list(range(10**11, 10**11 + 5))
+    assert part[-1].index == 10**11 + 4
+    assert [i.index for i in part[1:4:2]] == [10**11 + 1, 10**11 + 3]
+    assert sum(len(design.shard(n, 7)) for n in range(1, 8)) == 10**12
+    small = Design(design_of({"a": 10}))
+    assert [i.index for n in range(1, 4) for i in small.shard(n, 3)] == list(range(10))
+    for number in (0, 4):
+        with pytest.raises(IndexError):
+            small.shard(number, 3)

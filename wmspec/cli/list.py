@@ -43,7 +43,8 @@ def _row(path: Path, spec: Any) -> dict[str, Any]:
         "title": spec.title,
         "instances": len(design),
         "paper": None if there is None else {"task": there.name, "instances": there.cases, "images": there.images},
-        "factors": {f.name: len(f.domain.values) for f in design.factors if isinstance(f.domain, Choices)},
+        "design": spec.plan.kind,
+        "factors": {f.name: len(f.domain.values) if isinstance(f.domain, Choices) else None for f in design.factors},
         "nuisances": [n.name for n in design.nuisances],
         "questions": len(spec.questions),
         "file": str(path),
@@ -59,7 +60,7 @@ def _print(found: Sequence[dict[str, Any]]) -> None:
         table.add_column(name, justify="right" if name in ("instances", "paper's") else "left", overflow="fold")
     for row in found:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
-        factors = ", ".join(f"{name} ({count})" for name, count in row["factors"].items())
+        factors = ", ".join(f"{name} ({count or 'continuous'})" for name, count in row["factors"].items())
         table.add_row(row["task"], row["dimension"], f"{row['instances']:,}", paper, factors)
     console = Console(soft_wrap=False)
     console.print(table)

@@ -47,8 +47,13 @@ def _strata(spec: TaskSpec, seed: int) -> Iterator[Strata]:
 
 
 def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, ...]:
-    """The factors with separate values, in groups of those that conditions tie together."""
+    """The factors with separate values, in groups of those that conditions tie together.
+
+    They are in the order of the spec, or by name where combinations are drawn: draws do not look at the order.
+    """
     domains = {f.name: f.domain.values for f in spec.factors if not f.nuisance and isinstance(f.domain, Choices)}
+    if spec.plan.kind in ("sample", "latin"):
+        domains = dict(sorted(domains.items()))
     try:
         found = tuple(_tied(domains, conditions))
     except TooMuch as much:
