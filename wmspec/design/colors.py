@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 
 from wmspec.check.vocabulary import COLORS
 from wmspec.looks import SHADES
@@ -25,7 +25,7 @@ def word(parts: Color) -> str:
     return said or "rgb:" + ",".join(f"{part:.6g}" for part in clipped)
 
 
-@cache
+@lru_cache(maxsize=4096)
 def linear(part: float) -> float:
     """An sRGB part in linear light (IEC 61966-2-1)."""
     return part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4

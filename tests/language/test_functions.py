@@ -1,0 +1,162 @@
+"""What can be worked out before anything happens: places, sums, volumes, colours, what is there, what fits."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wmspec.check import ir
+from wmspec.check.make import compound, objects, observe, task, thing
+from wmspec.design.design import Design
+from wmspec.design.hollow import room
+from wmspec.design.values import Values
+from wmspec.errors import WmsError
+
+CAMERA = thing("camera", "front", at=(0, -2, 1))
+TRAY = {
+    "left": {"shape": "box", "size": (0.02, 0.1, 0.1), "at": (-0.06, 0, 0.05)},
+    "right": {"shape": "box", "size": (0.02, 0.1, 0.1), "at": (0.06, 0, 0.05)},
+    "lid": {"shape": "box", "size": (0.14, 0.1, 0.02), "at": (0, 0, 0.11)},
+}
+"""A hollow of 10 x 10 x 10 cm, open at the front and the back."""
+
+
+def values(*parts: Any) -> Values:
+    """What the only instance of a task of these things is."""
+    spec = task("t", CAMERA, *parts, observe("front", [0.0]))
+    return Values(spec, Design(spec)[0].values)
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "expected"),
+    [
+        ("min", (3.0, 2.0, 5.0), 2.0),
+        ("max", (3.0, 2.0, 5.0), 5.0),
+        ("abs", (-2.0,), 2.0),
+        ("floor", (-0.5,), -1.0),
+        ("mod", (7.5, 2.0), 1.5),
+        ("mod", (-1.0, 3.0), 2.0),
+        ("sqrt", (2.25,), 1.5),
+        ("sin", (math.pi / 6,), 0.5),
+        ("cos", (math.pi,), -1.0),
+        ("opposite", ("left",), 2 * math.pi),
+    ],
+)
+def test_sums(function: str, arguments: tuple[Any, ...], expected: float) -> None:
+    assert values().call(function, arguments) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("function", "arguments"), [("sqrt", (-1.0,)), ("mod", (1.0, 0.0)), ("largest", ((),))])
+def test_what_has_no_value_says_so(function: str, arguments: tuple[Any, ...]) -> None:
+    with pytest.raises(WmsError):
+        values().call(function, arguments)
+
+
+@pytest.mark.parametrize(
+    ("properties", "volume"),
+    [
+        ({"shape": "cube", "size": 0.2}, 0.008),
+        ({"shape": "box", "size": (0.1, 0.2, 0.3)}, 0.006),
+        ({"shape": "wedge", "size": (0.1, 0.2, 0.3)}, 0.003),
+        ({"shape": "sphere", "radius": 0.1}, 4 / 3 * math.pi * 1e-3),
+        ({"shape": "cylinder", "size": 0.2, "height": 0.5}, math.pi * 0.01 * 0.5),
+        ({"shape": "cone", "size": 0.2, "height": 0.3}, math.pi * 0.001),
+        (
+            {"shape": "capsule", "size": 0.2, "height": 0.5, "radius": 0.1},
+            math.pi * 0.01 * 0.3 + 4 / 3 * math.pi * 1e-3,
+        ),
+        ({"shape": "plane", "size": (2, 3)}, 0.6),
+    ],
+)
+def test_volumes(properties: dict[str, Any], volume: float) -> None:
+    assert values(thing("object", "a", **properties)).call("volume", ("a",)) == pytest.approx(volume)
+
+
+def test_a_compound_takes_the_room_of_its_parts() -> None:
+    assert values(*compound("tray", TRAY)).call("volume", ("tray",)) == pytest.approx(2 * 0.0002 + 0.00028)
+
+
+def test_the_largest_is_told_only_beyond_a_tie() -> None:
+    small, big = thing("object", "small", size=0.1), thing("object", "big", shape="sphere", size=0.13)
+    found = values(small, big)  # 1 and 1.15 dm³
+    assert found.call("largest", (("small", "big"),)) == "big"
+    assert found.call("largest", (("small", "big"), 1.1)) == "big"
+    assert found.call("largest", (("small", "big"), 1.2)) == "neither"
+    assert found.call("smallest", (("small", "big"), 1.1)) == "small"
+
+
+def test_colours_are_ranked_by_how_light_they_are() -> None:
+    found = values(*(thing("object", c, color=c) for c in ("black", "yellow", "blue")))
+    assert found.call("darkest", (("yellow", "black", "blue"),)) == "black"
+    assert found.call("lightest", (("black", "yellow", "blue"),)) == "yellow"
+    white = values(thing("object", "a", color="rgb:1,1,1")).call("luminance", ("a",))
+    assert white == pytest.approx(1.0)
+
+
+@given(
+    color=st.sampled_from(["red", "green", "blue", "yellow", "purple"]), shares=st.lists(st.floats(0, 1), min_size=2)
+)
+def test_shades_get_lighter(color: str, shares: list[float]) -> None:
+    made = [values().call("shade", (color, share)) for share in sorted(shares)]
+    light = [values(thing("object", "a", color=c)).call("luminance", ("a",)) for c in made]
+    assert light == sorted(light)
+
+
+def test_only_what_is_there_is_counted() -> None:
+    dots = objects("dots", 5, lambda i: {"size": 0.1}, 3)
+    found = values(*dots)
+    names = tuple(d.name for d in dots)
+    assert found.call("present", (names,)) == names[:3]
+    assert found.call("count", (names,)) == 3.0
+
+
+# ---------------------------------------------------------------- what fits
+
+
+@pytest.mark.parametrize(
+    ("properties", "fits"),
+    [
+        ({"size": 0.1}, True),
+        ({"size": 0.1001}, False),
+        ({"shape": "box", "size": (0.05, 0.11, 0.05)}, False),  # it would stick out at the front
+        ({"shape": "box", "size": (0.02, 0.02, 0.1)}, True),
+        ({"shape": "box", "size": (0.02, 0.02, 0.11)}, False),
+        ({"shape": "cylinder", "size": 0.09}, True),
+        ({"size": 0.09, "yaw": math.pi / 4}, False),
+    ],
+)
+def test_what_fits_into_a_hollow(properties: dict[str, Any], fits: bool) -> None:
+    for yaw in (0.0, 0.7):  # both turned, the hollow is the same
+        turned = properties | {"yaw": properties.get("yaw", 0.0) + yaw}
+        found = values(*compound("tray", TRAY, at=(1, 2, 3), yaw=yaw), thing("object", "a", **turned))
+        assert found.call("fits", ("a", "tray")) is fits
+
+
+BOXES = st.tuples(*(st.integers(0, 3) for _ in range(3)), *(st.integers(1, 2) for _ in range(3)))
+
+
+@settings(max_examples=100)
+@given(parts=st.lists(BOXES, min_size=1, max_size=5), edges=st.tuples(*(st.integers(1, 4) for _ in range(3))))
+def test_a_box_has_room_where_trying_every_place_finds_some(
+    parts: list[tuple[int, ...]], edges: tuple[int, int, int]
+) -> None:
+    boxes = [(tuple(map(float, p[:3])), tuple(float(a + b) for a, b in zip(p[:3], p[3:], strict=True))) for p in parts]
+    full = np.zeros((5, 5, 5), bool)
+    for low, high in boxes:
+        full[tuple(slice(int(a), int(b)) for a, b in zip(low, high, strict=True))] = True
+    whole = ((0.0, 0.0, 0.0), (5.0, 5.0, 5.0))
+    starts = product(*(range(6 - e) for e in edges))
+    tried = any(not full[tuple(slice(s, s + e) for s, e in zip(start, edges, strict=True))].any() for start in starts)
+    assert room(tuple(map(float, edges)), whole, boxes) is tried  # type: ignore[arg-type]
+
+
+def test_the_place_of_a_property_that_is_out_of_bounds_is_told() -> None:
+    shrunk = thing("object", "a", size=ir.Operation(operator="-", operands=(ir.Value(value=0.1), ir.Value(value=0.2))))
+    with pytest.raises(WmsError, match=r"`size` of `a` is -0\.1 here; it must be more than 0"):
+        values(shrunk).pose("a")
