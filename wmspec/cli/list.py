@@ -17,7 +17,7 @@ from wmspec.cli.common import dimension_option, json_option, load_tasks, of_dime
 @dimension_option
 @json_option
 def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_json: bool) -> None:
-    """List tasks with their dimensions, factors and numbers of instances, beside the paper's.
+    """List tasks with their dimensions, factors and numbers of instances (× questions), beside the paper's cases.
 
     Without SPECS: the tasks that come with wmspec.
     """
@@ -61,7 +61,8 @@ def _print(found: Sequence[dict[str, Any]]) -> None:
     for row in found:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
         factors = ", ".join(f"{name} ({count or 'continuous'})" for name, count in row["factors"].items())
-        table.add_row(row["task"], row["dimension"], f"{row['instances']:,}", paper, factors)
+        asked = f" × {row['questions']}" if row["questions"] > 1 else ""
+        table.add_row(row["task"], row["dimension"], f"{row['instances']:,}{asked}", paper, factors)
     console = Console(soft_wrap=False)
     console.print(table)
     console.print(_covered(found), highlight=False)
