@@ -6,9 +6,10 @@ from wmspec.backends.mujoco.execute import execute
 from wmspec.backends.mujoco.native import native
 from wmspec.scene.model import Look, Renderer, Scene
 
-__all__ = ["execute", "name", "native", "renderer"]
+__all__ = ["execute", "looks", "name", "native", "renderer"]
 
 name = "mujoco"
+looks: tuple[Look, ...] = ("parity", "beauty")
 
 
 def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:

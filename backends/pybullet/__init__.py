@@ -7,9 +7,10 @@ from wmspec.backends.pybullet.native import native
 from wmspec.errors import WmsError
 from wmspec.scene.model import Look, Renderer, Scene
 
-__all__ = ["execute", "name", "native", "renderer"]
+__all__ = ["execute", "looks", "name", "native", "renderer"]
 
 name = "pybullet"
+looks: tuple[Look, ...] = ("parity",)
 
 
 def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:
@@ -17,7 +18,7 @@ def renderer(scene: Scene, width: int, height: int, look: Look = "parity", sampl
 
     Raises WmsError for another look than parity, which is all that TinyRenderer can.
     """
-    if look != "parity" or samples is not None:
+    if look not in looks or samples is not None:
         raise WmsError(f"PyBullet can't draw the look '{look}'; let mujoco or sapien draw, with `--renderer`")
     from wmspec.backends.pybullet import render
 

@@ -6,9 +6,10 @@ from wmspec.backends.sapien.execute import execute
 from wmspec.backends.sapien.native import native
 from wmspec.scene.model import Look, Renderer, Scene
 
-__all__ = ["execute", "name", "native", "renderer"]
+__all__ = ["execute", "looks", "name", "native", "renderer"]
 
 name = "sapien"
+looks: tuple[Look, ...] = ("parity", "beauty")
 
 
 def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:

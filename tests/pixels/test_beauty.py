@@ -11,7 +11,6 @@ import pytest
 from tests.pixels.scenes import body, scene
 from wmspec.errors import WmsError
 from wmspec.execute.backends import backend
-from wmspec.execute.studio import Studio
 from wmspec.scene.camera import look_at, project
 from wmspec.scene.develop import develop
 from wmspec.scene.environment import PEAK, cube, radiance
@@ -59,11 +58,6 @@ def test_pybullet_names_those_that_can() -> None:
     pytest.importorskip("pybullet")
     with pytest.raises(WmsError, match="mujoco or sapien"):
         backend("pybullet").renderer(metal(), SIZE, SIZE, "beauty")
-
-
-def test_samples_are_for_beauty() -> None:
-    with pytest.raises(WmsError, match="--look beauty"):
-        Studio("mujoco", SIZE, SIZE, samples=4)
 
 
 def test_the_surroundings_are_as_bright_as_they_say() -> None:

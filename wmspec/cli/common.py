@@ -23,6 +23,26 @@ dimension_option = click.option(
 instance_option = click.option("--instance", "-i", default=0, show_default=True, metavar="I", help="Which instance.")
 
 
+def look_options(command: F) -> F:
+    """The options `--look` and `--samples`."""
+    look = click.option(
+        "--look",
+        type=click.Choice(["parity", "beauty"]),
+        default="parity",
+        show_default=True,
+        help="The same picture from every engine, or the best that MuJoCo and SAPIEN can draw.",
+    )
+    samples = click.option("--samples", type=click.IntRange(1, 4096), help="Samples a pixel, for the look beauty.")
+    return look(samples(command))
+
+
+def samples_for(look: str, samples: int | None) -> int | None:
+    """The samples, if the look has any. Raises WmsError if not."""
+    if look == "parity" and samples is not None:
+        raise WmsError("the look `parity` has no samples to choose; leave out --samples, or add --look beauty")
+    return samples
+
+
 def spec_files(paths: Iterable[Path]) -> list[Path]:
     """The spec files meant: a file as it is, a folder as every .wms below it. Raises WmsError where there is none."""
     files: list[Path] = []
@@ -72,6 +92,27 @@ def of_dimensions(tasks: list[tuple[Path, Any]], dimensions: Sequence[str]) -> l
 
 def _within(dimension: str, wanted: str) -> bool:
     return f"{dimension}.".startswith(f"{wanted}.")
+
+
+def executable(tasks: list[tuple[Path, Any]], paths: Iterable[Path]) -> list[tuple[Path, Any]]:
+    """The tasks that can be executed. What else a folder holds is told and left out.
+
+    Raises WmsError for a file that was named itself, and where nothing is left.
+    """
+    from wmspec.stage.agents import refuse
+
+    named, found = set(paths), []
+    for path, task in tasks:
+        try:
+            refuse(task)
+            found.append((path, task))
+        except WmsError as error:
+            if path in named or len(tasks) == 1:
+                raise
+            click.echo(f"left out `{task.name}`: {error}", err=True)
+    if not found:
+        raise WmsError("none of these tasks can be executed yet; `wmspec list` shows all that there are")
+    return found
 
 
 def one_task(path: Path) -> Any:

@@ -12,10 +12,13 @@ import click
 
 from wmspec.cli.common import (
     dimension_option,
+    executable,
     json_option,
     load_tasks,
+    look_options,
     of_dimensions,
     parse_size,
+    samples_for,
     seed_option,
     specs_argument,
 )
@@ -34,6 +37,7 @@ from wmspec.errors import WmsError
 @click.option("--full", is_flag=True, help="All instances of every task, said expressly.")
 @dimension_option
 @click.option("--size", default="256", show_default=True, help="Pixels of a picture: 256, or 320x240.")
+@look_options
 @seed_option
 @click.option(
     "--consensus",
@@ -59,6 +63,8 @@ def generate_command(
     full: bool,
     only_dimension: tuple[str, ...],
     size: str,
+    look: Any,
+    samples: int | None,
     seed: int,
     consensus: Any,
     workers: int | None,
@@ -73,17 +79,14 @@ def generate_command(
     """
     from wmspec import __version__
     from wmspec.design.design import Design
-    from wmspec.execute.backends import chosen, engine_version
+    from wmspec.execute.backends import chosen, drawing, engine_version
     from wmspec.execute.pool import Effort
-    from wmspec.stage.agents import refuse
     from wmspec.write.plan import Plan, Task
 
     if full and per_task:
         raise WmsError("--full makes all instances and --per-task some of them; give one of the two")
-    tasks = of_dimensions(load_tasks(specs), only_dimension)
-    for _, spec in tasks:
-        refuse(spec)
-    engines = chosen(backend)
+    tasks = executable(of_dimensions(load_tasks(specs), only_dimension), specs)
+    engines = drawing(chosen(backend), look)
     plan = Plan(
         texts=_texts(tasks),
         tasks=tuple(Task(spec, _indices(Design(spec, seed), per_task)) for _, spec in tasks),
@@ -91,6 +94,8 @@ def generate_command(
         size=parse_size(size),
         seed=seed,
         consensus=consensus,
+        look=look,
+        samples=samples_for(look, samples),
         versions={"wmspec": __version__} | {name: engine_version(name) for name in engines},
     )
     for task in plan.tasks:

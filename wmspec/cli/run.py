@@ -23,16 +23,24 @@ STAGES = (".usd", ".usda", ".usdc", ".usdz")
 @click.option(
     "--for", "duration", default="", metavar="TIME", help="How long, such as 2s; for stages without an episode."
 )
-@click.option("--output", "-o", type=click.Path(path_type=Path), help="Write the trace to this .npz file.")
+@click.option(
+    "--output",
+    "-o",
+    type=click.Path(path_type=Path),
+    help="Write the trace to this .npz file; `wmspec render` draws it.",
+)
 @json_option
 def run_command(
     source: Path, backend: str, instance: int, seed: int, duration: str, output: Path | None, as_json: bool
 ) -> None:
     """Execute an instance of a spec, or a USD stage, and print where everything ended and what touched."""
+    from wmspec.execute.archive import save
     from wmspec.execute.backends import backend as load_backend
     from wmspec.execute.backends import chosen
+    from wmspec.scene.read import read
 
-    scene = load_scene(source, instance, seed)
+    stage = load_stage(source, instance, seed)
+    scene = read(stage)
     if duration:
         scene = replace(scene, duration=_seconds(duration))
     if scene.duration <= 0 and source.suffix != ".wms":  # a spec may well ask for a single moment
@@ -42,7 +50,7 @@ def run_command(
         raise WmsError("one file holds the trace of one engine; choose one with --backend, or leave out --output")
     traces = {name: load_backend(name).execute(scene) for name in engines}
     if output is not None:
-        _save(traces[engines[0]], output)
+        save(stage, traces[engines[0]], output)
     if as_json:
         click.echo(json.dumps([_summary(t, scene) for t in traces.values()], indent=2))
         return
@@ -50,18 +58,16 @@ def run_command(
         _print(trace, scene)
 
 
-def load_scene(source: Path, instance: int, seed: int) -> Any:
-    """The scene of a USD stage, or of an instance of a spec."""
-    from wmspec.scene.read import read
-
+def load_stage(source: Path, instance: int, seed: int) -> Any:
+    """The USD stage of a file, or of an instance of a spec."""
     if source.suffix.lower() in STAGES:
-        return read(_open(source))
+        return _open(source)
     from wmspec.design.design import Design
     from wmspec.stage.episode import document
     from wmspec.stage.layers import compose
 
     task = one_task(source)
-    return read(compose(document(task, instance_of(Design(task, seed), instance))))
+    return compose(document(task, instance_of(Design(task, seed), instance)))
 
 
 def _open(path: Path) -> Any:
@@ -90,25 +96,6 @@ def _seconds(text: str) -> float:
     if dimension != TIME or not 0 < seconds <= 3600:
         raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to an hour")
     return seconds
-
-
-def _save(trace: Any, path: Path) -> None:
-    import numpy as np
-
-    try:
-        with path.open("wb") as file:
-            np.savez_compressed(
-                file,
-                engine=trace.engine,
-                bodies=np.array(trace.bodies),
-                time=trace.time,
-                position=trace.position,
-                orientation=trace.orientation,
-                linear_velocity=trace.linear_velocity,
-                angular_velocity=trace.angular_velocity,
-            )
-    except OSError as error:
-        raise WmsError(f"{path}: cannot be written: {error.strerror}") from None
 
 
 def _summary(trace: Any, scene: Any) -> dict[str, Any]:

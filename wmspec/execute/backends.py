@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points, version
 from typing import cast
 
 from wmspec.errors import WmsError, suggestion
-from wmspec.scene.model import Backend
+from wmspec.scene.model import Backend, Look
 
 GROUP = "wmspec.backends"
 
@@ -45,6 +46,18 @@ def chosen(choice: str) -> tuple[str, ...]:
             backend(name)
         return wanted or _none()
     return tuple(name for name in names() if _works(name)) or _none()
+
+
+def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
+    """The engines, if all of them can draw the look. Raises WmsError with those that can."""
+    for name in engines:
+        if look not in backend(name).looks:
+            able = ", ".join(other for other in names() if _works(other) and look in backend(other).looks)
+            raise WmsError(
+                f"{name} cannot draw the look `{look}`; choose among {able or 'engines yet to be installed'} with "
+                "--backend, or in `wmspec render` with --renderer"
+            )
+    return tuple(engines)
 
 
 def engine_version(name: str) -> str:

@@ -6,7 +6,6 @@ import hashlib
 import pickle
 from collections import OrderedDict
 
-from wmspec.errors import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Frame, Look, Renderer, Scene, Shot
 
@@ -30,8 +29,6 @@ class Studio:
         samples: int | None = None,
         remembered: int = 64,
     ) -> None:
-        if look == "parity" and samples is not None:
-            raise WmsError("the look `parity` has no samples to choose; leave out `--samples`, or add `--look beauty`")
         self.engine = engine
         self.size = (width, height)
         self._look, self._samples = look, samples

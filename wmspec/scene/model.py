@@ -426,6 +426,7 @@ class Backend(Protocol):
     """What every package under `backends/` offers, by the same names."""
 
     name: str
+    looks: tuple[Look, ...]
 
     def execute(self, scene: Scene) -> Trace:
         """Run the episode."""

@@ -12,6 +12,7 @@ from typing import Any
 from wmspec.ask.agree import Consensus
 from wmspec.check.ir import TaskSpec
 from wmspec.errors import WmsError
+from wmspec.scene.model import Look
 
 #: The version of the folder's layout and of its columns.
 FORMAT = 1
@@ -44,9 +45,11 @@ class Shard:
 class Plan:
     """Everything that decides a dataset's bytes.
 
-    `texts` are the specs and what they use, by name. `size` is the pictures' (width, height) in pixels, `consensus`
-    how many engines must agree on a question for it to be kept, `shard` the instances of a shard, `versions` those of
-    wmspec and of the engines. Raises WmsError if two tasks have the same name.
+    `texts` are the specs and what they use, by name. `size` is the pictures' (width, height) in pixels, `look` and
+    `samples` how they are drawn, `consensus` how many engines must agree on a question for it to be kept, `shard` the
+    instances of a shard, `versions` those of wmspec and of the engines.
+
+    Raises WmsError if two tasks have the same name.
     """
 
     texts: dict[str, str]
@@ -56,6 +59,8 @@ class Plan:
     seed: int
     consensus: Consensus
     versions: dict[str, str]
+    look: Look = "parity"
+    samples: int | None = None
     shard: int = field(default=64)
 
     def __post_init__(self) -> None:
@@ -84,6 +89,8 @@ class Plan:
             "seed": self.seed,
             "engines": list(self.engines),
             "size": list(self.size),
+            "look": self.look,
+            "samples": self.samples,
             "consensus": self.consensus,
             "shard": self.shard,
             "specs": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(self.texts.items())},

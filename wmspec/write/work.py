@@ -13,6 +13,7 @@ from wmspec.check.ir import TaskSpec
 from wmspec.design.design import Design
 from wmspec.execute.studio import Studio
 from wmspec.execute.trace import Executor
+from wmspec.scene.model import Look
 from wmspec.write.rows import Row, encode
 
 
@@ -25,6 +26,8 @@ class Job:
     engines: tuple[str, ...]
     size: tuple[int, int]
     consensus: Consensus
+    look: Look = "parity"
+    samples: int | None = None
 
 
 @dataclass(frozen=True)
@@ -58,4 +61,4 @@ def _design(job: Job, task: str) -> Design:
 
 @cache
 def _crews(job: Job) -> dict[str, Crew]:
-    return {engine: Crew(Executor(engine), Studio(engine, *job.size)) for engine in job.engines}
+    return {engine: Crew(Executor(engine), Studio(engine, *job.size, job.look, job.samples)) for engine in job.engines}
