@@ -23,9 +23,13 @@ class Environment(Protocol):
         """A function of arguments that have been evaluated."""
 
 
+class NoValue(WmsError):
+    """An expression has no value; whoever wanted it knows where it stands."""
+
+
 def _divide(a: float, b: float) -> float:
     if b == 0:
-        raise WmsError("division by zero")
+        raise NoValue("division by zero")
     return a / b
 
 

@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
+from wmspec.check.evaluate import NoValue
 from wmspec.design import colors, forms
 from wmspec.design.hollow import fits
 from wmspec.design.motion import angle
 from wmspec.design.surfaces import WORLD
-from wmspec.errors import WmsError
 
 if TYPE_CHECKING:
     from wmspec.design.values import Values
@@ -20,7 +20,10 @@ Place = tuple[str, float, float]
 
 def call(values: Values, function: str, arguments: tuple[Any, ...]) -> Any:
     """The value of a function of the design. Raises WmsError if it has none."""
-    return FUNCTIONS[function](values, *arguments)
+    try:
+        return FUNCTIONS[function](values, *arguments)
+    except (OverflowError, ValueError):  # of numbers that are infinite
+        raise NoValue(f"`{function}` has no value here") from None
 
 
 # ---------------------------------------------------------------- places
@@ -59,13 +62,13 @@ def _numbers(given: Iterable[Any]) -> list[float]:
 
 def _mod(_values: Values, a: float, b: float) -> float:
     if b == 0:
-        raise WmsError("`mod` by 0")
+        raise NoValue("`mod` by 0")
     return a - b * math.floor(a / b)
 
 
 def _sqrt(_values: Values, x: float) -> float:
     if x < 0:
-        raise WmsError(f"`sqrt` of {x:g}, which has no root")
+        raise NoValue(f"`sqrt` of {x:g}, which has no root")
     return math.sqrt(x)
 
 
@@ -80,7 +83,7 @@ def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> st
     """The name with the largest or smallest of sizes; of equals the first, or `neither` within `tie` times."""
     ordered = sorted(sizes, key=lambda name: -sizes[name] if most else sizes[name])
     if not ordered:
-        raise WmsError("there is none to choose from")
+        raise NoValue("there is none to choose from")
     if tie is not None and len(ordered) > 1:
         low, high = sorted((sizes[ordered[0]], sizes[ordered[1]]))
         if high <= low * tie:

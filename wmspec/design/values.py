@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, TypeVar, cast
 
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Counterfactual, Place, TaskSpec, Thing, Value
+from wmspec.check.evaluate import NoValue, evaluate
+from wmspec.check.ir import Counterfactual, Expr, Place, TaskSpec, Thing, Value
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, Slot
 from wmspec.design import colors, functions, placement
@@ -43,7 +43,7 @@ class Values:
         self.assignment = assignment
         self.change = change
         self.key = key
-        self._lets = {let.name: let.value for let in spec.lets}
+        self._lets = {let.name: let for let in spec.lets}
         self._things = {t.name: t for t in spec.things}
         self._known: dict[tuple[str, str], Any] = {}
         self._open: set[tuple[str, str]] = set()
@@ -59,7 +59,7 @@ class Values:
         """A factor, nuisance or `let`, or `end`, the end of the episode."""
         if name in self.assignment:
             return self.assignment[name]
-        return self.once(("", name), lambda: evaluate(self.spec.horizon if name == "end" else self._lets[name], self))
+        return self.once(("", name), lambda: self._named(name))
 
     def property(self, owner: str, name: str) -> Any:
         """The value of a property or argument. Raises WmsError with its place if it is impossible."""
@@ -159,15 +159,21 @@ class Values:
 
     # ------------------------------------------------------------ working a value out
 
+    def _named(self, name: str) -> Any:
+        if name == "end":
+            return evaluate(self.spec.horizon, self)
+        let = self._lets[name]
+        return _evaluate(let.value, self, let.place)
+
     def _value(self, owner: str, name: str) -> Any:
         thing, change = self._things[owner], self.change
         setting = thing.properties.get(name)
         if change is not None and change.change == "order" and name == "start":
             return self._turn(change, owner)
         if change is not None and change.value is not None and (change.owner, change.property) == (owner, name):
-            value, place = evaluate(change.value, self.truth), change.place  # the change is said in terms of what was
+            place, value = change.place, _evaluate(change.value, self.truth, change.place)  # said in terms of what was
         elif setting is not None:
-            value, place = evaluate(setting.value, self), setting.place
+            place, value = setting.place, _evaluate(setting.value, self, setting.place)
         elif thing.kind == "part" and name in INHERITED and self.has(thing.of, name):
             return self.property(thing.of, name)
         elif name in BY_MATERIAL:
@@ -210,6 +216,13 @@ class Values:
 
     def _lasts(self, action: str) -> float:
         return float(self.truth.property(action, "duration")) if self.has(action, "duration") else 0.0
+
+
+def _evaluate(expr: Expr, values: Values, place: Place) -> Any:
+    try:
+        return evaluate(expr, values)
+    except NoValue as error:
+        raise WmsError(f"{place}: {error}") from None
 
 
 def _slot(thing: Thing, name: str) -> Slot | None:
