@@ -127,11 +127,12 @@ class _Asking:
         if self.question.sort == "picture":
             camera, time = answer
             return self.pictures(camera, time, looks)
-        stable(self.question, self.run, answer, looks, self.key, self.crew)
-        shown(self.run.observed(looks, self.crew), named(self.question, self.run.values) | self.run.movers())
-        if self.question.within is not None:
-            return _Choice((), None)
-        return _Choice(*labelled(self.question, answer, self.run.values, self.seat))
+        question, values = self.question, self.run.values
+        open_ = question.within is not None
+        choice = _Choice((), None) if open_ else _Choice(*labelled(question, answer, values, self.seat))
+        stable(question, self.run, answer, looks, self.key, self.crew)
+        shown(self.run.observed(looks, self.crew), named(question, values) | self.run.movers())
+        return choice
 
     def pictures(self, camera: str, time: float, looks: Sequence[Look]) -> _Choice:
         """The pictures of what happens and of what would have happened."""

@@ -1,0 +1,42 @@
+"""The numbers in the page on questions are those of the code."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from wmspec.ask import observed, options, outcome, runs, seen, stable, trajectory
+from wmspec.ask.model import Reason
+from wmspec.check.functions import FUNCTIONS
+from wmspec.write.card import REASONS
+
+PAGE = (Path(__file__).parents[2] / "docs/questions.md").read_text()
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        f"more than {observed.MOVED * 1000:g} mm from where",
+        f"slower than {observed.STILL * 100:g} cm/s",
+        f"during the last {observed.REST:g} s",
+        f"less than {outcome.DIAGONAL:g} times as long",
+        f"at most {trajectory.STRAY * 1000:g} mm or {trajectory.STRAY_SHARE * 100:g} % of its extent",
+        f"the lesser more than {trajectory.ONE_WAY:.0%}".replace("%", " %"),
+        f"more than {math.degrees(trajectory.ROUND):.0f} degrees",
+        f"sharper than {math.degrees(trajectory.SHARP):.0f} degrees",
+        f"it turns by more than {math.degrees(trajectory.LEAST_TURN):.0f}",
+        f"a ball of more than {runs.DEEP * 1000:g} mm",
+        f"{options.LEAST_DIFFERENT * 256**2:.0f} of 256 × 256 pixels show another",
+        f"By {stable.NUDGE * 1000:g} mm, once",
+        f"{seen.LEAST_VISIBLE * 256**2:.0f} of 256 × 256\n   pixels",
+        f"at most {seen.MOST_HIDDEN * 100:.0f} % hidden; and a contrast of {seen.LEAST_CONTRAST:g}",
+    ],
+)
+def test_the_page_gives_the_numbers_of_the_code(said: str) -> None:
+    assert said in PAGE
+
+
+def test_the_page_has_every_measure_and_the_card_every_reason() -> None:
+    for name, function in FUNCTIONS.items():
+        assert not function.measured or name == "frame" or f"`{name}`" in PAGE
+    assert set(Reason.__args__) == set(REASONS)  # type: ignore[attr-defined]
