@@ -35,6 +35,7 @@ class World:
         self.start = self.data.qpos.copy()
         self.drives = {limb.joint: limb.drive for tree in assembly.trees for limb in tree if limb.drive}
         self.actuators = {joint: i for i, joint in enumerate(self.drives)}
+        self.fresh = set(self.drives)
         for joint, drive in self.drives.items():
             self.aim(joint, drive[2])
         for body, rigid in enumerate(assembly.bodies):  # MJCF has only one number for both rates of damping
@@ -71,6 +72,7 @@ class World:
         if body in self.trees:
             for limb in self.trees[body]:
                 self.rest(limb.body)
+            self.fresh |= {limb.joint for limb in self.trees[body] if limb.drive}
             return
         if body not in self.held:
             self.held.add(body)
@@ -100,14 +102,27 @@ class World:
         self.model.dof_M0[self.qvel[body] : self.qvel[body] + 6] = [mass] * 3 + list(moments)
 
     def step(self) -> None:
-        """Advance. On a warning MuJoCo would silently start over: that is an error here."""
+        """Advance. On a warning MuJoCo would silently start over: that is an error here.
+
+        As with gravity, half of a drive's force in its first step makes the motion exact.
+        """
+        for joint in self.fresh:
+            self.scale(self.actuators[joint], 0.5)
         mujoco.mj_step(self.model, self.data)
+        for joint in self.fresh:
+            self.scale(self.actuators[joint], 2.0)
+        self.fresh.clear()
         if self.warned.any():
             raise FloatingPointError(f"MuJoCo's warnings are {self.warned} at {self.data.time:.4f} s")
         if self.pushed:
             self.data.xfrc_applied[:] = 0
             self.pushed = False
         self.current = False
+
+    def scale(self, actuator: int, factor: float) -> None:
+        """Make a drive weaker or stronger."""
+        self.model.actuator_gainprm[actuator, 0] *= factor
+        self.model.actuator_biasprm[actuator, 1:3] *= factor
 
     def state(self, body: int) -> Any:
         """Position, quaternion, linear and angular velocity of a body in world axes, (13,)."""

@@ -56,6 +56,7 @@ class World:
         self.ids = [self.parts[i][0] if self.parts[i] else (-1, -1) for i in range(len(self.bodies))]
         self.drives = {limb.joint: limb for tree in assembly.trees for limb in tree if limb.drive}
         self.targets = {joint: limb.drive[2] for joint, limb in self.drives.items()}
+        self.fresh = set(self.drives)
         self.held: set[int] = set()
         for a, b in assembly.apart:
             for one, other in [(one, other) for one in self.parts[a] for other in self.parts[b]]:
@@ -153,6 +154,7 @@ class World:
         if body in self.trees:
             made = {limb.body: self.ids[limb.body] for limb in self.trees[body]}
             put(self.trees[body], made, self.bodies, self.client)
+            self.fresh |= {limb.joint for limb in self.trees[body] if limb.drive}
             return
         if body not in self.held:
             self.held.add(body)
@@ -172,17 +174,22 @@ class World:
         pybullet.changeDynamics(*self.ids[body], physicsClientId=self.client, **weight)
 
     def step(self) -> None:
-        """Advance, with the forces of the drives, which PyBullet's own motors don't have."""
+        """Advance, with the forces of the drives, which PyBullet's own motors don't have.
+
+        As with gravity, half of them in the first step makes the motion exact.
+        """
         for joint, limb in self.drives.items():
             stiffness, damping, _, velocity, most = limb.drive
             place, speed = pybullet.getJointState(*self.ids[limb.body], physicsClientId=self.client)[:2]
             force = stiffness * (self.targets[joint] - place) + damping * (velocity - speed)
+            force *= 0.5 if joint in self.fresh else 1.0
             pybullet.setJointMotorControl2(
                 *self.ids[limb.body],
                 pybullet.TORQUE_CONTROL,
                 force=max(-most, min(most, force)),
                 physicsClientId=self.client,
             )
+        self.fresh.clear()
         pybullet.stepSimulation(physicsClientId=self.client)
 
     def state(self, body: int) -> Any:

@@ -158,6 +158,16 @@ def test_a_drive_settles_where_spring_and_weight_balance(execute: Execute) -> No
     assert decay == pytest.approx(-rate / 2, rel=0.02)
 
 
+def test_a_drive_swings_as_a_damped_spring(execute: Execute) -> None:
+    """Underdamped, from rest, half a metre from its target, without gravity."""
+    load = body("load", Box(np.full(3, 0.05)), mass=0.5)
+    rail = joint("rail", "slider", None, load, (0, 0, 0), UPRIGHT, drive=Drive(50.0, 1.0, 0.5))
+    trace = execute(scene(load, duration=1, gravity=0, joints=(rail,)))
+    decay, rate = 1.0, sqrt(50 / 0.5 - 1)
+    left = np.exp(-decay * trace.time) * (np.cos(rate * trace.time) + decay / rate * np.sin(rate * trace.time))
+    assert np.abs(trace.position[:, 0, 0] - 0.5 * (1 - left)).max() < 1e-3
+
+
 def test_a_drive_of_speed_turns_a_wheel_and_gives_up_above_its_force(execute: Execute) -> None:
     wheel = body("wheel", Box(np.array([0.1, 0.02, 0.1])))
     turning = joint("axle", "hinge", None, wheel, (0, 0, 0), drive=Drive(0.0, 5.0, velocity=3.0))

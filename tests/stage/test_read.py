@@ -263,6 +263,14 @@ def test_instances_are_bodies_of_their_own() -> None:
     ]
 
 
+def test_a_body_below_a_body_is_one_of_its_own() -> None:
+    inside = f'def Cube "c" {COLLIDER} {{}} {BALL % ""}'
+    outer = f'def Xform "o" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {{ {inside} }}'
+    bodies = read(stage(outer)).bodies
+    assert [(b.name, [g.name for g in b.geoms]) for b in bodies] == [("o", ["c"]), ("ball", ["ball"])]
+    assert_allclose(bodies[1].pose.position, (0, 0, 1))
+
+
 def test_static_geometry_anywhere_and_names_that_clash() -> None:
     wall = 'def Cube "wall" (prepend apiSchemas = ["PhysicsCollisionAPI"]) {}'
     text = f"""{wall} def Xform "room" {{ {wall} }}
@@ -293,7 +301,7 @@ def test_materials_are_inherited_and_may_come_from_one_material() -> None:
     bound = f"""def Xform "a" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </World/both>
         {BALL % ""} }}"""
     (geom,) = only(both + bound).geoms
-    assert_same(geom.friction, Friction(0.25, 0.0, 0.0))
+    assert_same(geom.friction, Friction(0.25, 0.25, 0.0))
     assert_allclose(geom.surface.color, (0, 1, 0), atol=1e-6)
 
 
@@ -405,11 +413,6 @@ REFUSED = {
         uniform token[] xformOpOrder = ["xformOp:translate"] }""",
         "a",
         "animated",
-    ),
-    "nested body": (
-        f'def Xform "o" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {{ def Cube "c" {COLLIDER} {{}} {BALL % ""} }}',
-        "o/ball",
-        "inside another",
     ),
     "asleep": (BALL % "uniform bool physics:startsAsleep = 1", "ball", "asleep"),
     "no shape": (f'def Xform "a" {COLLIDER} {{}}', "a", "no shape"),

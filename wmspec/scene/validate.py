@@ -31,10 +31,12 @@ def validate(scene: Scene) -> None:
 
 
 def _whole(scene: Scene) -> Iterator[str]:
+    if not scene.bodies:
+        yield f"{scene.name}: there is no body and no geometry, so nothing can happen; is this the right stage?"
     names = [body.name for body in scene.bodies]
     yield from (f"two bodies are named '{n}'; give each its own name" for n in sorted(set(names)) if names.count(n) > 1)
     if not (np.isfinite(scene.duration) and scene.duration >= 0 and scene.rate > 0):
-        yield f"the episode lasts {scene.duration} s at {scene.rate} Hz, expected a time of 0 or more and a positive rate"
+        yield f"the episode lasts {scene.duration} s at {scene.rate} Hz, expected 0 s or more and a positive rate"
     if not np.isfinite(scene.gravity).all():
         yield f"gravity is {scene.gravity}, expected three finite numbers"
 

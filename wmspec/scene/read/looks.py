@@ -24,6 +24,8 @@ def bound(prims: Sequence[Usd.Prim], purpose: str) -> list[Usd.Prim | None]:
 def friction(material: Usd.Prim | None) -> Friction:
     """The physics material; the default if none is bound, but 0 for what a bound one leaves out, as UsdPhysics says.
 
+    If only one of the two frictions is authored, it is both: nothing rubs less at rest than in motion.
+
     Raises:
         StageError: if a value is out of its range.
     """
@@ -31,6 +33,11 @@ def friction(material: Usd.Prim | None) -> Friction:
         return Friction()
     names = {"static": "staticFriction", "dynamic": "dynamicFriction", "restitution": "restitution"}
     found = {key: float(value(material, f"physics:{name}", 0.0)) for key, name in names.items()}
+    authored = [
+        key for key in ("static", "dynamic") if material.GetAttribute(f"physics:{names[key]}").HasAuthoredValue()
+    ]
+    if len(authored) == 1:
+        found["static"] = found["dynamic"] = found[authored[0]]
     for key, number in found.items():
         if not 0 <= number < float("inf") or (key == "restitution" and number > 1):
             refuse(material, f"physics:{names[key]} = {number:g}", "expected 0 or more, and a restitution of at most 1")

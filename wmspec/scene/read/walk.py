@@ -102,8 +102,6 @@ class Walk:
     def _owner(self, prim: Usd.Prim, apis: Sequence[str], owner: Owner | None) -> Owner | None:
         """The body that the prim belongs to: itself, an ancestor, or none yet."""
         if "PhysicsRigidBodyAPI" in apis:
-            if owner and owner.motion != "static" and not UsdGeom.Xformable(prim).GetResetXformStack():
-                refuse(prim, "a rigid body inside another rigid body", "move it out, or remove PhysicsRigidBodyAPI")
             owner = Owner(prim, _motion(prim))
             self.found.owners[str(prim.GetPath())] = owner
         elif owner is None and (prim.GetPath().GetParentPath() == self._objects or _is_component(prim)):
