@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from copy import copy
 from functools import cache
 from typing import Any
 
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedToken
+from lark.lexer import BasicLexer, LexerThread
 
 from wmspec.parse.build import build_expression, build_file
 from wmspec.parse.diagnostics import Report
@@ -52,12 +55,25 @@ def parse_expression(span: Span, report: Report) -> Expr | None:
 
 def words(text: str) -> list[Token]:
     """The tokens of a text with the comments among them, in order, each with its place (`start_pos`, `end_pos`)."""
-    return [token for token in _lark().lex(text, dont_ignore=True) if token.type != "WHITE"]
+    return [token for token in _read(text) if token.type != "WHITE"]
 
 
 @cache
 def _lark() -> Lark:
     return lark_parser()
+
+
+@cache
+def _lexer() -> BasicLexer:
+    """Reads what the grammar ignores as well. Lark's own `lex` would make it anew for every text."""
+    conf = copy(_lark().lexer_conf)
+    conf.ignore = ()
+    return BasicLexer(conf)
+
+
+def _read(text: str) -> Iterator[Token]:
+    thread: Any = LexerThread.from_text(_lexer(), text)
+    yield from thread.lex(None)
 
 
 def _run(source: Source, start: str, where: Span, report: Report) -> Tree[Token] | None:
@@ -76,7 +92,7 @@ def _run(source: Source, start: str, where: Span, report: Report) -> Tree[Token]
 
 def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
     found = []
-    for token in _lark().lex(where.text, dont_ignore=True):
+    for token in _read(where.text):
         token.start_pos = where.start + (token.start_pos or 0)
         token.end_pos = token.start_pos + len(token)
         if token.type == "STRAY":
