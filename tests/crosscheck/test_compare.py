@@ -158,3 +158,8 @@ def test_a_wrong_tolerance_is_told_with_the_right_one(setting: str, remedy: str)
     with pytest.raises(WmsError) as error:
         tolerances([setting])
     assert remedy in str(error.value)
+
+
+def test_a_spec_says_what_it_tolerates_and_the_command_line_goes_before_it() -> None:
+    found = tolerances(["event=20ms"], {"event": 0.03, "rest": 0.002})
+    assert (found.event, found.rest, found.drift) == (0.02, 0.002, LIMITS.drift)

@@ -137,3 +137,14 @@ def test_the_number_of_workers_changes_nothing(tmp_path: Path) -> None:
         paths = ("--json", str(files[-1][0]), "--junit", str(files[-1][1]))
         crosscheck("tumble.wms", "race.wms", "-j", workers, *paths, code=1)
     assert [f.read_bytes() for f in files[0]] == [f.read_bytes() for f in files[1]]
+
+
+def test_the_tolerances_of_a_spec_are_those_of_its_task(tmp_path: Path) -> None:
+    text = (HERE / "race.wms").read_text()
+    spec = tmp_path / "race.wms"
+    spec.write_text(
+        text.replace("  horizon 0.6 s", "  tolerance drift 2 cm/s\n  tolerance event 30 ms\n  horizon 0.6 s")
+    )
+    arguments = [str(spec), "-b", "mujoco,pybullet", "-n", "1", "-j", "1", "-t", "event=5ms", "--json", "-"]
+    limits = json.loads(crosscheck(*arguments, code=0))["tolerances"]["race"]
+    assert (limits["drift"], limits["event"], limits["rest"]) == (0.02, 0.005, Tolerances().rest)

@@ -40,3 +40,38 @@ def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kep
     told = manifest["rejected"]["list"]
     assert {r["reason"] for r in told} == ({reason} if reason else set())
     assert all(r["detail"] for r in told)
+
+
+ROBOT = """
+use tabletop
+task grab : custom {
+  object cup { size: 5 cm  on: table at (0, 0) }
+  robot arm : panda { on: table at (-40 cm, 0) }
+  action go = arm.pick(cup, height: 15 cm) for 1 s
+  observe front at [0 s, 1 s]
+  question "Is it held?" { answer moved(cup) }
+}
+"""
+
+
+def test_what_cannot_be_executed_yet_is_refused_with_its_place(tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    (tmp_path / "grab.wms").write_text(ROBOT)
+    wmspec("check", "grab.wms", folder=tmp_path)
+    for command in (
+        ["run", "grab.wms", "-b", "pybullet"],
+        ["generate", "grab.wms", "-o", "out", "-b", "pybullet"],
+        ["crosscheck", "grab.wms"],
+    ):
+        told = wmspec(*command, folder=tmp_path, code=2).stderr
+        assert "grab.wms:6:10: `arm.pick` cannot be executed yet" in told
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_a_folder_holds_beside_it_is_made(tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    (tmp_path / "grab.wms").write_text(ROBOT)
+    (tmp_path / "still.wms").write_text(SPEC.format(gate="", where="-20 cm"))
+    done = wmspec("generate", ".", "-o", "out", "-b", "pybullet", "--size", 64, "-j", 1, folder=tmp_path)
+    assert "left out `grab`: grab.wms:6:10" in done.stderr
+    assert json.loads((tmp_path / "out/manifest.json").read_text())["tasks"].keys() == {"still"}

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from wmspec.cli.common import load_tasks, seed_option, specs_argument, write_text
+from wmspec.cli.common import executable, load_tasks, seed_option, specs_argument, write_text
 from wmspec.cli.progress import progress_bar
 from wmspec.errors import WmsError
 
@@ -74,14 +74,11 @@ def crosscheck_command(
     from wmspec.crosscheck.tolerance import tolerances
     from wmspec.execute.backends import chosen
     from wmspec.execute.pool import Effort
-    from wmspec.stage.agents import refuse
 
     engines = chosen(backends)
     if len(engines) < 2:
         raise WmsError(f"a crosscheck needs two engines, and there is only {engines[0]}; try `wmspec doctor`")
-    tasks = [spec for _, spec in load_tasks(specs)]
-    for task in tasks:
-        refuse(task)
+    tasks = [spec for _, spec in executable(load_tasks(specs), specs)]
     limits = tuple((t.name, tolerances(settings, t.tolerances)) for t in tasks)
     job = Job(tuple((t.name, t.model_dump_json()) for t in tasks), seed, engines, limits)
     try:
