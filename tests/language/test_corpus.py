@@ -10,6 +10,7 @@ import pytest
 
 from wmspec.check.task import check
 from wmspec.parse.diagnostics import CODES, Report
+from wmspec.parse.source import Span
 from wmspec.stage.trial import trial
 
 CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
@@ -24,8 +25,13 @@ def diagnose(path: Path) -> str:
         assert d.code in CODES
         helped = f" | {d.help}" if d.help else ""
         lines.append(f"{d.severity} {d.code} {d.span.line}:{d.span.column} {d.message}{helped}\n")
-        lines += [f"    note {n.span.line}:{n.span.column} {n.message}\n" for n in d.notes]
+        lines += [f"    note {told(n.span, path)} {n.message}\n" for n in d.notes]
     return "".join(lines) or "no mistakes\n"
+
+
+def told(span: Span, path: Path) -> str:
+    """Where in the case's own text, or in which library, whose lines may move."""
+    return f"{span.line}:{span.column}" if span.source.name == str(path) else f"in {Path(span.source.name).name}"
 
 
 @pytest.mark.parametrize("path", CORPUS, ids=lambda p: p.stem)

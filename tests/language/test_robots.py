@@ -1,0 +1,35 @@
+"""What robots do is checked, listed and refused where it would have to be executed, with its place."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.language.specs import SPECS, task_of
+from wmspec.design.design import Design
+from wmspec.errors import WmsError
+from wmspec.stage.agents import without
+from wmspec.stage.episode import document
+
+
+def acts(path: Path) -> list[str]:
+    """The robots' actions of a spec."""
+    return [t.name for t in task_of(path).things if t.kind == "action" and t.of]
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: f"{p.parent.stem}-{p.stem}")
+def test_what_robots_do_is_refused_with_its_place_and_the_rest_is_staged(path: Path) -> None:
+    spec = task_of(path)
+    instance = Design(spec)[0]
+    if acts(path):
+        with pytest.raises(WmsError, match="cannot be executed yet") as caught:
+            document(spec, instance)
+        file, line = re.match(r"(.+):(\d+):\d+: ", str(caught.value)).groups()  # type: ignore[union-attr]
+        assert f"action {acts(path)[0]}" in Path(file).read_text().splitlines()[int(line) - 1]
+    prims = document(without(spec), instance).prims
+    actions = [t.name for t in spec.things if t.kind == "action"]
+    assert [a for a in actions if f"/World/Episode/Actions/{a}" not in prims] == acts(path)
+
+
+def test_there_are_tasks_of_both_sorts() -> None:
+    assert {bool(acts(path)) for path in SPECS} == {True, False}
