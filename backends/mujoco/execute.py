@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import numpy as np
+
 from wmspec.backends.mujoco.impact import solref
+from wmspec.backends.mujoco.joints import FAR
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.world import World
 from wmspec.errors import EngineError, WmsError
@@ -18,6 +21,7 @@ from wmspec.scene.recording import trace
 from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
+from wmspec.scene.trees import trees
 from wmspec.scene.validate import validate
 
 with silence():
@@ -63,6 +67,12 @@ def verify(world: World, scene: Scene, timeline: Episode) -> None:
         if body.inertia is not None:
             honoured(body.path, "the mass", model.body_mass[i], body.inertia.mass)
             honoured(body.path, "the inertia", model.body_inertia[i], body.inertia.moments)
+    for limb in (limb for tree in trees(scene) for limb in tree):
+        joint = scene.joints[limb.joint]
+        if limb.limits:
+            honoured(joint.path, "the limits", model.joint(joint.name).range, np.clip(limb.limits, -FAR, FAR))
+        if limb.drive:
+            honoured(joint.path, "the drive", -model.actuator(joint.name).biasprm[1:3], limb.drive[:2])
     for i, (a, g, _, h) in enumerate(touchable(scene)):
         pair = mix(g.friction, h.friction)
         honoured(f"{a.path}/{g.name}", "friction", model.pair_friction[i, :2], [pair.dynamic] * 2)

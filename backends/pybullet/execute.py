@@ -43,7 +43,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
 
 
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
-    """Raise WmsError unless PyBullet has the scene's physics (it doesn't tell restitution)."""
+    """Raise WmsError unless PyBullet has the scene's physics (it doesn't tell restitution and limits)."""
     engine = pybullet.getPhysicsEngineParameters(physicsClientId=world.client)
     honoured("PyBullet", "the time step", engine["fixedTimeStep"], timeline.step)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]

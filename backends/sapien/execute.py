@@ -12,6 +12,7 @@ from wmspec.scene.model import Scene, Trace
 from wmspec.scene.recording import trace
 from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.timeline import episode
+from wmspec.scene.trees import trees
 from wmspec.scene.validate import validate
 
 STEPS_PER_SECOND = 1920
@@ -51,10 +52,22 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     return whole, timeline
 
 
+def verify_joints(world: World, scene: Scene) -> None:
+    """Raise WmsError unless SAPIEN has the scene's limits and drives."""
+    for limb in (limb for tree in trees(scene) for limb in tree):
+        path = scene.joints[limb.joint].path
+        if limb.limits and limb.kind != "ball":
+            honoured(path, "the limits", world.joints[limb.joint].limits[0], limb.limits, tolerance=SINGLE)
+        if limb.drive:
+            joint = world.joints[limb.joint]
+            honoured(path, "the drive", [joint.stiffness, joint.damping], limb.drive[:2], tolerance=SINGLE)
+
+
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless SAPIEN has the scene's physics."""
     honoured("SAPIEN", "the time step", world.scene.get_timestep(), timeline.step, tolerance=SINGLE)
     honoured("SAPIEN", "gravity", world.system.config.gravity, scene.gravity, tolerance=SINGLE)
+    verify_joints(world, scene)
     for body, rigid, part in zip(scene.bodies, world.bodies, world.parts, strict=True):
         if body.motion == "dynamic":
             honoured(body.path, "the mass", part.mass, rigid.mass, tolerance=SINGLE)
