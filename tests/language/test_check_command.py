@@ -63,3 +63,14 @@ def test_no_color_is_respected(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not check._in_colour()
     monkeypatch.setenv("NO_COLOR", "")
     assert check._in_colour()
+
+
+def test_a_mistake_in_one_file_hides_none_in_the_next(tmp_path: Path) -> None:
+    """Not even those that are found only when the design is counted."""
+    (tmp_path / "a.wms").write_text("task a : custom { require tru }\n")
+    (tmp_path / "b.wms").write_text(
+        "use tabletop\ntask b : custom { factor x in [1, 2]  require x > 5\n"
+        "object o { mass: x * 1 kg  on: table } observe front at [0 s] }\n"
+    )
+    found = json.loads(run(tmp_path / "a.wms", tmp_path / "b.wms", "--json").output)["diagnostics"]
+    assert [(Path(d["file"]).name, d["code"]) for d in found] == [("a.wms", "WMS201"), ("b.wms", "WMS402")]

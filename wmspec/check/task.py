@@ -30,8 +30,11 @@ T = TypeVar("T")
 
 
 def check(path: Path, report: Report) -> tuple[ir.TaskSpec, ...]:
-    """The tasks of a spec file. Mistakes go to the report; tasks with mistakes are left out."""
-    return check_program(load(path, report), report)
+    """The tasks of a spec file. Mistakes go to the report; if there is an error, there are no tasks."""
+    own = Report()
+    tasks = check_program(load(path, own), own)
+    report.include(own.diagnostics)
+    return tasks
 
 
 def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:

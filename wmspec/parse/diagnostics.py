@@ -134,8 +134,12 @@ class Report:
         severity: Severity = "error",
     ) -> None:
         """Record a mistake."""
-        diagnostic = Diagnostic(code, message, span, help, notes, severity)
-        self._found.setdefault((code, span.source.name, span.start, message), diagnostic)
+        self.include([Diagnostic(code, message, span, help, notes, severity)])
+
+    def include(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Record mistakes that another report has."""
+        for d in diagnostics:
+            self._found.setdefault((d.code, d.span.source.name, d.span.start, d.message), d)
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:

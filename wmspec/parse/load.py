@@ -6,11 +6,12 @@ import os
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 
 from wmspec.errors import WmsError, suggestion
-from wmspec.parse.diagnostics import Note, Report
+from wmspec.parse.diagnostics import Diagnostic, Note, Report
 from wmspec.parse.parser import parse
 from wmspec.parse.source import Source, Span
 from wmspec.parse.syntax import File, Name, Task, Use
@@ -101,9 +102,17 @@ def _collect(
                 notes,
             )
         elif path not in found:
-            library = parse(read_source(path), report)
+            library, mistakes = _library(read_source(path))
+            report.include(mistakes)
             _collect(library, path.parent, report, found, (*trail, (path, use.span)))
             found[path] = library
+
+
+@lru_cache(maxsize=64)
+def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
+    """A library as it is now, and its mistakes; parsed once for all specs that use it."""
+    report = Report()
+    return parse(source, report), report.diagnostics
 
 
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
