@@ -64,6 +64,10 @@ class Renderer:
         light = self._stage.light(self._data, seeing(self._scene, shot))
         return Frame(develop(shrink(light, self._side)), frame.ids, frame.depth)
 
+    def repaint(self, scene: Scene) -> bool:  # noqa: ARG002
+        """Colours are taken over when a renderer is made."""
+        return False
+
     def close(self) -> None:
         """Free the scene; the renderer can't be used any more."""
         self._parity.close()

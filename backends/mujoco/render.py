@@ -54,6 +54,15 @@ class Renderer:
         ids = self._bodies(self._render(ids=True))
         return Frame(rgb, ids, np.where(ids >= 0, self._distance(), np.float32(0)) if depth else None)
 
+    def repaint(self, scene: Scene) -> bool:
+        """Draw a scene from now on that differs in colours only."""
+        self._scene = scene
+        for i, body in enumerate(scene.bodies):
+            for j, geom in enumerate(body.geoms):
+                if geom.visible:
+                    self._model.mat(f"b{i}g{j}").rgba[:3] = geom.surface.color
+        return True
+
     def close(self) -> None:
         """Free what the graphics context holds of the scene; the renderer can't be used any more."""
         self._gl.make_current()

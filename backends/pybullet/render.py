@@ -38,9 +38,10 @@ NOWHERE = [0.0, 0.0, 1e6]
 
 @dataclass(frozen=True)
 class Piece:
-    """A geometry of a body of the scene; every side is a body of PyBullet's by `number`, with its `planes` (n, 4)."""
+    """A geometry of a body, both by number; its sides are PyBullet's bodies `numbers`, with `planes` (n, 4)."""
 
     body: int
+    geom: int
     pose: Pose
     numbers: tuple[int, ...]
     planes: Array
@@ -54,8 +55,8 @@ class Renderer:
         self._client = pybullet.connect(pybullet.DIRECT)
         # what's in front comes first: what's behind it then need not be coloured
         order = sorted(range(len(scene.bodies)), key=self._casters.size)
-        shown = [(i, geom) for i in order for geom in scene.bodies[i].geoms if geom.visible]
-        self._pieces = [Piece(i, geom.pose, *_add(geom, self._client)) for i, geom in shown]
+        shown = [(i, j, geom) for i in order for j, geom in enumerate(scene.bodies[i].geoms) if geom.visible]
+        self._pieces = [Piece(i, j, geom.pose, *_add(geom, self._client)) for i, j, geom in shown]
         self._owner = np.full(pybullet.getNumBodies(self._client) + 1, -1, np.int16)
         for piece in self._pieces:
             self._owner[list(piece.numbers)] = piece.body
@@ -73,6 +74,16 @@ class Renderer:
         shaded = np.float32(SHADE) * self._occlusion(camera, shot, distance)
         rgb = quantize(lit - shaded[..., None] * np.maximum(lit - dark, 0))
         return Frame(rgb, ids, distance if depth else None)
+
+    def repaint(self, scene: Scene) -> bool:
+        """Draw a scene from now on that differs in colours only."""
+        self._scene = scene
+        self._still.clear()
+        for piece in self._pieces:
+            color = _rgba(scene.bodies[piece.body].geoms[piece.geom])
+            for number in piece.numbers:
+                pybullet.changeVisualShape(number, -1, rgbaColor=color, physicsClientId=self._client)
+        return True
 
     def close(self) -> None:
         """Free the client; the renderer can't be used any more."""
@@ -165,11 +176,14 @@ def _add(geom: Geom, client: int) -> tuple[tuple[int, ...], Array]:
     return bodies, np.stack(planes)
 
 
+def _rgba(geom: Geom) -> list[float]:
+    return [*whole(geom.surface.color), 1.0]
+
+
 def _side(geom: Geom, facets: Facets, client: int) -> int:
-    color = whole(geom.surface.color)
     with lists(facets) as mesh:
         shape = pybullet.createVisualShape(
-            pybullet.GEOM_MESH, rgbaColor=[*color, 1.0], specularColor=[0, 0, 0], physicsClientId=client, **mesh
+            pybullet.GEOM_MESH, rgbaColor=_rgba(geom), specularColor=[0, 0, 0], physicsClientId=client, **mesh
         )
     if shape < 0:
         raise WmsError(f"PyBullet can't draw '{geom.name}'; expected a mesh of fewer than 131072 vertices")

@@ -80,6 +80,10 @@ class Renderer:
         smooth = denoise(light * np.float32(self._scale), color, normal, place)
         return np.where(empty, to_linear(self._scene.background), smooth)
 
+    def repaint(self, scene: Scene) -> bool:  # noqa: ARG002
+        """Colours are taken over when a renderer is made."""
+        return False
+
     def close(self) -> None:
         """Free the scene; the renderer can't be used any more."""
         self._parity.close()

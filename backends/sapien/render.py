@@ -70,6 +70,16 @@ class Renderer:
         rgb, seen = over(color.get_picture("Picture"), self._scene.background), shape.get_picture("Seen")
         return Frame(rgb, self._ids(seen[..., 1]), seen[..., 0].copy() if depth else None)
 
+    def repaint(self, scene: Scene) -> bool:
+        """Draw a scene from now on that differs in colours only."""
+        self._scene = scene
+        for entity, body in zip(self._bodies, scene.bodies, strict=True):
+            shapes = entity.find_component_by_type(sapien.render.RenderBodyComponent).render_shapes
+            shown = [geom for geom in body.geoms if geom.visible]
+            for shape, geom in zip(shapes, shown, strict=True):
+                shape.parts[0].material.base_color = [*geom.surface.color, 1.0]
+        return True
+
     def close(self) -> None:
         """Free the scene; the renderer can't be used any more."""
         self._eyes.clear()

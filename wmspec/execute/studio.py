@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import pickle
 from collections import OrderedDict
+from typing import Any
 
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Frame, Look, Renderer, Scene, Shot
@@ -12,8 +13,23 @@ from wmspec.scene.model import Frame, Look, Renderer, Scene, Shot
 
 def look_key(scene: Scene) -> str:
     """What a picture shows of a scene apart from poses, as a hash."""
-    shown = tuple((b.name, tuple((g.shape, g.pose, g.surface) for g in b.geoms if g.visible)) for b in scene.bodies)
-    read = (shown, scene.cameras, scene.light, scene.background)
+    return _hash(form_key(scene), [[g.surface for g in b.geoms if g.visible] for b in scene.bodies])
+
+
+def form_key(scene: Scene) -> str:
+    """What a picture shows of a scene apart from poses and colours, as a hash."""
+    shown = [
+        (
+            b.name,
+            b.motion,
+            [(g.shape, g.pose, g.surface.texture, g.surface.repeats, g.collides) for g in b.geoms if g.visible],
+        )
+        for b in scene.bodies
+    ]
+    return _hash(shown, scene.cameras, scene.light, scene.background)
+
+
+def _hash(*read: Any) -> str:
     return hashlib.blake2b(pickle.dumps(read, protocol=4), digest_size=16).hexdigest()
 
 
@@ -33,7 +49,7 @@ class Studio:
         self.size = (width, height)
         self._look, self._samples = look, samples
         self._remembered = remembered
-        self._open: tuple[str, Renderer] | None = None
+        self._open: tuple[str, str, Renderer] | None = None
         self._frames: OrderedDict[str, Frame] = OrderedDict()
 
     def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
@@ -51,11 +67,20 @@ class Studio:
     def close(self) -> None:
         """Let go of the renderer."""
         if self._open is not None:
-            self._open[1].close()
+            self._open[2].close()
             self._open = None
 
     def _renderer(self, scene: Scene, look: str) -> Renderer:
-        if self._open is None or self._open[0] != look:
+        form = form_key(scene)
+        if self._open is not None and self._open[0] != look and not self._repainted(scene, form):
             self.close()
-            self._open = (look, backend(self.engine).renderer(scene, *self.size, self._look, self._samples))
-        return self._open[1]
+        if self._open is None:
+            renderer = backend(self.engine).renderer(scene, *self.size, self._look, self._samples)
+        else:
+            renderer = self._open[2]
+        self._open = (look, form, renderer)
+        return renderer
+
+    def _repainted(self, scene: Scene, form: str) -> bool:
+        """Whether the renderer that is open could be given the colours of the scene."""
+        return self._open is not None and self._open[1] == form and self._open[2].repaint(scene)

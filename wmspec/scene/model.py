@@ -417,6 +417,10 @@ class Renderer(Protocol):
         """Draw a picture of the shot."""
         ...
 
+    def repaint(self, scene: Scene) -> bool:
+        """Draw `scene` from now on, which differs in colours only; False if that takes a new renderer."""
+        ...
+
     def close(self) -> None:
         """Let go of everything."""
         ...

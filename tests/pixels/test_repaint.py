@@ -1,0 +1,76 @@
+"""Other colours need no new renderer: pictures are the same as from a new one, and come sooner."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.pixels.scenes import SUN
+from wmspec.execute.studio import Studio, form_key, look_key
+from wmspec.scene.model import Light, Scene, Shot
+
+
+def painted(scene: Scene, shift: int) -> Scene:
+    """The scene in other colours, textured things too."""
+    bodies = []
+    for i, body in enumerate(scene.bodies):
+        tone = (0.2 + 0.1 * ((i + shift) % 7), 0.9 - 0.1 * ((i + 2 * shift) % 7), 0.3 + 0.05 * ((i * shift) % 5))
+        geoms = tuple(replace(geom, surface=replace(geom.surface, color=tone)) for geom in body.geoms)
+        bodies.append(replace(body, geoms=geoms))
+    return replace(scene, bodies=tuple(bodies))
+
+
+def shot(scene: Scene) -> Shot:
+    return Shot("front", [body.pose for body in scene.bodies])
+
+
+def test_a_repainted_renderer_draws_as_a_new_one(engine: str, table: Scene) -> None:
+    pytest.importorskip(engine)
+    studio = Studio(engine, 96, 96)
+    studio.draw(table, shot(table))
+    for shift in (1, 2):
+        fresh = Studio(engine, 96, 96)
+        other = painted(table, shift)
+        one, new = studio.draw(other, shot(other)), fresh.draw(other, shot(other))
+        fresh.close()
+        assert np.array_equal(one.rgb, new.rgb)
+        assert np.array_equal(one.ids, new.ids)
+    studio.close()
+
+
+def test_what_is_not_a_colour_is_built_anew(table: Scene) -> None:
+    other = painted(table, 1)
+    assert form_key(other) == form_key(table)
+    assert look_key(other) != look_key(table)
+    assert form_key(replace(table, light=Light(SUN, 0.5, 0.5))) != form_key(table)
+    assert form_key(replace(table, bodies=table.bodies[1:])) != form_key(table)
+    still = replace(table, bodies=tuple(replace(body, motion="static", inertia=None) for body in table.bodies))
+    assert form_key(still) != form_key(table)
+
+
+def test_repainting_is_quicker_than_building(engine: str, table: Scene) -> None:
+    pytest.importorskip(engine)
+    studio = Studio(engine, 64, 64)
+    studio.draw(table, shot(table))
+    repainting, building = [], []
+    for shift in range(1, 6):
+        repainting.append(took(lambda shift=shift: studio.draw(painted(table, shift), shot(table))))
+        building.append(took(lambda shift=shift: anew(engine, painted(table, shift))))
+    studio.close()
+    assert min(repainting) < min(building)
+
+
+def anew(engine: str, scene: Scene) -> None:
+    studio = Studio(engine, 64, 64)
+    studio.draw(scene, shot(scene))
+    studio.close()
+
+
+def took(work: Any) -> float:
+    begin = time.perf_counter()
+    work()
+    return time.perf_counter() - begin
