@@ -13,7 +13,7 @@ from wmspec.design.surfaces import WORLD, holder, under
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
 from wmspec.stage.document import Document, Prim
-from wmspec.stage.joints import has_drive, joint_path
+from wmspec.stage.joints import has_drive, joined, joint_path
 from wmspec.stage.objects import object_path
 
 #: What a verb is called on the stage, if not by its own name.
@@ -60,6 +60,8 @@ def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -
             f"{action.place}: `{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it; "
             "use verbs that carry it, or none of them"
         )
+    if action.verb in ("launch", "slide") and joined(values, target):
+        raise WmsError(f"{action.place}: a joint holds `{target}`, so it cannot {action.verb}; use `impulse`")
 
 
 def _heading(action: Thing, values: Values) -> Vector:

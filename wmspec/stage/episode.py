@@ -42,7 +42,7 @@ def built(values: Values) -> Document:
     for thing in spec.things:
         match thing.kind:
             case "joint":
-                add_joint(doc, thing, values)
+                add_joint(doc, thing, values, carried)
             case "camera":
                 add_camera(doc, thing.name, values)
             case "light":

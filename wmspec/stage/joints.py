@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from wmspec.check.ir import Thing
 from wmspec.design.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, unit
@@ -26,8 +27,11 @@ def joint_path(name: str) -> str:
     return f"/World/Joints/{name}"
 
 
-def add_joint(doc: Document, joint: Thing, values: Values) -> None:
-    """The prim of a joint whose objects are there. Raises WmsError with its place if it makes no sense."""
+def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str, str]) -> None:
+    """The prim of a joint whose objects are there. Raises WmsError with its place if it makes no sense.
+
+    `carried` are the objects that actions carry about, each with one of these.
+    """
     name = joint.name
     of, to = values.property(name, "of"), values.property(name, "to") if values.has(name, "to") else None
     sources = (f"{name}.of", f"{name}.to", f"{of}.present", *((f"{to}.present",) if to else ()))
@@ -37,6 +41,9 @@ def add_joint(doc: Document, joint: Thing, values: Values) -> None:
         raise WmsError(f"{values.place(name, 'of')}: `{of}` is fixed, so no joint can move it; exchange `of` and `to`")
     if of == to:
         raise WmsError(f"{values.place(name, 'to')}: the joint `{name}` joins `{of}` to itself")
+    if of in carried and (to is None or to in carried or values.property(to, "fixed")):
+        held = f"to `{to}`" if to else "to the world"
+        raise WmsError(f"{joint.place}: `{of}` is carried by `{carried[of]}`, so `{name}` cannot hold it {held}")
     if "/World/Joints" not in doc.prims:
         doc.add("/World/Joints", "Scope", (), sources)
     driven = _driven(joint, values)
@@ -47,6 +54,12 @@ def add_joint(doc: Document, joint: Thing, values: Values) -> None:
         _side(prim, number, name, body, frame, values)
     if joint.model in _COORDINATES:
         _coordinate(prim, joint, values, driven)
+
+
+def joined(values: Values, owner: str) -> bool:
+    """Whether a joint holds an object."""
+    ends = ((j.name, end) for j in values.spec.things if j.kind == "joint" for end in ("of", "to"))
+    return any(values.property(name, end) == owner for name, end in ends if values.has(name, end))
 
 
 def has_drive(joint: Thing, values: Values) -> bool:

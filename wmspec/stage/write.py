@@ -41,8 +41,10 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
             what = (
                 f"What if: {change.name}, a change of {change.owner}{'.' if change.property else ''}{change.property}"
             )
-            altered = written(change)
-            layers[f"{name}.{change.name}.usda"] = override_layer(truth, altered, f"./{name}.usda", what)
+            file = f"{name}.{change.name}.usda"
+            if file in layers:  # another question has one of this name
+                file = f"{name}.{spec.questions.index(question)}.{change.name}.usda"
+            layers[file] = override_layer(truth, written(change), f"./{name}.usda", what)
     for file, image in images.items():
         _write(folder / file, image.read_bytes())
     return [_write(folder / file, layer.ExportToString().encode()) for file, layer in layers.items()]
