@@ -37,7 +37,7 @@ def check_seconds(path: Path, bytecode: str) -> tuple[float, float]:
     for _ in range(RUNS):
         before, began = _children(), time.perf_counter()
         command = [sys.executable, "-c", COMMAND, "check", path]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment)
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
         processor.append(_children() - before)
         clock.append(time.perf_counter() - began)
     return min(processor), min(clock)

@@ -10,7 +10,7 @@ from typing import overload
 from wmspec.check.ir import Choices, TaskSpec
 from wmspec.design.arrange import arrange
 from wmspec.design.constrain import constraints
-from wmspec.design.draws import Level, permuted, quantile, uniform
+from wmspec.design.draws import Level, Permutation, quantile, uniform
 from wmspec.design.fault import Fault
 
 
@@ -109,8 +109,8 @@ class Design:
 
     def sample(self, count: int) -> tuple[int, ...]:
         """`count` different indices in a random order that depends on the seed alone; all if there are fewer."""
-        n = len(self)
-        return tuple(permuted(i, n, self.seed, self.spec.name, "sample") for i in range(min(count, n)))
+        order = Permutation(len(self), self.seed, self.spec.name, "sample")
+        return tuple(order(i) for i in range(min(count, len(self))))
 
     def shard(self, number: int, count: int) -> Part:
         """Shard `number`, 1 .. `count`: equal shares of the design, to within one, which in order make up the whole."""

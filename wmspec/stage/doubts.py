@@ -29,8 +29,8 @@ def idle_requires(spec: TaskSpec, conditions: Sequence[Constraint]) -> Iterator[
 
 
 def _idle_factors(spec: TaskSpec, depend: Dependencies) -> Iterator[Doubt]:
-    deciding = _with_domains(spec, depend, _reached(depend, _deciding(spec)))
-    told = _with_domains(spec, depend, _reached(depend, _texts(spec)))
+    deciding = _with_tied(spec, depend, _reached(depend, _deciding(spec)))
+    told = _with_tied(spec, depend, _reached(depend, _texts(spec)))
     for factor in spec.factors:
         name, what = factor.name, "nuisance" if factor.nuisance else "factor"
         if name not in deciding | told:
@@ -41,11 +41,14 @@ def _idle_factors(spec: TaskSpec, depend: Dependencies) -> Iterator[Doubt]:
             yield "WMS409", message, factor.place, "let an answer depend on it, or make it a nuisance"
 
 
-def _with_domains(spec: TaskSpec, depend: Dependencies, names: frozenset[str]) -> frozenset[str]:
-    """Names, with those of the factors that decide which values these can have."""
+def _with_tied(spec: TaskSpec, depend: Dependencies, names: frozenset[str]) -> frozenset[str]:
+    """Names, with those of the factors that conditions tie to them: these decide which values they can have."""
+    factors = {f.name for f in spec.factors}
+    ties = [depend.expression(r.condition) & factors for r in spec.requires]
     domains = {f.name: f.domain.when for f in spec.factors if isinstance(f.domain, Choices) and f.domain.when}
+    ties += [(_reached(depend, when) & factors) | {name} for name, when in domains.items()]
     while True:
-        wider = names | _reached(depend, (e for name in names & domains.keys() for e in domains[name]))
+        wider = names.union(*(tie for tie in ties if tie & names))
         if wider == names:
             return names
         names = wider

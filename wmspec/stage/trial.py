@@ -23,7 +23,7 @@ from wmspec.stage.point import Pointer
 from wmspec.stage.sight import blind
 
 #: How many instances are built, how many of them with every counterfactual, and of how many the options are compared.
-TRIED, TRIED_CHANGED, COMPARED = 16, 4, 250
+TRIED, TRIED_CHANGED, COMPARED = 16, 4, 100
 
 #: What follows from the place or the turn of something else, as it should.
 _FOLLOWS = ("pose", "way", "form", "there", "start")
@@ -139,7 +139,8 @@ def _compare(question: Question, design: Design, pointer: Pointer, report: Repor
     """Report options of a question that are the same in one of the instances compared."""
     if question.options is None:
         return
-    for index in design.sample(COMPARED):
+    varying = Dependencies(design.spec).expression(question.options) & {f.name for f in design.spec.factors}
+    for index in design.sample(COMPARED if varying else 1):
         instance = design[index]
         values = Values(design.spec, instance.values, None, instance.key)
         same = [a for a, b in combinations(evaluate(question.options, values), 2) if _same(a, b)]
