@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from wmspec.check.vocabulary import FILES
 from wmspec.design.space import Vector
 from wmspec.errors import WmsError
 from wmspec.parse.load import located
@@ -13,9 +14,6 @@ from wmspec.parse.load import located
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
     import numpy as np
     from numpy.typing import NDArray
-
-#: What a mesh can be read from, by the end of the file's name.
-SUFFIXES = (".obj", ".stl", ".ply", ".glb")
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +43,8 @@ def load(path: str, scale: float, collision: str) -> Mesh:
         WmsError: if the file is missing, of another kind, broken, or has no volume.
     """
     file = located(path)
-    if file.suffix.lower() not in SUFFIXES:
-        raise WmsError(f"{file.name} is no mesh that can be read; use one of {', '.join(SUFFIXES)}")
+    if file.suffix.lower() not in FILES["file"]:
+        raise WmsError(f"{file.name} is no mesh that can be read; use one of {', '.join(FILES['file'])}")
     try:
         found = file.stat()
     except OSError as error:

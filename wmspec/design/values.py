@@ -231,8 +231,3 @@ def _slot(thing: Thing, name: str) -> Slot | None:
     if name in ("start", "duration"):
         return _MOMENT
     return None if thing.of else VERBS[thing.verb].arguments.get(name)
-
-
-def rgb(color: str) -> colors.Color:
-    """The sRGB parts (0..1) of a colour word or of `rgb:r,g,b`."""
-    return colors.rgb(color)
