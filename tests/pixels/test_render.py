@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-import importlib
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks import memory
 from tests.pixels.scenes import SUN, body, scene, turned
 from wmspec.errors import WmsError
 from wmspec.scene.camera import look_at, project
@@ -125,40 +124,21 @@ def test_moving_a_body_equals_building_it_there(engine: str, table: Scene, rende
     assert np.array_equal(moved.ids, built.ids)
 
 
-def resident() -> float:
-    """Memory of this process in MB."""
-    gc.collect()
-    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6
+LINUX = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="needs Linux to measure memory")
 
 
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="needs Linux to measure memory")
-@pytest.mark.parametrize("count", [100, pytest.param(1000, marks=pytest.mark.slow)])
-def test_drawing_does_not_leak(engine: str, count: int, table: Scene, renderer: Any) -> None:
-    one, shot = renderer(engine, table, 128, 128), still(table, "side")
-    for _ in range(20):
-        one.draw(shot)
-    before = resident()
-    for _ in range(count):
-        one.draw(shot)
-    assert resident() - before < 8
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="needs Linux to measure memory")
-def test_rebuilding_does_not_leak(engine: str, table: Scene) -> None:
+@LINUX
+@pytest.mark.parametrize(("count", "most"), [(100, 8), pytest.param(5000, 30, marks=pytest.mark.slow)])
+def test_drawing_does_not_leak(engine: str, count: int, most: float) -> None:
     pytest.importorskip(engine)
-    module = importlib.import_module(f"wmspec.backends.{engine}.render")
+    assert memory.frames(engine, count) < most
 
-    def rebuild(times: int) -> None:
-        for _ in range(times):
-            one = module.Renderer(table, 64, 64)
-            one.draw(still(table, "front"))
-            one.close()
 
-    rebuild(10)
-    before = resident()
-    rebuild(50)
-    assert resident() - before < 40
+@LINUX
+@pytest.mark.slow
+def test_rebuilding_does_not_leak(engine: str) -> None:
+    pytest.importorskip(engine)
+    assert memory.rebuilds(engine, 500) < 30
 
 
 def test_mistakes_are_explained(engine: str, table: Scene, renderer: Any) -> None:
