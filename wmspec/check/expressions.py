@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from wmspec.check import calls, ir, lists, members, names, operators, units
-from wmspec.check.kinds import TEXT, TRUTH, Kind, List, Quantity, Vector, article, either
+from wmspec.check.kinds import TEXT, TRUTH, Kind, Quantity, Vector, article, either
 from wmspec.check.scope import Scope
 from wmspec.check.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.check.units import NUMBER, Dimension
@@ -37,7 +37,7 @@ class Expressions:
         self._open: list[tuple[tuple[str, str], Span]] = []
         self._depth = self._deepest = 0
         self._height: dict[tuple[str, str], int] = {}
-        self.domain_of: Callable[[s.Factor], Kind] = self.factor_kind
+        self.domain_of: Callable[[s.Factor], Kind]  # set by who checks domains, which are made of expressions
 
     def value(self, e: s.Expr, wanted: tuple[Kind, ...], what: str) -> Typed:
         """Check an expression that must be of one of the wanted kinds. `what` names the place in messages."""
@@ -113,14 +113,6 @@ class Expressions:
             return units.parse_unit(unit)
         except units.UnknownUnit as error:
             self.fail("WMS103", f"unknown unit `{error}`", span, suggestion(str(error), units.UNITS))
-
-    def factor_kind(self, factor: s.Factor) -> Kind:
-        """The kind of a factor's values: that of the items of its domain."""
-        typed = self.infer(factor.domain)
-        if isinstance(typed.kind, List) and typed.kind.item is not None:
-            return typed.kind.item
-        self.fail("WMS401", f"`{factor.name.id}` needs a list or a range of values", factor.domain.span,
-                  "write `[a, b, c]`, `a .. b by c` or `a .. b in 5`")  # fmt: skip
 
     def once(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed:
         """Check a declaration the first time it is needed; a circle of declarations is a mistake."""
