@@ -36,7 +36,7 @@ def check_seconds(path: Path, bytecode: str) -> tuple[float, float]:
     processor, clock = [], []
     for _ in range(RUNS):
         before, began = _children(), time.perf_counter()
-        command = [sys.executable, "-c", COMMAND, "check", path]
+        command = [sys.executable, "-c", COMMAND, "check", str(path)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
         processor.append(_children() - before)
         clock.append(time.perf_counter() - began)

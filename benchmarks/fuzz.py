@@ -1,6 +1,6 @@
 """Random specs, many of them: none may end in a traceback, take more than 2 s or more than 512 MB.
 
-    python benchmarks/fuzz.py --count 100000 --workers 2
+    python -m benchmarks.fuzz --count 100000 --workers 2
 
 An input is a pure function of its number. Each is checked, tried out and, if it can be parsed, formatted twice. What
 fails is written to `--output`, and the exit code is 1.
@@ -10,22 +10,26 @@ from __future__ import annotations
 
 import argparse
 import os
-import random
 import resource
 import signal
 import sys
+import tempfile
 import time
 import traceback
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
 from types import FrameType
 
+from benchmarks.inputs import text_of
 from wmspec.check.task import check_program
 from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Report, SpecError
 from wmspec.parse.format import format_spec
-from wmspec.parse.load import library_folder, load_source
+from wmspec.parse.load import load_source
 from wmspec.parse.source import Source
 from wmspec.stage.trial import trial
 
@@ -33,93 +37,36 @@ from wmspec.stage.trial import trial
 MOST_SECONDS = 2.0
 #: Bytes of memory that the process may come to hold.
 MOST_MEMORY = 512 * 2**20
-CORPUS = Path(__file__).parent.parent / "tests/corpus"
-TEXTS = [p.read_text() for p in [*sorted(library_folder().parent.rglob("*.wms")), *sorted(CORPUS.glob("*.wms"))]]
-WORDS = sorted({word for text in TEXTS for word in text.split()})
-ODD = [
-    "{",
-    "}",
-    "(",
-    ")",
-    "[",
-    "]",
-    '"',
-    '"""',
-    "..",
-    "at",
-    ":",
-    ",",
-    "-",
-    "*",
-    "\x00",
-    "é",
-    "\U0001f600",
-    "#",
-    "1e999",
-    "1e-999",
-]
-ODD += [
-    "9" * 400,
-    "if",
-    "then",
-    "else",
-    "with",
-    "after",
-    "\r",
-    "\t",
-    "0 .. 1e9 by 1e-9",
-    "m^99",
-    "(" * 300,
-    "-" * 300,
-    "not " * 99,
-]
 
 
 class TooSlow(BaseException):
     """The time is up; a BaseException, so that nothing takes it for a mistake of the user."""
 
 
-def text_of(number: int) -> str:
-    """Input `number`: a spec with words swapped, cut, doubled, or characters changed; or random words."""
-    rng = random.Random(number)  # noqa: S311
-    if rng.random() < 0.1:
-        return " ".join(rng.choice(WORDS if rng.random() < 0.8 else ODD) for _ in range(rng.randint(0, 60)))
-    text = rng.choice(TEXTS)
-    for _ in range(rng.choice([1, 1, 2, 3, 5, 9])):
-        text = _mutated(text, rng)
-    return text
+@cache
+def folder() -> Path:
+    """Where the inputs are said to be: with two meshes and a picture beside them."""
+    import trimesh
+    from PIL import Image
+
+    made = Path(tempfile.mkdtemp(prefix="fuzz"))
+    trimesh.creation.cylinder(3, 8, sections=16).export(made / "cup.obj")
+    trimesh.creation.box((4, 2, 3)).export(made / "wedge.stl")
+    Image.new("RGB", (8, 8), "red").save(made / "label.png")
+    return made
 
 
-def _mutated(text: str, rng: random.Random) -> str:
-    i = rng.randint(0, len(text))
-    j = min(len(text), i + rng.choice([0, 1, 3, 10, 40]))
-    match rng.randint(0, 5):
-        case 0:
-            return text[:i] + rng.choice(ODD) + text[j:]
-        case 1:
-            return text[:i] + text[j:]
-        case 2:
-            return text[:j] + text[i:j] * rng.choice([1, 2, 20]) + text[j:]
-        case 3:
-            return text[:i] + chr(rng.choice([rng.randint(0, 127), rng.randint(0, 0xD7FF)])) + text[i:]
-        case 4:
-            words = text.split(" ")
-            words[rng.randrange(len(words))] = rng.choice(WORDS)
-            return " ".join(words)
-        case _:
-            lines = text.split("\n")
-            k = rng.randrange(len(lines))
-            lines.insert(rng.randint(0, len(lines)), lines[k] if rng.random() < 0.5 else lines.pop(k))
-            return "\n".join(lines)
-
-
-def survive(text: str) -> None:
-    """Check, try out and format a text; raises whatever is a defect of ours."""
+def survive(text: str) -> str:
+    """Check, try out and format a text; returns how far it came. Raises whatever is a defect of ours."""
     source = Source("fuzz.wms", text)
     report = Report()
+    came = "unread"
     try:
-        for spec in check_program(load_source(source, Path(), report), report):
+        program = load_source(source, folder(), report)
+        came = "unread" if report.failed else "read"
+        for spec in check_program(program, report):
             trial(spec, report)
+            came = "tried"
     except WmsError:
         pass
     for diagnostic in report.diagnostics:
@@ -128,27 +75,39 @@ def survive(text: str) -> None:
     try:
         once = format_spec(source)
     except SpecError:
-        return
+        return came
     assert format_spec(Source("fuzz.wms", once)) == once, "formatting twice is not formatting once"
+    return came
 
 
-def attempt(number: int) -> tuple[int, float, str]:
-    """The number, its processor seconds, and what went wrong, if anything."""
-    began = time.process_time()
+@dataclass(frozen=True)
+class Outcome:
+    """What became of an input: how far it came, its processor seconds, its process's memory, and what went wrong."""
+
+    number: int
+    text: str
+    came: str
+    seconds: float
+    memory: int
+    failure: str
+
+
+def attempt(number: int) -> Outcome:
+    """Make an input and try it."""
+    text, came, failure, began = text_of(number), "failed", "", time.process_time()
     signal.setitimer(signal.ITIMER_PROF, MOST_SECONDS)
     try:
-        survive(text_of(number))
-        failure = ""
+        came = survive(text)
     except TooSlow:
-        failure = f"took more than {MOST_SECONDS} s"
+        failure = f"took more than {MOST_SECONDS} s\n{traceback.format_exc()}"
     except BaseException:  # noqa: BLE001  a crash of any sort is what we look for
         failure = traceback.format_exc()
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    seconds, memory = time.process_time() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     if memory > MOST_MEMORY and not failure:
         failure = f"the process holds {memory / 2**20:.0f} MB"
-    return number, time.process_time() - began, failure
+    return Outcome(number, text, came, seconds, memory, failure)
 
 
 def _stop(_signal: int, _frame: FrameType | None) -> None:
@@ -157,13 +116,45 @@ def _stop(_signal: int, _frame: FrameType | None) -> None:
 
 def _start() -> None:
     signal.signal(signal.SIGPROF, _stop)
+    folder()
     resource.setrlimit(resource.RLIMIT_AS, (4 * MOST_MEMORY, 4 * MOST_MEMORY))
 
 
-def run(numbers: range, workers: int) -> Iterator[tuple[int, float, str]]:
-    """The results of all inputs, in any order. Workers are renewed, so that memory is that of few inputs."""
+def run(numbers: range, workers: int) -> Iterator[Outcome]:
+    """The outcomes of all inputs, in any order. Workers are renewed, so that memory is that of few inputs."""
     with get_context("spawn").Pool(workers, _start, maxtasksperchild=40) as pool:
         yield from pool.imap_unordered(attempt, numbers, chunksize=50)
+
+
+class Tally:
+    """What is told of all outcomes."""
+
+    def __init__(self) -> None:
+        self.came = Counter[str]()
+        self.slowest = self.seconds = 0.0
+        self.memory = self.failed = 0
+
+    def add(self, outcome: Outcome) -> None:
+        """Take in another one."""
+        self.came[outcome.came] += 1
+        self.slowest, self.seconds = max(self.slowest, outcome.seconds), self.seconds + outcome.seconds
+        self.memory, self.failed = max(self.memory, outcome.memory), self.failed + bool(outcome.failure)
+
+    def __str__(self) -> str:
+        count = self.came.total()
+        tried, read = self.came["tried"], self.came["tried"] + self.came["read"]
+        return (
+            f"{count:,} inputs, {read:,} of them read and {tried:,} staged: {self.failed} failed; "
+            f"slowest {self.slowest:.2f} s, mean {self.seconds / count:.3f} s, most memory {self.memory >> 20} MB"
+        )
+
+
+def keep(outcome: Outcome, output: Path) -> None:
+    """Write what failed, and say so."""
+    output.mkdir(parents=True, exist_ok=True)
+    (output / f"{outcome.number}.wms").write_text(outcome.text, encoding="utf-8", errors="replace")
+    (output / f"{outcome.number}.txt").write_text(outcome.failure, encoding="utf-8", errors="replace")
+    print(f"{outcome.number}: {outcome.failure.strip().splitlines()[-1]}", flush=True)
 
 
 def main() -> None:
@@ -174,21 +165,15 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--output", type=Path, default=Path("out/fuzz"))
     options = parser.parse_args()
-    done = failed = 0
-    slowest = (0.0, 0)
-    for number, seconds, failure in run(range(options.first, options.first + options.count), options.workers):
-        done += 1
-        slowest = max(slowest, (seconds, number))
-        if failure:
-            failed += 1
-            options.output.mkdir(parents=True, exist_ok=True)
-            (options.output / f"{number}.wms").write_text(text_of(number), encoding="utf-8")
-            (options.output / f"{number}.txt").write_text(failure, encoding="utf-8")
-            print(f"{number}: {failure.strip().splitlines()[-1]}", flush=True)
-        if done % 5000 == 0:
-            print(f"{done:,} inputs, {failed} failed, slowest {slowest[0]:.2f} s (input {slowest[1]})", flush=True)
-    print(f"{done:,} inputs, {failed} failed, slowest {slowest[0]:.2f} s (input {slowest[1]})")
-    sys.exit(failed > 0)
+    tally = Tally()
+    for outcome in run(range(options.first, options.first + options.count), options.workers):
+        tally.add(outcome)
+        if outcome.failure:
+            keep(outcome, options.output)
+        if tally.came.total() % 1000 == 0:
+            print(tally, flush=True)
+    print(tally)
+    sys.exit(tally.failed > 0)
 
 
 if __name__ == "__main__":
