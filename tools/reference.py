@@ -16,7 +16,20 @@ from wmspec.check.kinds import either
 from wmspec.check.slots import LOOKS
 from wmspec.check.units import EXAMPLES, UNITS
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
-from wmspec.check.vocabulary import JOINTS, PROPERTIES, SETTINGS, TOLERANCES, WORDS, Slot
+from wmspec.check.vocabulary import (
+    CONDITIONAL,
+    JOINTS,
+    PLANS,
+    PROPERTIES,
+    SETTINGS,
+    SPREADS,
+    STUDIED,
+    TOLERANCES,
+    WEIGHTED,
+    WORDS,
+    Form,
+    Slot,
+)
 from wmspec.parse.diagnostics import CODES
 
 PAGE = Path(__file__).parent.parent / "docs/language.md"
@@ -31,6 +44,17 @@ def current(page: str) -> str:
 
 def reference() -> Iterator[str]:
     """The lines of the reference."""
+    yield "### Domains\n"
+    yield "Of a `factor` or a `nuisance`, constants:\n"
+    yield from forms("domain", STUDIED)
+    yield "Of a `nuisance`, or of a `factor` of a Latin hypercube:\n"
+    yield from forms("domain", SPREADS)
+    yield "Of a `nuisance` alone:\n"
+    yield from forms("domain", WEIGHTED)
+    yield "Of a `factor` alone:\n"
+    yield from forms("domain", CONDITIONAL)
+    yield "### Designs\n"
+    yield from forms("design", PLANS.values())
     yield "### Properties\n"
     for kind, slots in PROPERTIES.items():
         yield f"Of {'the world' if kind == 'world' else f'{article(kind)} {kind}'}:\n"
@@ -80,6 +104,11 @@ def reference() -> Iterator[str]:
     yield "They combine: " + ", ".join(f"{dimension} `{text}`" for dimension, text in EXAMPLES.items()) + ".\n"
     yield "### Codes\n"
     yield from table(("code", "meaning"), ((f"`{code}`", meaning) for code, meaning in CODES.items()))
+
+
+def forms(head: str, written: Iterable[Form]) -> Iterator[str]:
+    """A table of ways to write something."""
+    yield from table((head, "meaning"), ((f"`{form.written}`", form.meaning) for form in written))
 
 
 def described(name: str, verb: Verb) -> Iterator[str]:

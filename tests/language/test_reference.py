@@ -11,6 +11,7 @@ import pytest
 from tests.language.test_format import without_places
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check_program
+from wmspec.check.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHTED, Form, Plan
 from wmspec.parse.diagnostics import Report
 from wmspec.parse.format import format_spec
 from wmspec.parse.load import load_source
@@ -35,6 +36,40 @@ def tasks_in(text: str) -> list[tuple[TaskSpec, int]]:
 def test_examples_have_no_mistakes_and_are_formatted(text: str) -> None:
     tasks_in(text)
     assert format_spec(Source("docs", text)) == text
+
+
+SCENE = """use tabletop
+task t : custom {{
+  factor shape in [cube, sphere]
+  {}
+  factor speed in [0.5, 1, 2] m/s
+  object a {{ shape: shape  on: table }}
+  action go = launch(a, direction: left, speed: speed)
+  observe front at [0 s]
+}}
+"""
+
+
+@pytest.mark.parametrize("form", [*STUDIED, *CONDITIONAL, *SPREADS, *WEIGHTED], ids=lambda f: f.written)
+def test_the_tables_of_domains_are_what_factors_and_nuisances_take(form: Form) -> None:
+    """What a factor takes, a nuisance takes; the rest is refused with a remedy."""
+    spread = form in SPREADS
+    assert codes(f"nuisance x in {form.written}") == ({"WMS407"} if form in CONDITIONAL else set())
+    assert codes(f"factor x in {form.written}") == ({"WMS401"} if spread or form in WEIGHTED else set())
+    assert codes(f"factor x in {form.written}  design latin of 20") == ({"WMS401"} if form in WEIGHTED else set())
+
+
+@pytest.mark.parametrize("plan", PLANS.values(), ids=lambda p: p.written)
+def test_the_table_of_designs_is_what_is_taken(plan: Plan) -> None:
+    assert codes(f"factor x in 1 .. 200 by 1  {plan.written}") == set()
+
+
+def codes(statements: str) -> set[str]:
+    """The codes of the errors in a scene with these statements."""
+    report = Report()
+    for task in check_program(load_source(Source("forms", SCENE.format(statements)), ROOT, report), report):
+        trial(task, report)
+    return {d.code for d in report.diagnostics if d.severity == "error"}
 
 
 def test_what_the_first_example_is_said_to_print() -> None:

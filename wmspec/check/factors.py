@@ -8,12 +8,11 @@ from wmspec.check.evaluate import parts
 from wmspec.check.expressions import Expressions
 from wmspec.check.kinds import A_NUMBER, TRUTH, Kind, Quantity, Vector
 from wmspec.check.typed import ZERO, Failed, constant
+from wmspec.check.vocabulary import PLANS
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note
 
-#: The plans by name, and whether each is `of` a number of instances.
-PLANS: dict[str, bool] = {"factorial": False, "sample": True, "latin": True, "one_at_a_time": False}
 #: More instances are not drawn.
 MOST_DRAWN = 10_000_000
 
@@ -106,11 +105,11 @@ class Factors:
         kind, name = design.kind.id, design.kind
         if kind not in PLANS:
             self.check.fail("WMS201", f"there is no design `{kind}`", name.span, suggestion(kind, PLANS))
-        if PLANS[kind] and design.count is None:
+        if PLANS[kind].counted and design.count is None:
             self.check.fail(
                 "WMS408", f"`{kind}` does not say of how many instances", name.span, f"write `design {kind} of 500`"
             )
-        if design.count is not None and not PLANS[kind]:
+        if design.count is not None and not PLANS[kind].counted:
             remedy = "write `design sample of N` for N of them"
             self.check.fail(
                 "WMS408", f"the number of instances of `{kind}` follows from the factors", design.count.span, remedy

@@ -206,5 +206,52 @@ TOLERANCES: dict[str, Slot] = {
     "angle": Slot((AN_ANGLE,), "the orientation of a body", least=0),
 }
 
+
+@dataclass(frozen=True)
+class Form:
+    """One way to write something, with an example of it."""
+
+    written: str
+    meaning: str
+
+
+#: Domains of a factor, which is studied: separate values, all alike. A nuisance may be drawn from these too.
+STUDIED = (
+    Form("[red, blue]", "these values; objects, points, texts and truth values too"),
+    Form("[0.5, 1, 2] m/s", "quantities of one unit"),
+    Form("10 cm .. 20 cm by 5 cm", "steps from the start, up to the end"),
+    Form("0 .. 1 in 5", "so many values at equal distances, with both ends"),
+    Form("product([0 cm, 10 cm], [-5 cm, 5 cm])", "points with these coordinates; three lists for points in space"),
+)
+
+#: What a nuisance is drawn from, or a factor of a Latin hypercube.
+SPREADS = (
+    Form("-5 deg .. 5 deg", "anywhere between, all alike; `uniform(-5 deg, 5 deg)` is the same"),
+    Form("log_uniform(100 g, 10 kg)", "anywhere between, all ratios alike"),
+    Form("normal(0 deg, 2 deg)", "about a mean, with this standard deviation, cut off at three of them"),
+)
+
+#: What only a nuisance is drawn from.
+WEIGHTED = (Form("weighted([red, blue], [3, 1])", "these values, the first three times as often"),)
+
+#: What only a factor has.
+CONDITIONAL = (Form("if shape == cube then [red, blue] else [green]", "values that depend on another factor"),)
+
+
+@dataclass(frozen=True)
+class Plan(Form):
+    """A design; `counted` is one that says `of` how many instances."""
+
+    counted: bool = False
+
+
+#: Which combinations of the factors there are.
+PLANS: dict[str, Plan] = {
+    "factorial": Plan("design factorial", "all of them; the same if there is no `design`"),
+    "sample": Plan("design sample of 500", "so many of them, the values of a factor equally often", counted=True),
+    "latin": Plan("design latin of 200", "a Latin hypercube: factors may be intervals, covered evenly", counted=True),
+    "one_at_a_time": Plan("design one_at_a_time { speed: 1 m/s }", "a baseline, and each factor varied by itself"),
+}
+
 #: Lengths above this (m) are taken for a mistake: engines lose precision there.
 MOST_LENGTH = 1e4
