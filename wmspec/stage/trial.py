@@ -80,8 +80,10 @@ class _Trial:
         for question in self.spec.questions:
             for change in question.counterfactuals if changed else ():
                 if change.owner in self.things:
-                    altered = built(Values(self.spec, instance.values, change, instance.key))
-                    self.changes(change, truth, altered, instance)
+                    otherwise = Values(self.spec, instance.values, change, instance.key)
+                    self.changes(change, truth, built(otherwise), instance)
+                    if change.change == "state":
+                        self.overlapping(otherwise, instance)
 
     def new(self, *what: object) -> bool:
         """Whether this was not told yet."""
@@ -93,7 +95,8 @@ class _Trial:
         """Objects inside one another at the start."""
         for pair in overlaps(values):
             if self.new("overlap", pair.first, pair.second):
-                what = f"`{pair.second}` is {_long(pair.depth)} inside `{pair.first}` at the start"
+                begun = f"under `{values.change.name}`" if values.change else "at the start"
+                what = f"`{pair.second}` is {_long(pair.depth)} inside `{pair.first}` {begun}"
                 note = Note(f"`{pair.first}` is declared here", self.pointer.span(values.place(pair.first)))
                 span = self.pointer.span(values.place(pair.second))
                 remedy = "move them apart, make one smaller, or exclude this with `require`"
