@@ -39,6 +39,10 @@ class EngineError(WmsError):
     """An engine gave up or returned nonsense for this episode (a diverged state, a warning that it hides)."""
 
 
+class GraphicsError(WmsError):
+    """This machine cannot draw with an engine: nothing that an episode could be blamed for."""
+
+
 def suggestion(word: str, known: Iterable[str]) -> str:
     """`did you mean X?` for the known word closest to `word`, or a list of a few known ones, or nothing."""
     names = sorted(set(known))

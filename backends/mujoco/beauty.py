@@ -6,17 +6,16 @@ developed by us. Numbers of bodies and distances come from the parity look.
 
 from __future__ import annotations
 
-import importlib
 import math
 from functools import cache
 from typing import Any
 
 import numpy as np
 
+from wmspec.backends.mujoco.filament import filament
 from wmspec.backends.mujoco.ktx import environment
 from wmspec.backends.mujoco.render import Renderer as Parity
 from wmspec.backends.mujoco.render import build
-from wmspec.errors import WmsError
 from wmspec.scene.camera import seeing
 from wmspec.scene.develop import develop, shrink
 from wmspec.scene.model import Array, Camera, Frame, Scene, Shot
@@ -78,7 +77,7 @@ class _Stage:
     """Filament's side: the model's geometries, a sun and the surroundings."""
 
     def __init__(self, model: Any, scene: Scene, width: int, height: int) -> None:
-        mjrf, self._context = _filament()
+        mjrf, self._context = filament()
         self._size = (width, height)
         self._scene = self._context.create_scene(mjrf.SceneParams())
         self._scene.configure_from_model(model)
@@ -107,7 +106,7 @@ class _Stage:
         del self._shapes, self._scene, self._target, self._lights
 
     def _take(self, camera: Camera, exposure: float) -> Array:
-        mjrf, context = _filament()
+        mjrf, context = filament()
         for light, intensity in self._lights:
             light.set_intensity(intensity * exposure)
         request = mjrf.RenderRequest()
@@ -119,24 +118,6 @@ class _Stage:
         read.set_buffer(rgb)
         context.wait_for_frame(context.render([request], [read]))
         return rgb / 255.0
-
-
-@cache
-def _filament() -> tuple[Any, Any]:
-    """Filament's module and a context of it, kept for all renderers."""
-    try:
-        with silence():
-            importlib.import_module("mujoco.studio")  # tells Filament where its materials are
-            from mujoco import mjrf
-
-            vulkan = mjrf.GraphicsApi.GRAPHICS_API_VULKAN
-            context = mjrf.Context(mjrf.ContextConfig(graphics_api=vulkan))
-    except Exception as error:  # every cause has its own
-        raise WmsError(
-            f"MuJoCo can't draw the look 'beauty': no Filament on Vulkan ({error}); it needs the package mujoco-studio "
-            "and, without a GPU, Mesa 24.3 or newer (Debian: mesa-vulkan-drivers), see 'wmspec doctor'"
-        ) from error
-    return mjrf, context
 
 
 def _model(scene: Scene, width: int, height: int) -> Any:
@@ -156,7 +137,7 @@ def _model(scene: Scene, width: int, height: int) -> Any:
 
 
 def _sun(scene: Scene) -> Any:
-    mjrf, context = _filament()
+    mjrf, context = filament()
     kind = mjrf.LightType.LIGHT_DIRECTIONAL
     color = np.array([1.0, 0.97, 0.92], np.float32)
     sun = context.create_light(
@@ -167,13 +148,13 @@ def _sun(scene: Scene) -> Any:
 
 
 def _sky() -> Any:
-    mjrf, context = _filament()
+    mjrf, context = filament()
     return context.create_light(mjrf.LightParams(type=mjrf.LightType.LIGHT_IMAGE, texture=_surroundings()))
 
 
 @cache
 def _surroundings() -> Any:
-    mjrf, context = _filament()
+    mjrf, context = filament()
     file = environment()
     form = mjrf.TextureConfig(
         width=len(file),
@@ -188,7 +169,7 @@ def _surroundings() -> Any:
 
 
 def _camera(camera: Camera, aspect: float) -> Any:
-    mjrf, _ = _filament()
+    mjrf, _ = filament()
     axes = rotation(camera.pose.orientation).astype(np.float32)
     top = camera.near * math.tan(camera.fovy / 2)
     made = mjrf.Camera(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.errors import WmsError
+from wmspec.errors import GraphicsError
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, whole
 from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
@@ -132,7 +132,7 @@ def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
         with silence():
             context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
     except Exception as error:  # every back end has its own
-        raise WmsError(
+        raise GraphicsError(
             f"MuJoCo can't draw: no OpenGL ({error}); set MUJOCO_GL=egl and install Mesa's EGL "
             "(Debian: libegl1 libgl1-mesa-dri), see 'wmspec doctor'"
         ) from error

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.errors import WmsError
+from wmspec.errors import GraphicsError
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, to_bytes, to_linear, to_srgb
 from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
@@ -116,7 +116,7 @@ def _sentinel() -> Any:
             for one in eyes:
                 one.take_picture()
     except Exception as error:  # SAPIEN raises RuntimeError, whatever is wrong
-        raise WmsError(
+        raise GraphicsError(
             f"SAPIEN can't draw: no Vulkan device that it can use ({error}); without a GPU it needs Mesa 24.3 or newer "
             "(Debian: mesa-vulkan-drivers, from backports on Debian 12), see 'wmspec doctor'"
         ) from error

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.pixels.scenes import ENGINES, LYING, body, grain, scene, turned, views, wedge
+from tests.pixels.scenes import ENGINES, LYING, body, grain, riding, scene, turned, views, wedge
 from wmspec.scene.model import Box, Capsule, Cone, Cylinder, Scene, Sphere, Surface
 
 
@@ -28,7 +28,7 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> Scene:
         body("can", "kinematic", (0.20, 0.12, 0.06), Cylinder(0.04, 0.12), Surface((0.12, 0.60, 0.25))),
         body("pill", "dynamic", (-0.08, -0.20, 0.03), Capsule(0.03, 0.08), Surface((0.50, 0.15, 0.60)), turn=LYING),
         body("ramp", "dynamic", (0.32, -0.08, 0.04), wedge(), Surface((0.95, 0.50, 0.10)), turn=turned(0.4)),
-        cameras=views(),
+        cameras=(*views(), riding("can")),
     )
 
 

@@ -55,6 +55,12 @@ def views(fovy: float = math.radians(34)) -> tuple[Camera, ...]:
     return tuple(Camera(name, look_at(eye, (0, 0, 0.03)), fovy, 0.05, 20.0) for name, eye in eyes.items())
 
 
+def riding(body: str) -> Camera:
+    """A camera on a body, to its side and above it, that looks past it."""
+    pose = look_at((0.05, 0.35, 0.3), (-0.25, -0.35, -0.05))
+    return Camera("riding", pose, math.radians(50), 0.02, 20.0, body)
+
+
 def wedge() -> Mesh:
     """A ramp: a mesh with sharp creases, and faces of different sizes."""
     low, high = np.array([-0.06, -0.05, -0.04]), np.array([0.06, 0.05, 0.04])

@@ -14,7 +14,7 @@ from wmspec.scene.model import Frame, Scene, Shot
 SIZE = 256
 
 
-@pytest.fixture(scope="module", params=["front", "side", "top", "oblique"])
+@pytest.fixture(scope="module", params=["front", "side", "top", "oblique", "riding"])
 def frames(request: pytest.FixtureRequest, table: Scene, renderer: Any) -> dict[str, Frame]:
     """The same shot from every engine."""
     shot = Shot(request.param, [body.pose for body in table.bodies])

@@ -24,7 +24,7 @@ from wmspec.check.ir import Channel, Question, TaskSpec
 from wmspec.design.design import Design, Instance
 from wmspec.design.draws import bits, permuted
 from wmspec.design.values import Values
-from wmspec.errors import WmsError
+from wmspec.errors import GraphicsError, WmsError
 
 
 def ask(design: Design, index: int, crew: Crew) -> list[Asked | Rejected]:
@@ -46,6 +46,8 @@ def _tried(asking: _Asking) -> Asked | Rejected:
         return _rejected(spec, index, q, crew, reject.reason, reject.detail)
     except Ambiguous as error:
         return _rejected(spec, index, q, crew, "alike", str(error))
+    except GraphicsError:
+        raise
     except WmsError as error:  # a division by a speed of zero, say
         return _rejected(spec, index, q, crew, "invalid", str(error))
 

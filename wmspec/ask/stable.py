@@ -15,7 +15,7 @@ from wmspec.ask.model import Reject
 from wmspec.ask.runs import Crew, Run, free, nudged
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Question
-from wmspec.errors import WmsError
+from wmspec.errors import GraphicsError, WmsError
 
 #: Unless the spec says how far: by 0.5 mm, once, where something free moves. A spec's own distance is tried twice.
 NUDGE, NUDGES, NUDGES_SAID = 0.0005, 1, 2
@@ -30,6 +30,8 @@ def stable(
     for by, other in _nudges(question, run, key, crew):
         try:
             now = evaluate(question.answer, Measured(other.values, other.observed(looks, crew)))
+        except GraphicsError:
+            raise
         except WmsError as error:
             raise Reject("unstable", f"set aside by {by * 1000:g} mm: {error}") from None
         if not _same(question, answer, now, run):

@@ -36,6 +36,10 @@ def backend(name: str) -> Backend:
             f"the engine of backend `{name}` cannot be imported ({error}); "
             f"install it with `pip install 'wmspec[{name}]'`"
         ) from None
+    except Exception as error:  # noqa: BLE001  whatever an engine does while it is imported
+        raise WmsError(
+            f"the engine of backend `{name}` fails as it is imported ({error}); `wmspec doctor` tells what mends it"
+        ) from None
 
 
 def chosen(choice: str) -> tuple[str, ...]:
