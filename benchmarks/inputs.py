@@ -44,7 +44,7 @@ task meshes : custom {
 def text_of(number: int) -> str:
     """Input `number`, a pure function of it."""
     rng = random.Random(number)  # noqa: S311
-    make = rng.choices((_words, _grown, _damaged, _crossed), (1, 2, 4, 8))[0]
+    make = rng.choices((_words, _grown, _damaged, _crossed), (1, 2, 3, 10))[0]
     text: str = make(rng)
     return text
 
@@ -117,11 +117,11 @@ def _crossed(rng: random.Random) -> str:
     text = rng.choice(texts())
     own = _nodes(text)
     edits: list[tuple[Span, str]] = []
-    for _ in range(rng.choice([1, 1, 1, 2, 3, 5]) if own else 0):
+    for _ in range(rng.choice([1, 1, 1, 1, 2, 3]) if own else 0):
         kind = rng.choice(sorted(own))
         span = rng.choice(own[kind])
         if all(span.end <= other.start or other.end <= span.start for other, _ in edits):
-            edits.append((span, _instead(kind, span, rng, own if rng.random() < 0.5 else _nodes(rng.choice(texts())))))
+            edits.append((span, _instead(kind, span, rng, own if rng.random() < 0.7 else _nodes(rng.choice(texts())))))
     for span, new in sorted(edits, key=lambda e: -e[0].start):
         text = text[: span.start] + new + text[span.end :]
     return text
