@@ -59,7 +59,7 @@ def _circle(length: float, _width: float) -> tuple[Vector, ...]:
 
 def _arc(length: float, width: float) -> tuple[Vector, ...]:
     """From the sagitta formula: radius = (length² / 4 + width²) / (2 width)."""
-    radius = (length**2 / 4 + width**2) / (2 * width)
+    radius = (length * length / 4 + width * width) / (2 * width)
     half = math.atan2(length / 2, radius - width)
     points = _around((length / 2, width - radius, 0.0), radius, math.pi / 2 + half, math.pi / 2 - half)
     return (ORIGIN, *points[1:-1], (length, 0.0, 0.0))

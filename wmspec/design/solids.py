@@ -194,10 +194,10 @@ _VOLUMES: dict[str, Callable[[float, float, float], float]] = {
     "box": lambda x, y, z: x * y * z,
     "cube": lambda x, y, z: x * y * z,
     "plane": lambda x, y, _: x * y * SLAB,
-    "sphere": lambda x, _, __: math.pi / 6 * x**3,
-    "cylinder": lambda x, _, z: math.pi / 4 * x**2 * z,
-    "cone": lambda x, _, z: math.pi / 12 * x**2 * z,
-    "capsule": lambda x, _, z: math.pi / 4 * x**2 * (z - x) + math.pi / 6 * x**3,
+    "sphere": lambda x, _, __: math.pi / 6 * x * x * x,
+    "cylinder": lambda x, _, z: math.pi / 4 * x * x * z,
+    "cone": lambda x, _, z: math.pi / 12 * x * x * z,
+    "capsule": lambda x, _, z: math.pi / 4 * x * x * (z - x) + math.pi / 6 * x * x * x,
     "wedge": lambda x, y, z: x * y * z / 2,
 }
 

@@ -9,8 +9,9 @@ from typing import Any, TypeVar, cast
 
 from wmspec.check.evaluate import NoValue, evaluate
 from wmspec.check.ir import Counterfactual, Expr, Place, TaskSpec, Thing, Value
+from wmspec.check.kinds import A_LENGTH, POINT2, POINT3
 from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, Slot
+from wmspec.check.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
 from wmspec.design import colors, functions, placement
 from wmspec.design.space import Pose
 from wmspec.errors import WmsError
@@ -22,6 +23,7 @@ T = TypeVar("T")
 INHERITED = ("color", "material", "image", "roughness", "metallic")
 #: Gravity where no world says otherwise, m/s².
 EARTH = 9.81
+_LENGTHS = frozenset((A_LENGTH, POINT2, POINT3))
 _MOMENT = Slot((), "", least=0)
 
 
@@ -193,6 +195,8 @@ class Values:
                 raise WmsError(f"{place}: `{name}` of `{thing.name}` is {number:g} here; it must be {reason}")
             if isinstance(number, float) and not math.isfinite(number):
                 raise WmsError(f"{place}: `{name}` of `{thing.name}` is not finite")
+            if isinstance(number, float) and abs(number) > MOST_LENGTH and slot and _LENGTHS.intersection(slot.kinds):
+                raise WmsError(f"{place}: `{name}` of `{thing.name}` is {number / 1000:g} km here; the most is 10 km")
 
     def _of_material(self, owner: str, name: str) -> Any:
         """What an object's material decides; a picture on it keeps its own colours."""

@@ -25,6 +25,8 @@ PRIMS = {
     "cone": "Cone",
     "capsule": "Capsule",
 }
+#: What is smaller than this (m³) is taken for a mistake: a tenth of a millimetre across.
+LEAST_VOLUME = 1e-13
 _TALL = ("cylinder", "cone", "capsule")
 _APPROXIMATIONS = {"hull": "convexHull", "pieces": "convexDecomposition", "bounds": "boundingCube"}
 
@@ -59,6 +61,8 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
 def _pieces(doc: Document, name: str, values: Values, fixed: bool, solid: bool) -> None:
     made, parts = pieces(values, name), values.parts(name)
     whole = sum(piece.solid.volume for piece in made)
+    if whole < LEAST_VOLUME:
+        raise WmsError(f"{values.place(name)}: `{name}` is too small to have a mass: {whole:g} m³")
     for piece, part in zip(made, parts or (name,), strict=True):
         below = part.removeprefix(f"{name}.") if parts else piece.solid.kind
         prim = _piece(doc, f"{object_path(name)}/{below}", piece, part, name, values, solid)
