@@ -100,3 +100,29 @@ def test_what_is_asked_about_must_be_seen(color: str, at: str, why: str) -> None
         assert refused(body).startswith("unseen: a from front at 0 s")
     else:
         assert one(body).value == "the red cube"
+
+
+RIDE = """
+  object cart  { shape: box  size: (16 cm, 10 cm, 6 cm)  color: blue  on: table at (-40 cm, 0) }
+  object block { size: 8 cm  color: red  on: table at (%s) }
+  camera eye { ride: cart  at: (0, 0, 12 cm)  look_at: (1 m, 0, 0)  fov: 50 deg }
+  action go = glide(cart, direction: 0 deg, speed: 20 cm/s) for 1 s
+  observe %s at [0 s, 1 s]
+  question "Does it come near {block}?" { answer distance(cart, block) < 30 cm }
+"""
+
+
+def test_what_a_riding_camera_comes_by_must_be_seen_once() -> None:
+    """What carries it need not be seen, and is not."""
+    assert one(RIDE % ("0, 0", "eye")).value == "yes"
+    assert one(RIDE % ("-10 cm, 12 cm", "eye")).value == "yes", "seen at first, passed at last"
+    assert refused(RIDE % ("-50 cm, 20 cm", "eye")).startswith("unseen: block from eye at 0 s: 0 of")
+
+
+def test_a_silhouette_is_that_of_a_camera_where_it_has_been_taken() -> None:
+    observed = run(RIDE % ("0, 0", "eye")).observed([("eye", 0.0), ("eye", 1.0)], crew())
+    i = observed.index("block")
+    for look in observed.looks:
+        drawn = int((observed.picture(*look).ids == i).sum())
+        assert drawn == pytest.approx(sight.outline(observed, i, look).inside, rel=0.05, abs=6)
+    assert sight.visible(observed, "block", "eye") == pytest.approx(sight.share(observed, i, ("eye", 0.0)))
