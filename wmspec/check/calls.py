@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import ir
 from wmspec.check.functions import FUNCTIONS, Function
-from wmspec.check.kinds import LABEL, OBJECT, QUANTITY, Kind, Quantity, article
+from wmspec.check.kinds import ITEM, LABEL, OBJECT, QUANTITY, Kind, List, Quantity, article
 from wmspec.check.typed import Typed, joined
 from wmspec.check.verbs import VERBS
 from wmspec.errors import suggestion
@@ -35,7 +35,7 @@ def call(check: Expressions, e: s.Call) -> Typed:
         if check.subject is None:
             check.fail("WMS205", "`toward` needs an acting object: it is for the arguments of actions", e.span)
         arguments = (check.subject, *arguments)
-    kind = _common(check, name, positional, given) if function.result == QUANTITY else function.result
+    kind = _result(check, name, function, positional, given)
     if kind == OBJECT and options:  # of equals it gives `neither`
         kind = LABEL
     return Typed(ir.Call(function=name, arguments=arguments), kind)
@@ -50,7 +50,23 @@ def _function(check: Expressions, e: s.Call) -> tuple[str, Function]:
     return e.function.id, FUNCTIONS[e.function.id]
 
 
+def _result(check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]) -> Kind:
+    if function.result == QUANTITY:
+        return _common(check, name, written, given)
+    if function.result == ITEM:
+        items = given[0].kind
+        assert isinstance(items, List)
+        assert items.item is not None
+        return items.item
+    return function.result
+
+
 def _argument(check: Expressions, function: str, argument: s.Argument, kind: Kind) -> Typed:
+    if kind == List(ITEM):
+        typed = check.infer(argument.value)
+        if not isinstance(typed.kind, List) or typed.kind.item is None:
+            check.fail("WMS302", f"`{function}` wants a list of items to choose from", argument.span, "write `[a, b]`")
+        return typed
     if kind != QUANTITY:
         return check.value(argument.value, (kind,), f"`{function}`")
     typed = check.infer(argument.value)

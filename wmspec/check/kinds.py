@@ -93,6 +93,8 @@ QUANTITY = Plain("quantity")
 PLACE = Plain("place")
 #: An object, a text or `neither`: what the options of one question may hold side by side.
 LABEL = Plain("label")
+#: Whatever a list holds, in the tables of functions.
+ITEM = Plain("item")
 COLOR = Word("color")
 SHAPE = Word("shape")
 MATERIAL = Word("material")

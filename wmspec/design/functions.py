@@ -55,6 +55,12 @@ def _between(values: Values, first: str, second: str) -> Place:
 # ---------------------------------------------------------------- sums
 
 
+def _item(_: Values, items: tuple[Any, ...], number: float) -> Any:
+    if number != math.floor(number):
+        raise NoValue(f"`pick` takes a whole number, not {number:g}")
+    return items[int(number) % len(items)]
+
+
 def _numbers(given: Iterable[Any]) -> list[float]:
     """Numbers, and those in lists of numbers."""
     return [n for item in given for n in (item if isinstance(item, tuple) else (item,))]
@@ -118,6 +124,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "abs": lambda _, x: abs(x),
     "floor": lambda _, x: float(math.floor(x)),
     "mod": _mod,
+    "pick": _item,
     "sqrt": _sqrt,
     "sin": lambda _, a: math.sin(a),
     "cos": lambda _, a: math.cos(a),
