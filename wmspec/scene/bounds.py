@@ -21,7 +21,7 @@ def bounds(shape: Shape, pose: Pose) -> Array:
 
 
 def _reach(shape: Shape, turn: Array) -> Array:
-    """How far (3,) a shape turned by a matrix reaches in the directions +x, +y and +z."""
+    """How far (3,) a shape that is no mesh, turned by a matrix, reaches in the directions +x, +y and +z."""
     along = turn[:, 2]
     across = np.sqrt(np.clip(1.0 - along**2, 0.0, None))
     match shape:
@@ -36,7 +36,7 @@ def _reach(shape: Shape, turn: Array) -> Array:
         case Cone():
             return np.maximum(along * shape.height / 2, across * shape.radius - along * shape.height / 2)
         case Mesh():
-            return (np.asarray(shape.points, float) @ turn.T).max(axis=0)
+            raise AssertionError(shape)
 
 
 def upright(geoms: Iterable[Geom], pose: Pose) -> Array:
