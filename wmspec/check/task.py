@@ -147,7 +147,8 @@ class _Task:
 
     def _docstring(self) -> str:
         assert self.declaration is not None
-        texts = [x.text for x in [*self.declaration.body, *self.statements] if isinstance(x, s.Docstring)]
+        source = self.declaration.span.source  # the text of a library describes the library
+        texts = [x.text for x in self.statements if isinstance(x, s.Docstring) and x.span.source is source]
         return texts[-1] if texts else ""
 
     def _headline(self) -> str:
