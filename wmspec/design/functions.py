@@ -22,7 +22,7 @@ def call(values: Values, function: str, arguments: tuple[Any, ...]) -> Any:
     """The value of a function of the design. Raises WmsError if it has none."""
     try:
         return FUNCTIONS[function](values, *arguments)
-    except (OverflowError, ValueError):  # of numbers that are infinite
+    except (OverflowError, ValueError, ZeroDivisionError):  # of numbers that are infinite, of lists that are empty
         raise NoValue(f"`{function}` has no value here") from None
 
 
