@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from wmspec.backends.sapien.joints import ignored
-from wmspec.backends.sapien.world import BITS, World, lanes, mean
+from wmspec.backends.sapien.shapes import BITS, lanes, mean
+from wmspec.backends.sapien.world import World
 from wmspec.errors import WmsError
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.backends.sapien import joints, world
+from wmspec.backends.sapien import joints, shapes, world
 from wmspec.backends.sapien.execute import prepare
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
@@ -10,13 +10,15 @@ from wmspec.scene.script import script
 from wmspec.scene.trees import Limb
 
 CONSTANTS = {
-    world: ("CONTACT_OFFSET", "FASTEST_SPIN", "ALONG_X", "JUMP"),
+    world: ("FASTEST_SPIN", "APART", "POSITION_ITERATIONS", "VELOCITY_ITERATIONS", "JUMP"),
+    shapes: ("CONTACT_OFFSET", "ALONG_X"),
     joints: ("HERE", "JOINTS", "FASTEST_JOINT"),
 }
 PARTS = (
     *(Piece, Rigid, Limb, Assembly),
     *(joints.branches, joints.connect, joints.ball, joints.ignored, joints.frame),
-    *(world.World, world.entity, world.lanes, world.mean, world.groups, world.shape, world.solve, world.iterate),
+    *(shapes.lanes, shapes.mean, shapes.groups, shapes.shape),
+    *(world.World, world.entity, world.solve, world.iterate),
 )
 
 

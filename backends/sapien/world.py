@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from wmspec.backends.sapien.joints import HERE, ball, branches, connect, frame, ignored
-from wmspec.scene.episode import TOUCH, Vector
-from wmspec.scene.rigid import Assembly, Piece, Rigid
+from wmspec.backends.sapien.shapes import groups, lanes, mean, shape
+from wmspec.scene.episode import TOUCH
+from wmspec.scene.rigid import Assembly, Rigid
 from wmspec.scene.silence import silence
-from wmspec.scene.transform import multiply
 from wmspec.scene.trees import Limb
 
 with silence():
     import sapien
 
-CONTACT_OFFSET = 1e-5  # m: from further off, friction may act before the impact and again in it, phase by phase
 FASTEST_SPIN = 1000.0  # rad/s, PhysX's default is 100
-ALONG_X = (sqrt(0.5), 0.0, -sqrt(0.5), 0.0)  # PhysX's capsules and cylinders lie along x
-BITS = 32
+APART = 1.0  # m/s: with which bodies that overlap are parted at most; unlimited, a bounce comes out too high
+POSITION_ITERATIONS = 100  # an elastic impact loses 0.4/n² of its speed
+VELOCITY_ITERATIONS = 4
 JUMP = 1e-9  # m: what is further from where it was to be has been placed there
-
-Lanes = dict[tuple[Vector, Vector], int]
 
 
 class World:
@@ -200,50 +197,6 @@ def entity(part: Any, number: int, place: Any) -> Any:
     return made
 
 
-def lanes(bodies: tuple[Rigid, ...]) -> Lanes:
-    """A number for every pair of materials of which two pieces may meet, in the order of the bodies."""
-    numbers: Lanes = {}
-    for i, a in enumerate(bodies):
-        for b in bodies[i + 1 :]:
-            if "dynamic" in (a.motion, b.motion):
-                for pair in [(p.material, q.material) for p in a.pieces for q in b.pieces]:
-                    numbers.setdefault(min(pair, pair[::-1]), len(numbers))
-    return numbers
-
-
-def mean(a: Vector, b: Vector) -> list[float]:
-    """The geometric mean of two materials, number by number."""
-    return [sqrt(x * y) for x, y in zip(a, b, strict=True)]
-
-
-def groups(material: Vector, pair: tuple[Vector, Vector], bit: int) -> list[int]:
-    """Collision groups on a lane: shapes meet if one's first word and the other's second share a bit."""
-    return [(1 << bit) * (material == pair[0]), (1 << bit) * (material == pair[1])]
-
-
-def shape(piece: Piece, material: list[float], groups: list[int]) -> Any:
-    """A copy of a piece for one lane."""
-    physx, place = sapien.physx, piece.pose
-    stuff = physx.PhysxMaterial(*material)
-    match piece.kind:
-        case "box":
-            made = physx.PhysxCollisionShapeBox(np.array(piece.size, np.float32), stuff)
-        case "sphere":
-            made = physx.PhysxCollisionShapeSphere(piece.size[0], stuff)
-        case "hull":
-            points = np.reshape(piece.size, (-1, 3)).astype(np.float32)
-            made = physx.PhysxCollisionShapeConvexMesh(points, np.ones(3, np.float32), stuff)
-        case _:
-            kind = {"cylinder": physx.PhysxCollisionShapeCylinder, "capsule": physx.PhysxCollisionShapeCapsule}
-            made = kind[piece.kind](piece.size[0], piece.size[1] / 2, stuff)
-            place = (*piece.pose[:3], *multiply(np.array(piece.pose[3:]), np.array(ALONG_X)))
-    made.set_local_pose(frame(place))
-    made.set_collision_groups(groups)
-    made.set_contact_offset(CONTACT_OFFSET)
-    made.set_rest_offset(0.0)
-    return made
-
-
 def solve(part: Any, body: Rigid) -> None:
     """How a dynamic body moves: PhysX's defaults damp spin; jointed bodies are damped by the loop."""
     linear, angular = (0.0, 0.0) if "Articulation" in type(part).__name__ else body.damping
@@ -253,10 +206,11 @@ def solve(part: Any, body: Rigid) -> None:
     part.set_linear_damping(linear)
     part.set_angular_damping(angular)
     part.set_max_angular_velocity(FASTEST_SPIN)
+    part.set_max_depenetration_velocity(APART)
 
 
 def iterate(part: Any) -> None:
     """How a body or an articulation is solved: PhysX's defaults put bodies to sleep and iterate too little."""
     part.set_sleep_threshold(0.0)
-    part.set_solver_position_iterations(50)
-    part.set_solver_velocity_iterations(4)
+    part.set_solver_position_iterations(POSITION_ITERATIONS)
+    part.set_solver_velocity_iterations(VELOCITY_ITERATIONS)

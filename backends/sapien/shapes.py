@@ -1,0 +1,67 @@
+"""Collision shapes in SAPIEN's words, and the lanes on which they meet."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from wmspec.backends.sapien.joints import frame
+from wmspec.scene.episode import Vector
+from wmspec.scene.rigid import Piece, Rigid
+from wmspec.scene.silence import silence
+from wmspec.scene.transform import multiply
+
+with silence():
+    import sapien
+
+CONTACT_OFFSET = 1e-5  # m: from further off, a contact's friction is wrong by up to its whole, phase by phase
+ALONG_X = (sqrt(0.5), 0.0, -sqrt(0.5), 0.0)  # PhysX's capsules and cylinders lie along x
+BITS = 32
+
+Lanes = dict[tuple[Vector, Vector], int]
+
+
+def lanes(bodies: tuple[Rigid, ...]) -> Lanes:
+    """A number for every pair of materials of which two pieces may meet, in the order of the bodies."""
+    numbers: Lanes = {}
+    for i, a in enumerate(bodies):
+        for b in bodies[i + 1 :]:
+            if "dynamic" in (a.motion, b.motion):
+                for pair in [(p.material, q.material) for p in a.pieces for q in b.pieces]:
+                    numbers.setdefault(min(pair, pair[::-1]), len(numbers))
+    return numbers
+
+
+def mean(a: Vector, b: Vector) -> list[float]:
+    """The geometric mean of two materials, number by number."""
+    return [sqrt(x * y) for x, y in zip(a, b, strict=True)]
+
+
+def groups(material: Vector, pair: tuple[Vector, Vector], bit: int) -> list[int]:
+    """Collision groups on a lane: shapes meet if one's first word and the other's second share a bit."""
+    return [(1 << bit) * (material == pair[0]), (1 << bit) * (material == pair[1])]
+
+
+def shape(piece: Piece, material: list[float], groups: list[int]) -> Any:
+    """A copy of a piece for one lane."""
+    physx, place = sapien.physx, piece.pose
+    stuff = physx.PhysxMaterial(*material)
+    match piece.kind:
+        case "box":
+            made = physx.PhysxCollisionShapeBox(np.array(piece.size, np.float32), stuff)
+        case "sphere":
+            made = physx.PhysxCollisionShapeSphere(piece.size[0], stuff)
+        case "hull":
+            points = np.reshape(piece.size, (-1, 3)).astype(np.float32)
+            made = physx.PhysxCollisionShapeConvexMesh(points, np.ones(3, np.float32), stuff)
+        case _:
+            kind = {"cylinder": physx.PhysxCollisionShapeCylinder, "capsule": physx.PhysxCollisionShapeCapsule}
+            made = kind[piece.kind](piece.size[0], piece.size[1] / 2, stuff)
+            place = (*piece.pose[:3], *multiply(np.array(piece.pose[3:]), np.array(ALONG_X)))
+    made.set_local_pose(frame(place))
+    made.set_collision_groups(groups)
+    made.set_contact_offset(CONTACT_OFFSET)
+    made.set_rest_offset(0.0)
+    return made
