@@ -22,7 +22,7 @@ from wmspec.parse.load import library_folder
 from wmspec.parse.pages import page
 from wmspec.parse.parser import parse, words
 from wmspec.parse.source import Source, Span
-from wmspec.parse.tables import lark_parser
+from wmspec.parse.tables import grammar, lark_parser
 
 ROOT = Path(__file__).parent.parent
 ODD: list[str] = [*'{}()[]":,-*#é\U0001f600\x00\r\t', '"""', "..", "at", "if", "then", "else", "with", "after"]
@@ -66,7 +66,7 @@ def _vocabulary() -> dict[str, tuple[str, ...]]:
     found: dict[str, list[str]] = defaultdict(list)
     for text in texts():
         for token in words(text):
-            found[token.type].append(str(token))
+            found[token.type].append(token.text)
     return {kind: tuple(said) for kind, said in found.items()}
 
 
@@ -168,7 +168,7 @@ def _grown(rng: random.Random) -> str:
 @cache
 def _grammar() -> tuple[dict[str, list[Rule]], dict[str, int], dict[str, str]]:
     """The rules of each symbol, the least depth of its trees, and the fixed words of terminals."""
-    lark = lark_parser()
+    lark = lark_parser(grammar())
     rules: dict[str, list[Rule]] = defaultdict(list)
     for rule in lark.rules:
         rules[rule.origin.name].append(rule)

@@ -12,7 +12,7 @@ from wmspec.design.constrain import Constraint
 from wmspec.design.draws import Level
 
 #: The most combinations of a factor's values with those that it is tied to that are counted, for a group of factors.
-MOST_COUNTED = 1_000_000
+MOST_COUNTED = 300_000
 
 
 class TooMuch(Exception):

@@ -1,4 +1,4 @@
-"""From Lark's parse tree to the syntax tree: one function per rule of the grammar that needs one."""
+"""From the parse tree to the syntax tree: one function per rule of the grammar that needs one."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from lark import Token, Tree
-
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Report
+from wmspec.parse.machine import Tree
 from wmspec.parse.source import Source, Span
+from wmspec.parse.words import Token
 
 _QUANTITY = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)[ \t]*(.+)")
 _ESCAPES = {"n": "\n", "t": "\t", '"': '"', "\\": "\\"}
 
 
-def build_file(source: Source, tree: Tree[Token], report: Report) -> s.File:
+def build_file(source: Source, tree: Tree, report: Report) -> s.File:
     """The syntax tree of a whole file."""
     build = _Builder(source, report)
     return s.File(tuple(build(c) for c in tree.children if c is not None), Span(source, 0, len(source.text)))
 
 
-def build_expression(source: Source, tree: Tree[Token], report: Report) -> s.Expr:
+def build_expression(source: Source, tree: Tree, report: Report) -> s.Expr:
     """The syntax tree of one expression."""
     expression: s.Expr = _Builder(source, report)(tree)
     return expression
@@ -34,15 +34,11 @@ class _Builder:
         self.report = report
 
     def __call__(self, node: Any) -> Any:
-        rule: Callable[[Any, Span], Any] = getattr(self, node.data)
+        rule: Callable[[Any, Span], Any] = getattr(self, node.rule)
         return rule(node.children, self.span(node))
 
-    def span(self, node: Any) -> Span:
-        if isinstance(node, Token):
-            return Span(self.source, node.start_pos or 0, node.end_pos or 0)
-        if node.meta.empty:
-            return Span(self.source, 0, 0)
-        return Span(self.source, node.meta.start_pos, node.meta.end_pos)
+    def span(self, node: Tree | Token) -> Span:
+        return Span(self.source, node.start, node.end)
 
     def maybe(self, node: Any) -> Any:
         return None if node is None else self(node)
@@ -53,7 +49,7 @@ class _Builder:
     # ------------------------------------------------------------ statements
 
     def docstring(self, c: Any, span: Span) -> s.Docstring:
-        return s.Docstring(c[0][3:-3].strip(), span)
+        return s.Docstring(c[0].text[3:-3].strip(), span)
 
     def use(self, c: Any, span: Span) -> s.Use:
         return s.Use(self(c[0]), span)
@@ -81,7 +77,7 @@ class _Builder:
         return s.Setting("horizon", self(c[0]), span)
 
     def setting(self, c: Any, span: Span) -> s.Setting:
-        return s.Setting(str(c[0]), self.text(c[1:], self.span(c[1])), span)
+        return s.Setting(c[0].text, self.text(c[1:], self.span(c[1])), span)
 
     def design(self, c: Any, span: Span) -> s.Design:
         return s.Design(self(c[0]), self.maybe(c[1]), self.every(c[2:]), span)
@@ -90,12 +86,12 @@ class _Builder:
         return s.Tolerance(self(c[0]), self(c[1]), span)
 
     def block(self, c: Any, span: Span) -> s.Block:
-        kind = str(c[0])
+        kind = c[0].text
         trees = [n for n in c[1:] if isinstance(n, Tree)]
         properties, parts = self.members(trees)
         if kind == "world":
             return s.Block(kind, s.Name("world", self.span(c[0])), properties, span)
-        model = next((self(n.children[0]) for n in trees if n.data == "model"), None)
+        model = next((self(n.children[0]) for n in trees if n.rule == "model"), None)
         count = self(trees[1]) if kind == "objects" else None
         return s.Block(kind, self(trees[0]), properties, span, model, count, parts)
 
@@ -105,8 +101,8 @@ class _Builder:
 
     def members(self, nodes: Any) -> tuple[tuple[s.Property, ...], tuple[s.Part, ...]]:
         trees = [n for n in nodes if isinstance(n, Tree)]
-        properties = tuple(self(n) for n in trees if n.data == "property")
-        return properties, tuple(self(n) for n in trees if n.data == "part")
+        properties = tuple(self(n) for n in trees if n.rule == "property")
+        return properties, tuple(self(n) for n in trees if n.rule == "part")
 
     def part(self, c: Any, span: Span) -> s.Part:
         return s.Part(self(c[0]), self.members(c[1:])[0], span)
@@ -118,7 +114,7 @@ class _Builder:
         return s.Action(self(c[0]), self(c[1]), self.every(c[2:]), span)
 
     def timing(self, c: Any, span: Span) -> s.Timing:
-        return s.Timing(str(c[0]), self(c[1]), span)
+        return s.Timing(c[0].text, self(c[1]), span)
 
     def observe(self, c: Any, span: Span) -> s.Observe:
         return s.Observe(self(c[0]), self(c[1]), span, self.maybe(c[2]))
@@ -177,7 +173,7 @@ class _Builder:
         return s.Operation("not", self.every(c), span)
 
     def compare(self, c: Any, span: Span) -> s.Operation:
-        return s.Operation(str(c[1]), (self(c[0]), self(c[2])), span)
+        return s.Operation(c[1].text, (self(c[0]), self(c[2])), span)
 
     binary = compare
 
@@ -206,15 +202,15 @@ class _Builder:
         return s.Argument(self(c[0]) if len(c) > 1 else None, self(c[-1]), span)
 
     def number(self, c: Any, span: Span) -> s.Number:
-        return s.Number(float(c[0]), None, span)
+        return s.Number(float(c[0].text), None, span)
 
     def quantity(self, c: Any, span: Span) -> s.Number:
-        match = _QUANTITY.fullmatch(c[0])
+        match = _QUANTITY.fullmatch(c[0].text)
         assert match, c[0]
         return s.Number(float(match[1]), match[2], span)
 
     def text(self, c: Any, span: Span) -> s.Text:
-        return s.Text(re.sub(r"\\(.)", lambda m: _ESCAPES.get(m[1], m[1]), c[0][1:-1]), span)
+        return s.Text(re.sub(r"\\(.)", lambda m: _ESCAPES.get(m[1], m[1]), c[0].text[1:-1]), span)
 
     def true(self, _: Any, span: Span) -> s.Truth:
         return s.Truth(True, span)
@@ -223,7 +219,7 @@ class _Builder:
         return s.Truth(False, span)
 
     def name(self, c: Any, span: Span) -> s.Name:
-        return s.Name(str(c[0]), span)
+        return s.Name(c[0].text, span)
 
     at_name = name
     at_key = name
@@ -237,5 +233,5 @@ class _Builder:
         return s.Items("tuple", self.every(c), None, span)
 
     def list(self, c: Any, span: Span) -> s.Items:
-        unit = c[-1].strip() if isinstance(c[-1], Token) else None
+        unit = c[-1].text.strip() if isinstance(c[-1], Token) else None
         return s.Items("list", self.every(c), unit, span)

@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from lark import Token
-
 from wmspec.parse.columns import Cell, Line, in_columns
 from wmspec.parse.diagnostics import Report
-from wmspec.parse.layout import INDENT, Layout, spelled, start
+from wmspec.parse.layout import INDENT, Layout, spelled
 from wmspec.parse.parser import parse, words
 from wmspec.parse.source import Source
+from wmspec.parse.words import Token
 
 #: The longest line that a block is kept on, in characters.
 WIDTH = 120
@@ -46,7 +45,7 @@ def _lines(tokens: list[Token], layout: Layout) -> Iterator[Line]:
             continue
         if i:
             yield _filled(line, tokens, first, i, layout)
-        level += sum(start(t) in layout.opens for t in tokens[first:i]) - (start(token) in layout.closes)
+        level += sum(t.start in layout.opens for t in tokens[first:i]) - (token.start in layout.closes)
         depth += sum(_depth(t) for t in tokens[first:i])
         if within[i]:
             line = Line(INDENT * (level + (depth + min(_depth(token), 0) or 2)), ())
@@ -69,12 +68,12 @@ def _begins_line(tokens: list[Token], i: int, layout: Layout) -> bool:
 
 
 def _rows_between(before: Token, here: Token) -> int:
-    return (here.line or 0) - (before.end_line or 0)
+    return here.line - before.end_line
 
 
 def _blank_before(tokens: list[Token], i: int, layout: Layout) -> bool:
     """Whether the author left lines empty before a line, other than at the start or end of a block."""
-    first, last = start(tokens[i - 1]) in layout.opens, start(tokens[i]) in layout.closes
+    first, last = tokens[i - 1].start in layout.opens, tokens[i].start in layout.closes
     return _rows_between(tokens[i - 1], tokens[i]) > 1 and not first and not last
 
 
@@ -94,7 +93,7 @@ def _filled(line: Line, tokens: list[Token], first: int, end: int, layout: Layou
     comment = tokens[end - 1].type == "COMMENT"
     cells: list[Cell] = []
     for i in range(first, end - comment):
-        sort, text = layout.cells.get(start(tokens[i]), ""), spelled(tokens[i])
+        sort, text = layout.cells.get(tokens[i].start, ""), spelled(tokens[i])
         if not cells:
             cells.append(Cell(text, sort))
         elif sort:

@@ -6,10 +6,9 @@ from bisect import bisect_left
 from collections.abc import Iterable
 from itertools import pairwise
 
-from lark import Token
-
 from wmspec.parse import syntax as s
 from wmspec.parse.source import Span
+from wmspec.parse.words import Token
 
 #: Spaces per level.
 INDENT = 2
@@ -27,24 +26,20 @@ _VALUE_ENDS = _ATOMS | _SOFT | {"REPEAT", "HORIZON"}
 Part = s.Statement | s.Task | s.Clause | s.Counterfactual
 
 
-def start(token: Token) -> int:
-    """The offset at which a token begins."""
-    return token.start_pos or 0
-
-
 def spelled(token: Token) -> str:
     """A token as it is to be written: one space between number and unit, none at the end of a comment."""
+    text = token.text
     match token.type:
         case "QUANTITY":
-            number = len(token) - len(token.lstrip("0123456789."))
-            if token[number : number + 1] in ("e", "E") and token[number + 1 :].lstrip("+-")[:1].isdigit():
-                number = len(token) - len(token[number + 1 :].lstrip("+-").lstrip("0123456789"))
-            return f"{token[:number]} {token[number:].strip()}"
+            number = len(text) - len(text.lstrip("0123456789."))
+            if text[number : number + 1] in ("e", "E") and text[number + 1 :].lstrip("+-")[:1].isdigit():
+                number = len(text) - len(text[number + 1 :].lstrip("+-").lstrip("0123456789"))
+            return f"{text[:number]} {text[number:].strip()}"
         case "LIST_UNIT":
-            return f" {token.strip()}"
+            return f" {text.strip()}"
         case "COMMENT":
-            return token.rstrip()
-    return str(token)
+            return text.rstrip()
+    return text
 
 
 class Layout:
@@ -62,7 +57,7 @@ class Layout:
         self._wide: set[int] = set()
         self._headings: set[int] = set()
         self._tokens = tokens
-        self._starts = [start(t) for t in tokens]
+        self._starts = [t.start for t in tokens]
         self._width = width
         self._level = 0
         self._parts(items)
@@ -70,19 +65,19 @@ class Layout:
     def gap(self, i: int) -> str:
         """The space before token `i` if it does not begin a line."""
         before, here = self._tokens[i - 1], self._tokens[i]
-        if start(here) in self._wide:
+        if here.start in self._wide:
             return "  "
-        if start(here) in self._headings:
+        if here.start in self._headings:
             return " "
         signs = before.type == "MINUS" and (
-            i < 2 or self._tokens[i - 2].type not in _VALUE_ENDS or start(before) in self.cells
+            i < 2 or self._tokens[i - 2].type not in _VALUE_ENDS or before.start in self.cells
         )
         calls = here.type in ("LPAR", "LSQB") and before.type in ("NAME", "RPAR")
         return "" if here.type in _TIGHT_BEFORE or before.type in _TIGHT_AFTER or signs or calls else " "
 
     def begins_line(self, token: Token) -> bool:
         """Whether a token begins a line wherever the author put it."""
-        return start(token) in self.breaks or start(token) in self.closes
+        return token.start in self.breaks or token.start in self.closes
 
     # ------------------------------------------------------------ finding tokens
 

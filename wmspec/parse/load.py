@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from pathlib import Path
 
 from wmspec.errors import WmsError, suggestion
@@ -72,7 +71,7 @@ def located(name: str) -> Path:
 
 def library_folder() -> Path:
     """The folder of the libraries that come with wmspec."""
-    return Path(str(files("wmspec").joinpath("specs/library")))
+    return Path(__file__).parents[1] / "specs/library"
 
 
 def search_path() -> tuple[Path, ...]:

@@ -1,0 +1,97 @@
+"""The machine reads as Lark does, of whose tables it is made: the same words, and the same trees."""
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from lark import Lark
+from lark import Token as LarkToken
+from lark import Tree as LarkTree
+from lark.exceptions import UnexpectedInput
+
+from tests.language.specs import SPECS, random_text
+from tests.language.trees import files, written
+from wmspec.parse.machine import END, Machine, Tree
+from wmspec.parse.syntax import File
+from wmspec.parse.tables import grammar, lark_parser, tables
+from wmspec.parse.words import Token, read
+
+
+@cache
+def lark() -> Lark:
+    return lark_parser(grammar())
+
+
+def ours(text: str) -> Any:
+    machine = Machine("start")
+    tokens = [t for t in read(text) if t.type not in ("WHITE", "COMMENT", "OPEN_STRING")]
+    if not all(machine.read(token) for token in [*tokens, Token(END, "", len(text), 0)]):
+        return "refused"
+    return bare(machine.result)
+
+
+def theirs(text: str) -> Any:
+    try:
+        return bare(lark().parse(text, start="start"))
+    except UnexpectedInput:
+        return "refused"
+
+
+def bare(node: Any) -> Any:
+    """Rules, words and gaps alone."""
+    match node:
+        case Tree():
+            return node.rule, [bare(child) for child in node.children]
+        case LarkTree():
+            return str(node.data), [bare(child) for child in node.children]
+        case Token():
+            return node.type, node.text
+        case LarkToken():
+            return node.type, str(node)
+    return node
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: f"{p.parent.stem}-{p.stem}")
+def test_specs_are_read_as_lark_reads_them(path: Path) -> None:
+    text = path.read_text()
+    assert ours(text) == theirs(text) != "refused"
+
+
+@given(files)
+def test_trees_are_read_as_lark_reads_them(tree: File) -> None:
+    assert ours(written(tree)) == theirs(written(tree)) != "refused"
+
+
+@settings(max_examples=60, deadline=None)
+@given(random_text(), files)
+def test_what_is_cut_short_or_mixed_up_is_refused_where_lark_refuses_it(text: str, tree: File) -> None:
+    other = written(tree)
+    for mixed in (text[: len(other)], text[: len(text) // 2] + other, other[: len(other) // 2]):
+        assert ours(mixed) == theirs(mixed)
+
+
+def test_words_have_their_places() -> None:
+    text = 'task a {\n  """two\nlines"""  factor b in [1, 2] cm  # end\n}\n'
+    found = list(read(text, 7))
+    assert "".join(t.text for t in found) == text
+    assert all(text[t.start - 7 : t.end - 7] == t.text for t in found)
+    lines = {t.text: (t.line, t.end_line) for t in found}
+    assert lines["task"] == (1, 1)
+    assert lines['"""two\nlines"""'] == (2, 3)
+    assert lines["factor"] == (3, 3)
+    assert lines["}"] == (4, 4)
+
+
+def test_tables_are_made_again_where_those_kept_are_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    first = tables.__wrapped__()
+    (kept,) = (tmp_path / "wmspec").iterdir()
+    whole = kept.read_bytes()
+    assert tables.__wrapped__() == first
+    for broken in (b"", whole[:100], b"\x80\x04N."):
+        kept.write_bytes(broken)
+        made = tables.__wrapped__()  # Lark numbers the states as it likes
+        assert (made.pattern, made.keywords, made.rules) == (first.pattern, first.keywords, first.rules)
+        assert tables.__wrapped__() == made

@@ -1,0 +1,110 @@
+"""The machine that reads: a stack of states, driven word by word through the tables of the grammar."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from wmspec.parse.tables import Rule, tables
+from wmspec.parse.words import Token
+
+#: What comes after the last word.
+END = "$END"
+
+
+class Tree(NamedTuple):
+    """A node of the parse tree: the rule that made it, its children (trees, words, None), and the text it spans."""
+
+    rule: str
+    children: list[Any]
+    start: int
+    end: int
+
+
+class Part(NamedTuple):
+    """What was read on the way to a state, with its place; nothing begins after everything and ends before it."""
+
+    read: Any
+    start: float
+    end: int
+
+
+class Machine:
+    """Reads words until the end; `result` is then the tree of all."""
+
+    def __init__(self, start: str) -> None:
+        self.tables = tables()
+        self.last = self.tables.last[start]
+        self.states = [self.tables.first[start]]
+        self.parts: list[Part] = []
+        """One less than states."""
+        self.result: Tree | None = None
+
+    def read(self, token: Token) -> bool:
+        """Take in a word; False if it cannot stand here, and then another may be tried."""
+        states, parts = self.states, self.parts
+        while (action := self.tables.states[states[-1]].get(token.type)) is not None:
+            if action >= 0:
+                states.append(action)
+                parts.append(Part(token, token.start, token.end))
+                return True
+            rule = self.tables.rules[~action]
+            made = _made(rule, parts[len(parts) - rule.size :])
+            del states[len(states) - rule.size :], parts[len(parts) - rule.size :]
+            states.append(self.tables.states[states[-1]][rule.origin])
+            parts.append(made)
+            if token.type == END and states[-1] == self.last:
+                self.result = made.read
+                return True
+        return False
+
+    def takes(self, kind: str, depth: int | None = None) -> bool:
+        """Whether a word of a type could be read next, if only the first `depth` states were on the stack."""
+        left = len(self.states) if depth is None else depth
+        pushed: list[int] = []
+        while (action := self._next(pushed, left).get(kind)) is not None:
+            if action >= 0:
+                return True
+            rule = self.tables.rules[~action]
+            left -= max(0, rule.size - len(pushed))
+            del pushed[max(0, len(pushed) - rule.size) :]
+            pushed.append(self._next(pushed, left)[rule.origin])
+            if kind == END and pushed[-1] == self.last:
+                return True
+        return False
+
+    def accepted(self) -> set[str]:
+        """The types of words that could be read next."""
+        return {kind for kind in self._next([], len(self.states)) if _is_word(kind) and self.takes(kind)}
+
+    def unwind(self, kind: str) -> bool:
+        """Forget what was read last until a word of this type could follow; nothing if it never could."""
+        for depth in range(len(self.states), 0, -1):
+            if self.takes(kind, depth):
+                del self.states[depth:], self.parts[depth - 1 :]
+                return True
+        return False
+
+    def _next(self, pushed: list[int], left: int) -> dict[str, int]:
+        return self.tables.states[pushed[-1] if pushed else self.states[left - 1]]
+
+
+def _is_word(symbol: str) -> bool:
+    return symbol.isupper() or symbol == END
+
+
+def _made(rule: Rule, parts: list[Part]) -> Part:
+    """What a rule makes of the parts read last."""
+    start = min([part.start for part in parts], default=float("inf"))
+    end = max([part.end for part in parts], default=0)
+    children: list[Any] = []
+    for position, spread in rule.kept:
+        if position is None:
+            children.append(None)
+        elif spread:
+            inner: list[Any] = parts[position].read.children
+            children = children + inner if children else inner  # a long list grows in place
+        else:
+            children.append(parts[position].read)
+    if rule.collapses and len(children) == 1:
+        return Part(children[0], start, end)
+    return Part(Tree(rule.name, children, int(min(start, end)), end), start, end)
