@@ -22,7 +22,7 @@ from wmspec.stage.layers import compose
 from wmspec.write import ink
 from wmspec.write.ink import Style
 
-OUTPUT = Path(__file__).parent.parent / "docs/images/pixels.png"
+OUTPUT = Path(__file__).parent.parent / "docs/images/pixels.jpg"
 PLACES = {
     "tabletop": "table",
     "tabletop_cool": "table",
@@ -47,12 +47,16 @@ STILL = """
 use {place}
 task still : custom {{
   factor only in [1, 2]
-  object can   {{ shape: cylinder  size: 11 cm  color: white   material: marble   on: {ground} at (-22 cm, 9 cm) }}
-  object dice  {{ shape: cube      size: 11 cm  color: blue    material: rubber   on: {ground} at (-3 cm, 13 cm)  yaw: 25 deg }}
+  object can   {{ shape: cylinder  size: 11 cm  color: white   material: marble  on: {ground} at (-22 cm, 9 cm) }}
+  object dice  {{
+    shape: cube  size: 11 cm  color: blue  material: rubber  on: {ground} at (-3 cm, 13 cm)  yaw: 25 deg
+  }}
   object ball  {{ shape: sphere    size: 13 cm  color: red     on: {ground} at (18 cm, 8 cm)  mass: only * 1 kg }}
-  object hat   {{ shape: cone      size: 13 cm  color: orange  material: wood     on: {ground} at (-20 cm, -12 cm) }}
+  object hat   {{ shape: cone      size: 13 cm  color: orange  material: wood    on: {ground} at (-20 cm, -12 cm) }}
   object steel {{ shape: sphere    size: 11 cm  material: brushed  on: {ground} at (-1 cm, -7 cm) }}
-  object block {{ shape: cube      size: 10 cm  color: yellow  material: checker  on: {ground} at (19 cm, -13 cm)  yaw: 40 deg }}
+  object block {{
+    shape: cube  size: 10 cm  color: yellow  material: checker  on: {ground} at (19 cm, -13 cm)  yaw: 40 deg
+  }}
   observe {camera} at [0 s]
 }}
 """
@@ -92,7 +96,7 @@ def sheet() -> Image.Image:
 
 def main(output: str = str(OUTPUT)) -> int:
     """Write the picture."""
-    sheet().save(output, optimize=True)
+    sheet().save(output, quality=90)
     return 0
 
 

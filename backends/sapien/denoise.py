@@ -21,7 +21,7 @@ PLANE, LIGHT = 0.004, 0.9
 """How fast the weight falls with the distance from the plane of the surface (as a share of that from the camera), and
 with the difference of light (as a share of the light; less in every pass)."""
 
-DARK, FIREFLY = 0.02, 2.0
+DARK, FIREFLY = 0.12, 2.0
 """Colours below are not divided out; light that is so many times the median around it, or such a part, is cut off."""
 
 
@@ -74,7 +74,8 @@ def _closeness(one: Planes, other: Planes) -> NDArray[np.float32]:
 
 
 def _likeness(one: Planes, other: Planes, tolerance: float) -> NDArray[np.float32]:
-    """1 for equal light (its green part stands for it), less the more it differs."""
-    apart = (one[1] - other[1]) / (np.float32(tolerance / 2) * (one[1] + other[1]) + np.float32(1e-3))
+    """1 for equal light, less the more it differs."""
+    bright, lit = one.sum(axis=0), other.sum(axis=0)
+    apart = (bright - lit) / (np.float32(tolerance / 2) * (bright + lit) + np.float32(1e-3))
     alike: NDArray[np.float32] = 1 / (1 + apart * apart) ** 2
     return alike

@@ -201,7 +201,7 @@ def _material(geom: Geom, linear: bool) -> Any:
     look = geom.surface
     material = sapien.render.RenderMaterial()
     material.base_color = [*(to_linear(look.color).tolist() if linear else look.color), 1.0]
-    material.roughness, material.metallic = max(look.roughness, 0.05), look.metallic
+    material.roughness, material.metallic, material.specular = max(look.roughness, 0.05), look.metallic, 0.4
     if look.texture is not None:
         image = texture(look.texture)
         if linear:  # SAPIEN's own shaders take an image instead of the colour

@@ -1,0 +1,82 @@
+"""The picture of the materials in docs/pixels.md: each on a ball, a cube and a cylinder, in its own colour and in blue.
+
+python tools/materials.py [OUTPUT]
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+from wmspec.check.task import check
+from wmspec.design.design import Design
+from wmspec.execute.studio import Studio
+from wmspec.looks import MATERIALS
+from wmspec.parse.diagnostics import Report
+from wmspec.scene.model import Look, Shot
+from wmspec.scene.read import read
+from wmspec.stage.episode import document
+from wmspec.stage.layers import compose
+from wmspec.write import ink
+from wmspec.write.ink import Style
+
+OUTPUT = Path(__file__).parent.parent / "docs/images/materials.jpg"
+SIDE = 190
+ROWS: tuple[tuple[str, str, Look], ...] = (
+    ("parity", "", "parity"),
+    ("parity, blue", "color: blue", "parity"),
+    ("beauty", "", "beauty"),
+)
+SPEC = """
+use floor
+camera near {{ at: (0, -70 cm, 52 cm)  look_at: (0, 0, 4 cm)  fov: 24 deg }}
+task one : custom {{
+  factor only in [1, 2]
+  object ball   {{
+    shape: sphere  size: 13 cm  material: {name}  {color}  on: floor at (-7 cm, 7 cm)  mass: only * 1 kg
+  }}
+  object block  {{ shape: cube      size: 11 cm  material: {name}  {color}  on: floor at (7 cm, 6 cm)  yaw: 20 deg }}
+  object drum   {{ shape: cylinder  size: 10 cm  material: {name}  {color}  on: floor at (0, -8 cm) }}
+  observe near at [0 s]
+}}
+"""
+
+
+def picture(name: str, color: str, look: Look) -> Image.Image:
+    """Three things of a material."""
+    with tempfile.TemporaryDirectory() as folder:
+        spec = Path(folder) / "one.wms"
+        spec.write_text(SPEC.format(name=name, color=color))
+        report = Report()
+        tasks = check(spec, report)
+        report.stop_if_failed()
+    scene = read(compose(document(tasks[0], Design(tasks[0])[0])))
+    studio = Studio("mujoco", SIDE, SIDE, look)
+    frame = studio.draw(scene, Shot("near", tuple(body.pose for body in scene.bodies)))
+    studio.close()
+    return Image.fromarray(frame.rgb)
+
+
+def sheet() -> Image.Image:
+    """Five materials beside one another, twice."""
+    label, name, wide = Style(18, bold=True), Style(15), 110
+    parts, names = [], list(MATERIALS)
+    for five in (names[:5], names[5:]):
+        parts.append(ink.beside([ink.blank(wide, 1), *(ink.paragraph(one, label, SIDE) for one in five)], 6))
+        for said, color, look in ROWS:
+            pictures = [picture(one, color, look) for one in five]
+            parts.append(ink.beside([ink.paragraph(said, name, wide), *pictures], 6, middle=True))
+    return ink.padded(ink.above(parts, 6), 14)
+
+
+def main(output: str = str(OUTPUT)) -> int:
+    """Write the picture."""
+    sheet().save(output, quality=90)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
