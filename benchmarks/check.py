@@ -2,10 +2,10 @@
 
     python -m benchmarks.check [SPECS]
 
-The bars are 0.3 s of processor time for each spec that comes with wmspec, the median of five runs, and 20,000 instances
-a second. A machine that does other things at the same time is slower at this too, so what Python alone takes to start is
-shown beside it. The first run fills the caches of the grammar and of Python's bytecode, which an installation has, and
-does not count. The exit code is 1 if a bar is missed.
+The bars are 0.3 s of processor time for each spec that comes with wmspec, the median of five runs, and 20,000
+instances a second. A machine that does other things at the same time is slower at this too, so what Python alone takes
+to start is shown beside it. The first run fills the caches of the grammar and of Python's bytecode, which an
+installation has, and does not count. The exit code is 1 if a bar is missed.
 
 For comparison: Scenic, which draws scenes until one is allowed, was measured at about 350 scenes a second.
 """
