@@ -1,11 +1,14 @@
 """What robots do is checked, listed and refused where it would have to be executed, with its place."""
 
+import json
 import re
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from tests.language.specs import SPECS, task_of
+from wmspec.cli import main
 from wmspec.design.design import Design
 from wmspec.errors import WmsError
 from wmspec.stage.agents import without
@@ -29,6 +32,12 @@ def test_what_robots_do_is_refused_with_its_place_and_the_rest_is_staged(path: P
     prims = document(without(spec), instance).prims
     actions = [t.name for t in spec.things if t.kind == "action"]
     assert [a for a in actions if f"/World/Episode/Actions/{a}" not in prims] == acts(path)
+
+
+def test_they_are_listed_as_such() -> None:
+    listed = json.loads(CliRunner().invoke(main, ["list", "--json"]).stdout)
+    assert {row["file"] for row in listed if not row["executable"]} == {str(path) for path in SPECS if acts(path)}
+    assert "arm_push *" in CliRunner().invoke(main, ["list"]).stdout
 
 
 def test_there_are_tasks_of_both_sorts() -> None:

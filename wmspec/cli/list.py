@@ -35,6 +35,7 @@ def _row(path: Path, spec: Any) -> dict[str, Any]:
     from wmspec.check.ir import Choices
     from wmspec.design.design import Design
     from wmspec.paper import column
+    from wmspec.stage.agents import executable
 
     design, there = Design(spec), column(spec.name)
     return {
@@ -47,6 +48,7 @@ def _row(path: Path, spec: Any) -> dict[str, Any]:
         "factors": {f.name: len(f.domain.values) if isinstance(f.domain, Choices) else None for f in design.factors},
         "nuisances": [n.name for n in design.nuisances],
         "questions": len(spec.questions),
+        "executable": executable(spec),
         "file": str(path),
     }
 
@@ -62,9 +64,12 @@ def _print(found: Sequence[dict[str, Any]]) -> None:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
         factors = ", ".join(f"{name} ({count or 'continuous'})" for name, count in row["factors"].items())
         asked = f" × {row['questions']}" if row["questions"] > 1 else ""
-        table.add_row(row["task"], row["dimension"], f"{row['instances']:,}{asked}", paper, factors)
+        name = row["task"] if row["executable"] else f"{row['task']} *"
+        table.add_row(name, row["dimension"], f"{row['instances']:,}{asked}", paper, factors)
     console = Console(soft_wrap=False)
     console.print(table)
+    if not all(row["executable"] for row in found):
+        console.print("* robots act in these: they are checked, and cannot be executed yet", highlight=False)
     console.print(_covered(found), highlight=False)
 
 

@@ -6,6 +6,11 @@ from wmspec.check.ir import TaskSpec, Thing, Value
 from wmspec.errors import WmsError
 
 
+def executable(spec: TaskSpec) -> bool:
+    """Whether everything in the spec can be executed: whether there are no robots."""
+    return not any(thing.kind == "robot" or (thing.kind == "action" and thing.of) for thing in spec.things)
+
+
 def refuse(spec: TaskSpec) -> None:
     """Raise WmsError with its place if the spec has robots."""
     for thing in spec.things:
