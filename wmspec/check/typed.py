@@ -36,6 +36,8 @@ def fits(kind: Kind, wanted: Kind) -> bool:
 
 def joined(a: Kind, b: Kind) -> Kind | None:
     """The common kind of two values, None if they have none. A bare zero and an empty list give way."""
+    if a == b:
+        return a
     match a, b:
         case Quantity(dimension), Quantity() if dimension == ZERO:
             return b
@@ -52,8 +54,6 @@ def joined(a: Kind, b: Kind) -> Kind | None:
         case List(x), List(y) if x and y:
             item = joined(x, y)
             return List(item) if item else None
-    if a == b:
-        return a
     return LABEL if _side_by_side(a, b) or _side_by_side(b, a) else None
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,7 @@ class UnknownUnit(Exception):
     """The unit's name, as written."""
 
 
+@lru_cache(maxsize=256)
 def parse_unit(text: str) -> tuple[float, Dimension]:
     """The SI value and dimension of a unit such as `cm/s` or `kg*m^2`. Raises UnknownUnit with the unknown part."""
     scale, dimension = 1.0, NUMBER
