@@ -48,12 +48,12 @@ class Machine:
                 parts.append(Part(token, token.start, token.end))
                 return True
             rule = self.tables.rules[~action]
-            made = _made(rule, parts[len(parts) - rule.size :])
-            del states[len(states) - rule.size :], parts[len(parts) - rule.size :]
+            if not rule.passes:
+                parts[len(parts) - rule.size :] = [_made(rule, parts[len(parts) - rule.size :])]
+            del states[len(states) - rule.size :]
             states.append(self.tables.states[states[-1]][rule.origin])
-            parts.append(made)
             if token.type == END and states[-1] == self.last:
-                self.result = made.read
+                self.result = parts[-1].read
                 return True
         return False
 

@@ -27,7 +27,7 @@ class Rule:
     """A rule of the grammar: what it makes of how many parts, and the node that comes of it.
 
     `kept` says what the children of the node are: the part at a position (None: a part that was left out), or that
-    part's own children. A node with one child is that child if it `collapses`.
+    part's own children. A node with one child is that child if it `collapses`; it `passes` what it has if it always is.
     """
 
     name: str
@@ -35,6 +35,7 @@ class Rule:
     size: int
     kept: tuple[tuple[int | None, bool], ...]
     collapses: bool
+    passes: bool
 
 
 @dataclass(frozen=True)
@@ -153,10 +154,12 @@ def _rule(rule: Any) -> Rule:
         position, symbol = next(parts)
         if options.keep_all_tokens or not (symbol.is_term and symbol.filter_out):
             kept.append((position, not symbol.is_term and symbol.name.startswith("_")))
+    collapses = options.expand1 and not rule.alias
     return Rule(
         name=str(rule.alias or rule.origin.name),
         origin=str(rule.origin.name),
         size=len(rule.expansion),
         kept=tuple(kept),
-        collapses=options.expand1 and not rule.alias,
+        collapses=collapses,
+        passes=collapses and len(rule.expansion) == 1 and kept == [(0, False)],
     )
