@@ -44,3 +44,14 @@ def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
     assert digests(tmp_path / "one") == digests(tmp_path / "two"), "asking again changes nothing"
     wmspec("view", "one", "-o", "sheet.png", folder=tmp_path)
     assert (tmp_path / "sheet.png").stat().st_size > 10_000
+
+
+def test_one_engine_may_draw_what_another_executes(tmp_path: Path) -> None:
+    for engine in ("mujoco", "pybullet"):
+        pytest.importorskip(engine)
+    args = ["generate", SPEED, "-b", "mujoco", "-r", "pybullet", "--per-task", 1, "--size", 64]
+    wmspec(*args, "-o", "out", folder=tmp_path)
+    import pyarrow.parquet as pq
+
+    rows = pq.read_table(tmp_path / "out/data/speed_tabletop").to_pylist()
+    assert [(row["engine"], row["renderer"]) for row in rows] == [("mujoco", "pybullet")]

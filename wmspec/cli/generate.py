@@ -31,6 +31,7 @@ from wmspec.errors import WmsError
 @specs_argument
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="The folder of the dataset.")
 @click.option("--backend", "-b", default="all", show_default=True, help="Engines: names joined by commas, or all.")
+@click.option("--renderer", "-r", default="", help="The engine that draws, if not each what it executes itself.")
 @click.option(
     "--per-task", type=click.IntRange(1), help="How many instances of each task, drawn at random.  [default: all]"
 )
@@ -59,6 +60,7 @@ def generate_command(
     specs: tuple[Path, ...],
     output: Path | None,
     backend: str,
+    renderer: str,
     per_task: int | None,
     full: bool,
     only_dimension: tuple[str, ...],
@@ -86,7 +88,10 @@ def generate_command(
     if full and per_task:
         raise WmsError("--full makes all instances and --per-task some of them; give one of the two")
     tasks = executable(of_dimensions(load_tasks(specs), only_dimension), specs)
-    engines = drawing(chosen(backend), look)
+    engines = chosen(backend) if renderer else drawing(chosen(backend), look)
+    drawers = drawing(chosen(renderer), look) if renderer else engines
+    if renderer and len(drawers) > 1:
+        raise WmsError("one engine draws; name it with --renderer, or leave it out so that each draws for itself")
     plan = Plan(
         texts=_texts(tasks),
         tasks=tuple(Task(spec, _indices(Design(spec, seed), per_task)) for _, spec in tasks),
@@ -96,7 +101,8 @@ def generate_command(
         consensus=consensus,
         look=look,
         samples=samples_for(look, samples),
-        versions={"wmspec": __version__} | {name: engine_version(name) for name in engines},
+        renderer=drawers[0] if renderer else "",
+        versions={"wmspec": __version__} | {name: engine_version(name) for name in {*engines, *drawers}},
     )
     for task in plan.tasks:
         if not task.spec.questions:

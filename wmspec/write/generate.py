@@ -40,7 +40,7 @@ def job_of(plan: Plan, effort: Effort) -> Job:
     if effort.workers > 1:  # Mesa's software renderer would start a thread per core in every worker
         os.environ.setdefault("LP_NUM_THREADS", "0")
     tasks = tuple((t.spec.name, t.spec.model_dump_json()) for t in plan.tasks)
-    return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, plan.look, plan.samples)
+    return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, plan.look, plan.samples, plan.renderer)
 
 
 def _lost(plan: Plan, shard: Shard, index: int, lost: Lost) -> Outcome:

@@ -46,7 +46,8 @@ class Plan:
     """Everything that decides a dataset's bytes.
 
     `texts` are the specs and what they use, by name. `size` is the pictures' (width, height) in pixels, `look` and
-    `samples` how they are drawn, `consensus` how many engines must agree on a question for it to be kept, `shard` the
+    `samples` how they are drawn, `renderer` the engine that draws what every engine executes (each for itself if it is
+    empty), `consensus` how many engines must agree on a question for it to be kept, `shard` the
     instances of a shard, `versions` those of wmspec and of the engines.
 
     Raises WmsError if two tasks have the same name.
@@ -61,6 +62,7 @@ class Plan:
     versions: dict[str, str]
     look: Look = "parity"
     samples: int | None = None
+    renderer: str = ""
     shard: int = field(default=64)
 
     def __post_init__(self) -> None:
@@ -91,6 +93,7 @@ class Plan:
             "size": list(self.size),
             "look": self.look,
             "samples": self.samples,
+            "renderer": self.renderer,
             "consensus": self.consensus,
             "shard": self.shard,
             "specs": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(self.texts.items())},

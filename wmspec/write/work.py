@@ -28,6 +28,7 @@ class Job:
     consensus: Consensus
     look: Look = "parity"
     samples: int | None = None
+    renderer: str = ""
 
 
 @dataclass(frozen=True)
@@ -61,4 +62,7 @@ def _design(job: Job, task: str) -> Design:
 
 @cache
 def _crews(job: Job) -> dict[str, Crew]:
-    return {engine: Crew(Executor(engine), Studio(engine, *job.size, job.look, job.samples)) for engine in job.engines}
+    return {
+        engine: Crew(Executor(engine), Studio(job.renderer or engine, *job.size, job.look, job.samples))
+        for engine in job.engines
+    }
