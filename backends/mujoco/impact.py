@@ -1,6 +1,6 @@
 """MuJoCo has no restitution: a contact is a damped spring, here stiff enough that an impact lasts about twenty steps.
 
-Units of this file: one time step, the speed of impact. The numbers in `SOFT`, `STIFF` and `RUB` were found by
+Units of this file: one time step, the speed of impact. The numbers in `SOFT`, `STIFF`, `RUB` and `SLIDE` were found by
 comparison with analytic impacts (drops, collisions of balls, slid boxes): their errors are bounded in `tests/physics`.
 """
 
@@ -27,6 +27,9 @@ class Spring(NamedTuple):
 SOFT = Spring(0.02, 0.1)  # for impacts without restitution
 STIFF = 0.15  # the highest frequency of those with
 RUB = 0.2  # friction's damping rate: twice the normal one at least, or impacts are over before friction has acted
+SLIDE = (
+    0.058  # the same without restitution: what slides with friction m and speed v is thrown up with m SLIDE v a step
+)
 _PHASES = (np.arange(64) + 0.5) / 64  # where in the step the surface is met
 _LONGEST = 800
 
@@ -37,9 +40,12 @@ def solref(pair: Friction, step: float) -> tuple[float, float]:
     return -((frequency / step * IMPEDANCE) ** 2), -damping / step * IMPEDANCE
 
 
-def solreffriction(step: float) -> tuple[float, float]:
-    """MuJoCo's `solreffriction` in its direct form; `step` in s."""
-    return 0.0, -RUB / step * IMPEDANCE
+def solreffriction(pair: Friction, step: float) -> tuple[float, float]:
+    """MuJoCo's `solreffriction` in its direct form for a pair's restitution; `step` in s.
+
+    Its cones of friction are convex: slipping at rate v asks for parting at rate m v, as fast as friction is damped.
+    """
+    return 0.0, -(SLIDE if pair.restitution <= LOWEST else RUB) / step * IMPEDANCE
 
 
 @cache

@@ -191,7 +191,7 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
         condim="3" if pair.dynamic > 0 else "1",
         friction=text([pair.dynamic, pair.dynamic, SPIN, ROLL, ROLL]),
         solref=text(solref(pair, episode.step)),
-        solreffriction=text(solreffriction(episode.step)),
+        solreffriction=text(solreffriction(pair, episode.step)),
         solimp=text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
         gap=text([TOUCH]),  # seen from there on, pushed from 0 on
     )
