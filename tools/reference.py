@@ -30,6 +30,7 @@ from wmspec.check.vocabulary import (
     Form,
     Slot,
 )
+from wmspec.looks import MATERIALS
 from wmspec.parse.diagnostics import CODES
 
 PAGE = Path(__file__).parent.parent / "docs/language.md"
@@ -92,6 +93,10 @@ def reference() -> Iterator[str]:
     yield "### Tolerances\n"
     limits = ((f"`{name}`", str(slot.kinds[0]), slot.meaning) for name, slot in TOLERANCES.items())
     yield from table(("tolerance", "takes", "of"), limits)
+    yield "### Materials\n"
+    yield "What an object seems to be made of. How it rubs and bounces is said by its `friction` and `restitution`.\n"
+    looks = ((f"`{n}`", m.meaning, f"{m.roughness:g}", f"{m.metallic:g}") for n, m in MATERIALS.items())
+    yield from table(("material", "look", "roughness", "metallic"), looks)
     yield "### Words\n"
     for vocabulary, words in (WORDS | {"kind of joint": JOINTS}).items():
         yield f"- **{vocabulary}**: {', '.join(f'`{word}`' for word in words)}"
