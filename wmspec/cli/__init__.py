@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import importlib
 import os
@@ -14,6 +15,10 @@ from wmspec.errors import WmsError
 
 # Much is made while a command starts, and it stays: looking for garbage in it every 700 objects takes a tenth.
 gc.set_threshold(100_000, 20, 20)
+# Nor is anything worth finding when the process ends: another tenth.
+atexit.register(gc.freeze)
+# To look for plugins, pydantic would read the metadata of everything that is installed.
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 COMMANDS = (
     "check",
