@@ -437,10 +437,17 @@ REFUSED = {
     ),
     "indices": ('def Mesh "a" {int[] faceVertexCounts = [3] int[] faceVertexIndices = [0, 1, 2]}', "a", "do not fit"),
     "flat collider": (
-        f"""def Mesh "a" {COLLIDER} {{int[] faceVertexCounts = [3] int[] faceVertexIndices = [0, 1, 2]
+        f"""def Mesh "a" {COLLIDER.replace("[", RIGID)} {{
+        int[] faceVertexCounts = [3] int[] faceVertexIndices = [0, 1, 2]
         point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]}}""",
         "a",
-        "no volume",
+        "dynamic mesh that collides has no volume",
+    ),
+    "collider on a line": (
+        f"""def Mesh "a" {COLLIDER} {{int[] faceVertexCounts = [3] int[] faceVertexIndices = [0, 1, 2]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]}}""",
+        "a",
+        "on a line",
     ),
     "hollow collider": (
         f'def Mesh "a" {COLLIDER.replace("[", RIGID)} {{ {QUAD_BOX.replace("(1,1,1)", "(.3,.3,.3)")} }}',

@@ -9,13 +9,14 @@ import numpy as np
 from pxr import Gf
 
 from wmspec.scene.model import Array, Body, Geom
-from wmspec.scene.read.colliders import collider
+from wmspec.scene.read.colliders import DOWN, collider
 from wmspec.scene.read.frames import World, split, vector
 from wmspec.scene.read.geoms import Materials, geoms
 from wmspec.scene.read.masses import body_inertia
 from wmspec.scene.read.prims import Names, Problems, refuse, value
 from wmspec.scene.read.shapes import Placed, placed
 from wmspec.scene.read.walk import Owner
+from wmspec.scene.transform import conjugate, rotate
 
 
 def bodies(owners: Sequence[Owner], world: World, problems: Problems) -> tuple[Body, ...]:
@@ -33,6 +34,7 @@ def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
     prim, path = owner.prim, str(owner.prim.GetPath())
     place = split(world.matrix(prim), prim)
     inverse = place.rigid.GetInverse()
+    down = rotate(conjugate(place.pose.orientation), DOWN)
     problems, names = Problems(), Names()
     found: list[Geom] = []
     colliders: list[tuple[Placed, float]] = []
@@ -40,7 +42,7 @@ def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
         with problems.gathered():
             here = placed(piece.prim, split(world.matrix(piece.prim) * inverse, piece.prim))
             below = str(piece.prim.GetPath()).removeprefix(path)
-            touched = collider(here, owner.motion) if piece.collides else ()
+            touched = collider(here, owner.motion, down) if piece.collides else ()
             found += geoms(piece, here, touched, names.give(below or prim.GetName()), names, materials)
             if piece.collides:
                 colliders.append((here, materials.density(piece.prim)))

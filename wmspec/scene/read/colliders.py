@@ -7,21 +7,25 @@ from pxr import Usd
 
 from wmspec.errors import WmsError
 from wmspec.scene.decompose import pieces
-from wmspec.scene.model import Box, Mesh, Motion, Pose, Shape, Sphere
+from wmspec.scene.model import Array, Box, Mesh, Motion, Pose, Shape, Sphere
 from wmspec.scene.read import meshes
 from wmspec.scene.read.prims import refuse, value
 from wmspec.scene.read.shapes import Placed
-from wmspec.scene.transform import apply
+from wmspec.scene.read.sheets import thickened
+from wmspec.scene.transform import apply, conjugate, rotate
 
 APART = ("convexDecomposition", "none", "meshSimplification")
 WAYS = ("convexHull", "boundingCube", "boundingSphere", *APART)
 
 
-def collider(here: Placed, motion: Motion) -> tuple[tuple[Shape, Pose], ...]:
-    """The shapes that collide for a geometry, in the body's frame.
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def collider(here: Placed, motion: Motion, down: Array = DOWN) -> tuple[tuple[Shape, Pose], ...]:
+    """The shapes that collide for a geometry, in the body's frame, where `down` (3,) is the way down.
 
     Raises:
-        StageError: if a mesh is flat, or can't collide as it is meant to.
+        StageError: if a mesh is flat and not static, or can't collide as it is meant to.
     """
     prim, mesh = here.prim, here.shape
     if not isinstance(mesh, Mesh):
@@ -29,10 +33,10 @@ def collider(here: Placed, motion: Motion) -> tuple[tuple[Shape, Pose], ...]:
     way = value(prim, "physics:approximation", "none")
     if way not in WAYS:
         refuse(prim, f"the approximation '{way}' is not supported", f"set it to one of: {', '.join(WAYS)}")
+    if way != "boundingSphere" and meshes.is_flat(mesh):
+        mesh = _solid(here, mesh, motion, down)
     if way.startswith("bounding"):
         return (_bounds(mesh, here.pose, way),)
-    if meshes.is_flat(mesh):
-        refuse(prim, "a mesh that collides has no volume", "use a Cube, a Plane or a mesh that is not flat")
     if as_hull(prim, mesh):
         return ((mesh, here.pose),)
     if motion == "dynamic" and way != "convexDecomposition":
@@ -42,6 +46,16 @@ def collider(here: Placed, motion: Motion) -> tuple[tuple[Shape, Pose], ...]:
         return tuple((piece, here.pose) for piece in pieces(mesh))
     except WmsError as error:
         refuse(prim, str(error), "or split it into convex meshes")
+
+
+def _solid(here: Placed, sheet: Mesh, motion: Motion, down: Array) -> Mesh:
+    remedy = "use a Cube, a Plane or a mesh that is not flat"
+    if motion != "static":
+        refuse(here.prim, f"a {motion} mesh that collides has no volume", remedy)
+    try:
+        return thickened(sheet, rotate(conjugate(here.pose.orientation), down))
+    except WmsError as error:
+        refuse(here.prim, f"a mesh that collides has no volume: {error}", remedy)
 
 
 def as_hull(prim: Usd.Prim, mesh: Mesh) -> bool:
