@@ -1,0 +1,53 @@
+"""What a backend is given (`Scene`) and what it gives back (`Trace`, `Frame`).
+
+Units are SI, the world is Z up, quaternions are (w, x, y, z), colours are sRGB in 0..1. Everything is
+immutable; arrays are float64 and never written to after construction.
+"""
+
+from wmspec.scene.model.actions import Action, Follow, Force, Glide, Impulse, Launch, Release, Steer, Teleport
+from wmspec.scene.model.backend import Backend, Look, Renderer
+from wmspec.scene.model.bodies import Body, Drive, Friction, Geom, Inertia, Joint, JointKind, Motion, Surface
+from wmspec.scene.model.episode import Contact, Scene, Trace
+from wmspec.scene.model.eyes import Camera, Frame, Light, Observation, Shot
+from wmspec.scene.model.geometry import Array, Box, Capsule, Cone, Cylinder, Mesh, Pose, Shape, Sphere
+
+__all__ = [
+    "Action",
+    "Array",
+    "Backend",
+    "Body",
+    "Box",
+    "Camera",
+    "Capsule",
+    "Cone",
+    "Contact",
+    "Cylinder",
+    "Drive",
+    "Follow",
+    "Force",
+    "Frame",
+    "Friction",
+    "Geom",
+    "Glide",
+    "Impulse",
+    "Inertia",
+    "Joint",
+    "JointKind",
+    "Launch",
+    "Light",
+    "Look",
+    "Mesh",
+    "Motion",
+    "Observation",
+    "Pose",
+    "Release",
+    "Renderer",
+    "Scene",
+    "Shape",
+    "Shot",
+    "Sphere",
+    "Steer",
+    "Surface",
+    "Teleport",
+    "Trace",
+]

@@ -1,0 +1,71 @@
+"""A scene, which is everything that an engine is given, and the trace of what happened in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmspec.scene.model.actions import Action
+from wmspec.scene.model.bodies import Body, Joint
+from wmspec.scene.model.eyes import Camera, Light, Observation
+from wmspec.scene.model.geometry import Array, Pose
+
+
+@dataclass(frozen=True)
+class Scene:
+    """An episode, complete: everything that an engine needs to execute and draw it.
+
+    `bodies` keep the stage's order, which is part of the result: engines are only bit-identical for a fixed order.
+    `filtered`: pairs of names of bodies, each in the order of `bodies`, sorted, that pass through each other.
+    """
+
+    name: str
+    gravity: Array
+    bodies: tuple[Body, ...]
+    actions: tuple[Action, ...]
+    cameras: tuple[Camera, ...]
+    light: Light
+    background: tuple[float, float, float]
+    observations: tuple[Observation, ...]
+    duration: float
+    rate: int = 240
+    joints: tuple[Joint, ...] = ()
+    filtered: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two bodies (in scene order) touched from `start` to `stop` (s)."""
+
+    first: str
+    second: str
+    start: float
+    stop: float
+
+
+@dataclass(frozen=True)
+class Trace:
+    """An executed episode: T samples of all N bodies (static ones included, in scene order), the first at time 0.
+
+    `position` (T, N, 3) and `orientation` (T, N, 4) are of the body's frame; `linear_velocity` and
+    `angular_velocity` (T, N, 3) of its centre of mass, in world axes.
+    """
+
+    engine: str
+    bodies: tuple[str, ...]
+    time: Array
+    position: Array
+    orientation: Array
+    linear_velocity: Array
+    angular_velocity: Array
+    contacts: tuple[Contact, ...]
+
+    def sample(self, time: float) -> int:
+        """The index of the sample nearest to `time` (s)."""
+        return int(np.abs(self.time - time).argmin())
+
+    def poses(self, time: float) -> tuple[Pose, ...]:
+        """The pose of every body at the sample nearest to `time` (s)."""
+        i = self.sample(time)
+        return tuple(Pose(p, q) for p, q in zip(self.position[i], self.orientation[i], strict=True))
