@@ -27,9 +27,7 @@ class Spring(NamedTuple):
 SOFT = Spring(0.02, 0.1)  # for impacts without restitution
 STIFF = 0.15  # the highest frequency of those with
 RUB = 0.2  # friction's damping rate: twice the normal one at least, or impacts are over before friction has acted
-SLIDE = (
-    0.058  # the same without restitution: what slides with friction m and speed v is thrown up with m SLIDE v a step
-)
+SLIDE = 0.058  # the same without restitution, where bodies rather slide: RUB makes them hop, see `solreffriction`
 _PHASES = (np.arange(64) + 0.5) / 64  # where in the step the surface is met
 _LONGEST = 800
 
@@ -43,7 +41,8 @@ def solref(pair: Friction, step: float) -> tuple[float, float]:
 def solreffriction(pair: Friction, step: float) -> tuple[float, float]:
     """MuJoCo's `solreffriction` in its direct form for a pair's restitution; `step` in s.
 
-    Its cones of friction are convex: slipping at rate v asks for parting at rate m v, as fast as friction is damped.
+    Its cones of friction are convex: what slides at speed v with friction m is thrown up with m v times this rate in
+    every step that it touches. A lower rate hops less, but creeps more on inclines, and acts too late in short impacts.
     """
     return 0.0, -(SLIDE if pair.restitution <= LOWEST else RUB) / step * IMPEDANCE
 
