@@ -1,5 +1,6 @@
 """Designs: an instance is a pure function of its index, and only combinations that conditions allow have one."""
 
+from dataclasses import replace
 from itertools import combinations, pairwise
 
 import pytest
@@ -122,7 +123,7 @@ def test_the_fewest_conflicting_conditions_are_named(spec: TaskSpec) -> None:
 
     def empty(which: set[int]) -> bool:
         kept = tuple(r for i, r in enumerate(spec.requires) if i in which)
-        return not list(allowed(spec.model_copy(update={"requires": kept})))
+        return not list(allowed(replace(spec, requires=kept)))
 
     assert empty(named)
     fewer = (set(s) for s in combinations(range(len(spec.requires)), len(named) - 1))

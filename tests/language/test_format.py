@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.language.specs import SPECS, random_text
+from wmspec.check.record import plain
 from wmspec.check.task import check_program
 from wmspec.cli import main
 from wmspec.parse.diagnostics import Report, SpecError
@@ -48,7 +49,7 @@ def without_places(value: Any) -> Any:
 def meaning(text: str, folder: Path = Path()) -> list[Any]:
     report = Report()
     tasks = check_program(load_source(Source("test.wms", text), folder, report), report)
-    return [without_places(task.model_dump()) for task in tasks]
+    return [without_places(plain(task)) for task in tasks]
 
 
 @st.composite

@@ -9,9 +9,11 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 
 from tests.language.specs import SPECS, random_spec, task_of
-from wmspec.check.ir import TaskSpec, task_schema
+from wmspec.check.ir import TaskSpec
+from wmspec.check.record import from_json, plain, schema, to_json
 from wmspec.check.task import check_program
 from wmspec.cli import main
+from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Report
 from wmspec.parse.load import load_source
 from wmspec.parse.source import Source
@@ -22,24 +24,43 @@ DOCS = Path(__file__).parents[2] / "docs"
 @pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
 def test_shipped_specs_survive_json(path: Path) -> None:
     printed = CliRunner().invoke(main, ["compile", str(path), "--ir"]).output
-    assert TaskSpec.model_validate_json(printed) == task_of(path)
+    assert from_json(printed) == task_of(path)
 
 
 @settings(max_examples=30, deadline=None)
 @given(spec=random_spec())
 def test_random_specs_survive_json(spec: TaskSpec) -> None:
-    assert TaskSpec.model_validate_json(spec.model_dump_json()) == spec
+    assert from_json(to_json(spec)) == spec
 
 
 def test_the_published_schema_is_current() -> None:
     """If it is not: `wmspec schema > docs/schema.json`."""
-    assert json.loads((DOCS / "schema.json").read_text()) == task_schema()
-    assert json.loads(CliRunner().invoke(main, ["schema"]).output) == task_schema()
+    assert json.loads((DOCS / "schema.json").read_text()) == schema()
+    assert json.loads(CliRunner().invoke(main, ["schema"]).output) == schema()
 
 
 def test_every_part_of_the_schema_is_closed() -> None:
-    parts = [task_schema(), *task_schema()["$defs"].values()]
+    parts = [schema(), *schema()["$defs"].values()]
     assert all(part["additionalProperties"] is False for part in parts if part.get("type") == "object")
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"format": 2}'])
+def test_other_json_is_refused(text: str) -> None:
+    with pytest.raises(WmsError, match="this JSON is no checked task"):
+        from_json(text)
+
+
+def test_a_task_of_the_future_is_refused() -> None:
+    record = plain(task_of(SPECS[0])) | {"novelty": 1}
+    with pytest.raises(WmsError, match=r"novelty: Unexpected keyword argument"):
+        from_json(json.dumps(record))
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda p: f"{p.parent.stem}-{p.stem}")
+def test_quantities_are_floats_and_lists_are_tuples(path: Path) -> None:
+    """Nothing coerces what the checker makes: it must be what reading its JSON gives, to the type."""
+    made = task_of(path)
+    assert repr(made) == repr(from_json(to_json(made)))
 
 
 @pytest.mark.parametrize("value", ["1e999", "1e300 * 1e300", "[1e999, 1]", "9e307 km"])
@@ -48,6 +69,6 @@ def test_no_number_is_infinite(value: str) -> None:
     report = Report()
     tasks = check_program(load_source(Source("test.wms", text), Path(), report), report)
     for task in tasks:
-        assert TaskSpec.model_validate_json(task.model_dump_json()) == task
+        assert from_json(to_json(task)) == task
     assert all(d.code == "WMS304" for d in report.diagnostics)
     assert math.isinf(float("1e999"))

@@ -1,6 +1,7 @@
 """Plans: balanced samples, Latin hypercubes, one factor at a time."""
 
 from collections import Counter
+from dataclasses import replace
 from itertools import combinations
 
 import pytest
@@ -38,7 +39,7 @@ def test_a_sample_is_distinct_and_balanced_to_within_one(sizes: list[int], count
 def test_a_sample_is_of_what_is_allowed(spec: TaskSpec, count: int, seed: int) -> None:
     everything = list(allowed(spec))
     assume(everything)
-    design = Design(spec.model_copy(update={"plan": sample(count)}), seed)
+    design = Design(replace(spec, plan=sample(count)), seed)
     assert design.block_size == min(count, len(everything))
     assert all(i.factors in everything for i in design)
     found = {tuple(i.factors.items()) for i in design}
@@ -145,4 +146,4 @@ def test_one_factor_at_a_time_around_a_baseline() -> None:
     assert design.neighbours(0, "b") == (2, 3)
     assert design.neighbours(1, "b") == ()
     with pytest.raises(Fault, match="a = 0, b = 0, is excluded"):
-        Design(spec.model_copy(update={"plan": Plan(kind="one_at_a_time")}))
+        Design(replace(spec, plan=Plan(kind="one_at_a_time")))

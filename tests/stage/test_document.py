@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from pxr import Usd
 
 from wmspec.check import ir
 from wmspec.check.make import HERE, action, compound, factor, joint, observe, robot, task, thing
+from wmspec.check.record import from_json, to_json
 from wmspec.design.design import Design
 from wmspec.errors import WmsError
 from wmspec.looks import MATERIALS
@@ -331,5 +331,5 @@ def test_the_document_of_a_spec_that_went_through_json_is_the_same(cup: str) -> 
     spec = task(
         "t", CAMERA, TABLE, *compound("arch", ARCH, on="table"), thing("object", "c", file=cup), observe("front", [0])
     )
-    again = ir.TaskSpec.model_validate(json.loads(spec.model_dump_json()))
+    again = from_json(to_json(spec))
     assert document(again, Design(again)[0]).differing(document(spec, Design(spec)[0])) == {}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 from wmspec.check import actions, ir
 from wmspec.check.bounds import within
 from wmspec.check.expressions import Expressions
@@ -45,7 +47,7 @@ class Counterfactuals:
     ) -> ir.Counterfactual:
         return ir.Counterfactual(
             name=name,
-            change=change.kind,
+            change=cast(ir.Change, change.kind),
             owner=owner,
             property=prop,
             value=value,

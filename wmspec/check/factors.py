@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 from wmspec.check import ir
 from wmspec.check.domains import Level, Written, conditions, read
 from wmspec.check.evaluate import parts
@@ -117,14 +119,9 @@ class Factors:
         if design.baseline and kind != "one_at_a_time":
             remedy = "only `design one_at_a_time { ... }` varies factors around one"
             self.check.fail("WMS408", f"`{kind}` has no baseline", design.baseline[0].span, remedy)
-        return ir.Plan.model_validate(
-            {
-                "kind": kind,
-                "count": None if design.count is None else self._count(design.count),
-                "baseline": self._baseline(design),
-                "place": ir.Place.of(design.span),
-            }
-        )
+        count = None if design.count is None else self._count(design.count)
+        plan = cast(ir.PlanKind, kind)
+        return ir.Plan(kind=plan, count=count, baseline=self._baseline(design), place=ir.Place.of(design.span))
 
     def _count(self, e: s.Expr) -> int:
         count = constant(self.check.value(e, (A_NUMBER,), "`of`").expr)

@@ -1,20 +1,34 @@
-"""The typed representation of a checked spec: names resolved, units gone (everything is SI), JSON both ways."""
+"""The typed representation of a checked spec: names resolved, units gone (everything is SI).
+
+Plain frozen dataclasses, compared by value. `wmspec.check.record` writes them as JSON and reads them.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
-
-from pydantic import BaseModel, ConfigDict, Field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar, Literal
 
 from wmspec.parse.source import Span
 
 
-class Node(BaseModel):
-    """Base of all parts: immutable, compared by value, closed."""
+class Node:
+    """Base of all parts: what is read as one has no more fields than it says."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+    __pydantic_config__: ClassVar[Mapping[str, str]] = {"extra": "forbid"}
 
 
+class ByKind:
+    """Tells pydantic that the `kind` says which of several parts one is. The checker does without pydantic."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Callable[[Any], Any]) -> Any:
+        """The schema of the union `source`."""
+        from pydantic import Field
+
+        return handler(Annotated[source, Field(discriminator="kind")])
+
+
+@dataclass(frozen=True, kw_only=True)
 class Place(Node):
     """Where something stands in the text: file, line and column from 1, and character offsets."""
 
@@ -36,6 +50,7 @@ class Place(Node):
 # ---------------------------------------------------------------- expressions
 
 
+@dataclass(frozen=True, kw_only=True)
 class Value(Node):
     """A constant: an SI number, a truth value, a text, a word, or the name of a thing."""
 
@@ -43,6 +58,7 @@ class Value(Node):
     value: bool | float | str
 
 
+@dataclass(frozen=True, kw_only=True)
 class Ref(Node):
     """The value of a factor, nuisance or `let`."""
 
@@ -50,6 +66,7 @@ class Ref(Node):
     name: str
 
 
+@dataclass(frozen=True, kw_only=True)
 class Property(Node):
     """A property of an object, camera or light, or an argument of an action: `ball.mass`, `push.speed`."""
 
@@ -58,6 +75,7 @@ class Property(Node):
     name: str
 
 
+@dataclass(frozen=True, kw_only=True)
 class Operation(Node):
     """An operator applied to operands: `+ - * / == != < <= > >= and or not if`, and `x y z` of a point."""
 
@@ -66,6 +84,7 @@ class Operation(Node):
     operands: tuple[Expr, ...]
 
 
+@dataclass(frozen=True, kw_only=True)
 class Call(Node):
     """A function of `functions.FUNCTIONS` applied to arguments, an option that is given last.
 
@@ -77,6 +96,7 @@ class Call(Node):
     arguments: tuple[Expr, ...]
 
 
+@dataclass(frozen=True, kw_only=True)
 class Items(Node):
     """A list or a tuple."""
 
@@ -84,7 +104,7 @@ class Items(Node):
     items: tuple[Expr, ...]
 
 
-Expr = Annotated[Value | Ref | Property | Operation | Call | Items, Field(discriminator="kind")]
+Expr = Annotated[Value | Ref | Property | Operation | Call | Items, ByKind()]
 
 # ---------------------------------------------------------------- parts of a task
 
@@ -92,6 +112,7 @@ Expr = Annotated[Value | Ref | Property | Operation | Call | Items, Field(discri
 Scalar = bool | float | str
 
 
+@dataclass(frozen=True, kw_only=True)
 class Choices(Node):
     """A domain of finitely many constants (a tuple is a point). With `weights` some are drawn more often than others.
 
@@ -104,6 +125,7 @@ class Choices(Node):
     when: tuple[Expr, ...] | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
 class Interval(Node):
     """A continuous domain (SI): uniform, or uniform in the logarithm."""
 
@@ -113,6 +135,7 @@ class Interval(Node):
     logarithmic: bool = False
 
 
+@dataclass(frozen=True, kw_only=True)
 class Normal(Node):
     """A normal distribution (SI), cut off at three deviations from its mean so that no draw is absurd."""
 
@@ -121,9 +144,10 @@ class Normal(Node):
     deviation: float
 
 
-Domain = Annotated[Choices | Interval | Normal, Field(discriminator="kind")]
+Domain = Annotated[Choices | Interval | Normal, ByKind()]
 
 
+@dataclass(frozen=True, kw_only=True)
 class Factor(Node):
     """A factor or nuisance. `unit` is the SI unit of its values, `""` for words and plain numbers."""
 
@@ -134,6 +158,7 @@ class Factor(Node):
     place: Place
 
 
+@dataclass(frozen=True, kw_only=True)
 class Let(Node):
     """A named value."""
 
@@ -142,6 +167,7 @@ class Let(Node):
     place: Place
 
 
+@dataclass(frozen=True, kw_only=True)
 class Require(Node):
     """A condition on factors that a combination must meet. `text` is how it was written."""
 
@@ -150,6 +176,7 @@ class Require(Node):
     place: Place
 
 
+@dataclass(frozen=True, kw_only=True)
 class Setting(Node):
     """The value of one property or argument."""
 
@@ -157,6 +184,10 @@ class Setting(Node):
     place: Place
 
 
+ThingKind = Literal["object", "part", "camera", "light", "joint", "robot", "world", "action"]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Thing(Node):
     """An owner of properties: an object, camera, light, joint, robot, the world, an action, or a part of an object.
 
@@ -165,7 +196,7 @@ class Thing(Node):
     set has the set's name in `set` and is named `set_index`.
     """
 
-    kind: Literal["object", "part", "camera", "light", "joint", "robot", "world", "action"]
+    kind: ThingKind
     name: str
     verb: str = ""
     model: str = ""
@@ -178,6 +209,7 @@ class Thing(Node):
 Channel = Literal["rgb", "depth", "ids"]
 
 
+@dataclass(frozen=True, kw_only=True)
 class Observation(Node):
     """A camera's pictures: `times` is a list of times. `channels` are what is kept of each picture."""
 
@@ -187,6 +219,10 @@ class Observation(Node):
     place: Place
 
 
+Change = Literal["action", "state", "without", "order"]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Counterfactual(Node):
     """What if one thing were different: `owner.property` becomes `value`, of kind `sort`; or an action is left out.
 
@@ -195,7 +231,7 @@ class Counterfactual(Node):
     """
 
     name: str
-    change: Literal["action", "state", "without", "order"]
+    change: Change
     owner: str
     property: str
     value: Expr | None
@@ -203,6 +239,7 @@ class Counterfactual(Node):
     place: Place
 
 
+@dataclass(frozen=True, kw_only=True)
 class Margin(Node):
     """`value` must be at least `bound` away: from 0, or, for a ratio (a plain number), from 1 by that factor.
 
@@ -216,6 +253,7 @@ class Margin(Node):
     place: Place
 
 
+@dataclass(frozen=True, kw_only=True)
 class Said(Node):
     """A value spoken within a text; `sort` is its kind (`color`, `object`, `length`, ...), which decides how."""
 
@@ -223,6 +261,7 @@ class Said(Node):
     sort: str
 
 
+@dataclass(frozen=True, kw_only=True)
 class Difference(Node):
     """How strong the stimulus is, such as the ratio of two speeds: recorded, since accuracy is analysed against it."""
 
@@ -230,6 +269,7 @@ class Difference(Node):
     unit: str
 
 
+@dataclass(frozen=True, kw_only=True)
 class Question(Node):
     """A question. `text` alternates literal texts and values spoken. `sort` is the kind of the options.
 
@@ -253,6 +293,10 @@ class Question(Node):
     place: Place
 
 
+PlanKind = Literal["factorial", "sample", "latin", "one_at_a_time"]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Plan(Node):
     """Which combinations of the factors make up the design.
 
@@ -260,12 +304,13 @@ class Plan(Node):
     one_at_a_time: the `baseline` and what differs from it in one factor.
     """
 
-    kind: Literal["factorial", "sample", "latin", "one_at_a_time"] = "factorial"
+    kind: PlanKind = "factorial"
     count: int | None = None
-    baseline: dict[str, Scalar | tuple[float, ...]] = {}
+    baseline: dict[str, Scalar | tuple[float, ...]] = field(default_factory=dict)
     place: Place | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
 class TaskSpec(Node):
     """A whole task, ready to be designed, staged, executed and asked."""
 
@@ -280,8 +325,8 @@ class TaskSpec(Node):
     lets: tuple[Let, ...]
     requires: tuple[Require, ...]
     repeat: int
-    plan: Plan = Field(default_factory=Plan)
-    tolerances: dict[str, float] = {}
+    plan: Plan = field(default_factory=Plan)
+    tolerances: dict[str, float] = field(default_factory=dict)
     things: tuple[Thing, ...]
     horizon: Expr
     observations: tuple[Observation, ...]
@@ -290,9 +335,3 @@ class TaskSpec(Node):
     def thing(self, name: str) -> Thing:
         """The object, part, camera, light, joint, robot, action or world of that name."""
         return next(t for t in self.things if t.name == name)
-
-
-def task_schema() -> dict[str, Any]:
-    """The JSON schema (draft 2020-12) of a `TaskSpec` as JSON."""
-    schema = TaskSpec.model_json_schema(mode="serialization")
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -7,7 +7,8 @@ Values are SI numbers, truth values, words and names as strings, tuples and list
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Any, Literal, cast
 
 from wmspec.check import ir
 from wmspec.check.defaults import default_value
@@ -128,12 +129,14 @@ def task(
     horizon: Any = None,
     plan: ir.Plan | None = None,
     tolerances: Mapping[str, float] | None = None,
-    **about: str,
+    title: str = "",
+    description: str = "",
+    license: str = "",
+    source: str = "",
 ) -> ir.TaskSpec:
     """A task of parts in any order. It lasts until `horizon` (s), or else until the last observation.
 
-    `tolerances` (SI) are how far engines may disagree. `about` may hold `title`, `description`, `license` and `source`.
-    Raises WmsError for an unknown tolerance.
+    `tolerances` (SI) are how far engines may disagree. Raises WmsError for an unknown one.
     """
     for key in tolerances or {}:
         if key not in TOLERANCES:
@@ -142,23 +145,23 @@ def task(
     for part in parts:
         by_type.setdefault(type(part), []).append(part)
     seen = tuple(o.times for o in by_type.get(ir.Observation, []))
-    texts = {"title": name, "description": "", "license": "", "source": ""} | about
-    return ir.TaskSpec.model_validate(
-        {
-            "name": name,
-            "dimension": dimension,
-            "repeat": repeat,
-            "plan": plan or ir.Plan(),
-            "tolerances": dict(tolerances or {}),
-            "factors": by_type.get(ir.Factor, ()),
-            "lets": by_type.get(ir.Let, ()),
-            "requires": by_type.get(ir.Require, ()),
-            "things": sorted(by_type.get(ir.Thing, ()), key=lambda t: t.kind == "action"),
-            "observations": by_type.get(ir.Observation, ()),
-            "questions": by_type.get(ir.Question, ()),
-            "horizon": expression(horizon) if horizon is not None else ir.Call(function="max", arguments=seen),
-            **texts,
-        }
+    return ir.TaskSpec(
+        name=name,
+        dimension=dimension,
+        repeat=repeat,
+        plan=plan or ir.Plan(),
+        tolerances=dict(tolerances or {}),
+        factors=tuple(by_type.get(ir.Factor, ())),
+        lets=tuple(by_type.get(ir.Let, ())),
+        requires=tuple(by_type.get(ir.Require, ())),
+        things=tuple(sorted(by_type.get(ir.Thing, ()), key=lambda t: t.kind == "action")),
+        observations=tuple(by_type.get(ir.Observation, ())),
+        questions=tuple(by_type.get(ir.Question, ())),
+        horizon=expression(horizon) if horizon is not None else ir.Call(function="max", arguments=seen),
+        title=title or name,
+        description=description,
+        license=license,
+        source=source,
     )
 
 
@@ -173,9 +176,8 @@ def _thing(name: str, of: Sort, properties: dict[str, Any], *, model: str = "", 
         if reason := unfit(of, key):
             raise WmsError(f"{whose}: {reason}")
     filled = _filled(slots(of), properties, whose)
-    return ir.Thing.model_validate(
-        {"kind": of.kind, "name": name, "model": model, "set": set, "properties": filled, "place": HERE}
-    )
+    kind = cast(ir.ThingKind, of.kind)
+    return ir.Thing(kind=kind, name=name, model=model, set=set, properties=filled, place=HERE)
 
 
 def _part(whole: ir.Thing, name: str, said: Mapping[str, Any]) -> ir.Thing:
@@ -192,7 +194,7 @@ def _below(member: ir.Thing, index: int, count: ir.Expr) -> ir.Thing:
     said = member.properties["present"].value
     if said != ir.Value(value=True):
         there = ir.Operation(operator="and", operands=(there, said))
-    return member.model_copy(update={"properties": member.properties | {"present": _setting(there)}})
+    return replace(member, properties=member.properties | {"present": _setting(there)})
 
 
 def _filled(table: Mapping[str, Slot], given: Mapping[str, Any], whose: str) -> dict[str, ir.Setting]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 from wmspec.check import actions, ir
 from wmspec.check.actions import DURATION, START, Act
 from wmspec.check.bounds import within
@@ -38,7 +40,7 @@ class Things:
         self._fits_kind(block)
         of = owner(block)
         whole = ir.Thing(
-            kind=block.kind,  # sets have become objects by now
+            kind=cast(ir.ThingKind, block.kind),  # sets have become objects by now
             name=of.name,
             model=block.model.id if block.model else "",
             set=self.scope.sets.get(of.name, ""),

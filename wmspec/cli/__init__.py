@@ -17,8 +17,6 @@ from wmspec.errors import WmsError
 gc.set_threshold(100_000, 20, 20)
 # Nor is anything worth finding when the process ends: another tenth.
 atexit.register(gc.freeze)
-# To look for plugins, pydantic would read the metadata of everything that is installed.
-os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 COMMANDS = (
     "check",

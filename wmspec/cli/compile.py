@@ -41,7 +41,9 @@ def compile_command(spec: Path, backend: str, instance: int, seed: int, output: 
 
     task = one_task(spec)
     if ir:
-        click.echo(task.model_dump_json(indent=2))
+        from wmspec.check.record import to_json
+
+        click.echo(to_json(task, indent=2))
         return
     if output is None:
         raise WmsError("say where to write: `--output FOLDER`, or `--ir` to print the checked task")

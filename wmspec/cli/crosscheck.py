@@ -69,6 +69,7 @@ def crosscheck_command(
     Exits with 1 if a question that either engine would be asked has another answer in the other, or if an engine cannot
     execute an instance. With --strict, and for tasks without questions, trajectories must be within tolerance too.
     """
+    from wmspec.check.record import to_json
     from wmspec.crosscheck.record import junit, record
     from wmspec.crosscheck.sweep import Job, sweep
     from wmspec.crosscheck.tolerance import tolerances
@@ -80,7 +81,7 @@ def crosscheck_command(
         raise WmsError(f"a crosscheck needs two engines, and there is only {engines[0]}; try `wmspec doctor`")
     tasks = [spec for _, spec in executable(load_tasks(specs), specs)]
     limits = tuple((t.name, tolerances(settings, t.tolerances)) for t in tasks)
-    job = Job(tuple((t.name, t.model_dump_json()) for t in tasks), seed, engines, limits)
+    job = Job(tuple((t.name, to_json(t)) for t in tasks), seed, engines, limits)
     try:
         with progress_bar(sum(_count(t, seed, sample) for t in tasks), "crosschecking") as progress:
             checked = sweep(tasks, sample, job, Effort(workers or os.cpu_count() or 1, timeout), progress)

@@ -10,6 +10,6 @@ import click
 @click.command("schema")
 def schema_command() -> None:
     """Print the JSON schema of a checked task, which is what `wmspec compile --ir` prints."""
-    from wmspec.check.ir import task_schema
+    from wmspec.check.record import schema
 
-    click.echo(json.dumps(task_schema(), indent=2))
+    click.echo(json.dumps(schema(), indent=2))

@@ -9,6 +9,7 @@ from functools import cache
 from itertools import combinations
 
 from wmspec.check.ir import TaskSpec
+from wmspec.check.record import from_json
 from wmspec.crosscheck.check import check
 from wmspec.crosscheck.model import Checked, Failure, Pair
 from wmspec.crosscheck.tolerance import Tolerances
@@ -60,7 +61,7 @@ def work(job: Job, task: str, index: int) -> Checked:
 
 @cache
 def _design(job: Job, task: str) -> Design:
-    return Design(TaskSpec.model_validate_json(dict(job.tasks)[task]), job.seed)
+    return Design(from_json(dict(job.tasks)[task]), job.seed)
 
 
 @cache

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from wmspec.check.ir import TaskSpec, Thing, Value
 from wmspec.errors import WmsError
 
@@ -29,7 +31,7 @@ def without(spec: TaskSpec) -> TaskSpec:
     )
     left = {t.name for t in kept}
     seen = tuple(o for o in spec.observations if o.camera in left)
-    return spec.model_copy(update={"things": kept, "observations": seen}) if robots else spec
+    return replace(spec, things=kept, observations=seen) if robots else spec
 
 
 def _on(thing: Thing, robots: set[str]) -> bool:

@@ -11,6 +11,7 @@ from contextlib import closing
 from itertools import islice
 
 from wmspec.ask.model import Rejected
+from wmspec.check.record import to_json
 from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard
@@ -39,7 +40,7 @@ def job_of(plan: Plan, effort: Effort) -> Job:
     """What the workers are told; called before they start."""
     if effort.workers > 1:  # Mesa's software renderer would start a thread per core in every worker
         os.environ.setdefault("LP_NUM_THREADS", "0")
-    tasks = tuple((t.spec.name, t.spec.model_dump_json()) for t in plan.tasks)
+    tasks = tuple((t.spec.name, to_json(t.spec)) for t in plan.tasks)
     return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, plan.look, plan.samples, plan.renderer)
 
 

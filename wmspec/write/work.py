@@ -9,7 +9,7 @@ from wmspec.ask.agree import Consensus, consensus
 from wmspec.ask.ask import ask
 from wmspec.ask.model import Asked, Rejected
 from wmspec.ask.runs import Crew
-from wmspec.check.ir import TaskSpec
+from wmspec.check.record import from_json
 from wmspec.design.design import Design
 from wmspec.execute.studio import Studio
 from wmspec.execute.trace import Executor
@@ -57,7 +57,7 @@ def work(job: Job, task: str, index: int) -> Outcome:
 
 @cache
 def _design(job: Job, task: str) -> Design:
-    return Design(TaskSpec.model_validate_json(dict(job.tasks)[task]), job.seed)
+    return Design(from_json(dict(job.tasks)[task]), job.seed)
 
 
 @cache
