@@ -21,6 +21,7 @@ from wmspec.ask.seen import named, shown, shown_in
 from wmspec.ask.stable import stable, stable_picture
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Channel, Question, TaskSpec
+from wmspec.check.measured import measured as is_measured
 from wmspec.design.design import Design, Instance
 from wmspec.design.draws import bits, permuted
 from wmspec.design.values import Values
@@ -115,6 +116,7 @@ class _Asking:
             answer=choice.truth,
             value=said_answer(question, answer, values),
             number=self.number(answer),
+            standing=not is_measured(self.design.spec, question.answer),
             difference=difference,
             factors=instance.factors,
             nuisances=instance.nuisances,

@@ -90,7 +90,8 @@ class Asked:
     index of the true option (None for an open question, which has no options) and `value` the measured value in words,
     `number` as a number if it is one. `groups` gives for every factor the key that all instances differing in it alone
     share. `margin` is how far the answer is from turning, as a multiple of the margin asked for (None without one).
-    `measured` holds named quantities in SI units. `outcome` (options, bodies, 7) are the poses of the bodies that can
+    `measured` holds named quantities in SI units; an answer is `standing` if it holds from the start, whatever happens.
+    `outcome` (options, bodies, 7) are the poses of the bodies that can
     move in every option picture, NaN for what is not there; None for a question without pictures to choose from.
     """
 
@@ -117,6 +118,7 @@ class Asked:
     name: str = ""
     number: Number | None = None
     difference: Strength | None = None
+    standing: bool = False
 
 
 #: Why an instance yields no question. The word before a colon is what is counted.

@@ -1,8 +1,9 @@
 """Shortcut probes: can a question be answered from less than what it shows?
 
 A probe that sees none of the pictures shown must stay at chance. One that sees a single of them must too, if the
-question shows several moments: then it is about change, which no single moment holds. If all its pictures are of one
-moment, or there is but one, it is meant to be answered from them, and the probe is told but not judged.
+question shows several moments and is about what happens: no single moment holds that. If all its pictures are of one
+moment, or it asks for what holds from the start, it is meant to be answered from one, and the probe is told but not
+judged.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ See = Callable[[Sequence[Case]], NDArray[np.float64]]
 _BLIND = "it sees none of the pictures"
 _MOMENT = "it sees one moment of several"
 _STILL = "the question shows one moment, so a picture of it may suffice"
+_STANDING = "the answer holds from the start, so a picture of any moment may suffice"
 _NOTHING = "the question shows no picture, so its options are all there is"
 
 
@@ -59,6 +61,8 @@ def _kinds(case: Case) -> Iterator[tuple[str, See, bool, str]]:
     """The probes for questions such as this: what each sees, and whether and why it is judged."""
     shown, several = len(case.seen_context), case.moments > 1
     blind, one = (bool(shown), _BLIND if shown else _NOTHING), (several, _MOMENT if several else _STILL)
+    if several and case.row["answer_standing"]:
+        one = False, _STANDING
     yield "the place of the options", features.positions, True, _BLIND
     yield "the text", features.texts, True, _BLIND
     yield "the options", features.options, *blind

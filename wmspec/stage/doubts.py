@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from wmspec.check.evaluate import parts
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.ir import Call, Choices, Expr, Place, Ref, Said, TaskSpec
+from wmspec.check.ir import Choices, Expr, Place, Said, TaskSpec
+from wmspec.check.measured import measured
 from wmspec.design.constrain import Constraint
 from wmspec.design.depend import Dependencies
 
@@ -83,17 +82,3 @@ def _deciding(spec: TaskSpec) -> Iterator[Expr]:
 
 def _reached(depend: Dependencies, expressions: Iterable[Expr]) -> frozenset[str]:
     return frozenset[str]().union(*map(depend.expression, expressions))
-
-
-def measured(spec: TaskSpec, expr: Expr) -> bool:
-    """Whether anything in it is measured on the executed episode."""
-    lets = {let.name: let.value for let in spec.lets}
-    waiting, seen = [expr], set[str]()
-    while waiting:
-        for part in parts(waiting.pop()):
-            if isinstance(part, Call) and part.function in FUNCTIONS and FUNCTIONS[part.function].measured:
-                return True
-            if isinstance(part, Ref) and part.name in lets and part.name not in seen:
-                seen.add(part.name)
-                waiting.append(lets[part.name])
-    return False

@@ -7,6 +7,7 @@ from itertools import combinations
 
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Question, TaskSpec
+from wmspec.check.measured import measured
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design, Instance
 from wmspec.design.fault import Fault
@@ -16,7 +17,7 @@ from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Note, Report
 from wmspec.stage.agents import without
 from wmspec.stage.document import Document
-from wmspec.stage.doubts import Doubt, doubts, idle_requires, measured
+from wmspec.stage.doubts import Doubt, doubts, idle_requires
 from wmspec.stage.episode import built
 from wmspec.stage.overlap import overlaps
 from wmspec.stage.point import Pointer
