@@ -93,6 +93,16 @@ def test_a_question_about_one_moment_may_be_answered_from_its_picture(audited: M
     assert "one moment" in told.what
 
 
+def test_what_holds_from_the_start_may_be_seen_at_any_moment(audited: Make) -> None:
+    def standing(asked: Asked, random: np.random.Generator) -> Asked:
+        return replace(race(level=True)(asked, random), standing=True)
+
+    found = audited("race", standing)
+    assert share(found, "the last picture") > 0.7
+    assert found.passed
+    assert any("from the last picture alone" in f.what and "from the start" in f.what for f in found.findings)
+
+
 def test_too_few_questions_are_said_to_be_too_few(audited: Make) -> None:
     found = audited("race", race(), 12)
     assert found.passed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -57,13 +58,15 @@ def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictur
 
 
 def _tell(found: Audit) -> None:
-    """What matters, for a terminal: what fails and what cannot be told; the rest is counted."""
+    """What matters, for a terminal: what fails, and how much else there is to read."""
     from wmspec.audit.page import WORDS, verdict
 
-    colors = {"fails": "red", "unclear": "yellow", "told": "blue", "holds": "green"}
     for finding in found.findings:
-        if finding.verdict in ("fails", "unclear") or (finding.verdict == "told" and finding.check != "balance"):
-            mark = click.style(WORDS[finding.verdict], fg=colors[finding.verdict])
+        if finding.verdict == "fails":
             where = f" {finding.task}" if finding.task else ""
-            click.echo(f"{mark}: {finding.check}{where}: {finding.what}")
+            click.echo(f"{click.style(WORDS['fails'], fg='red')}: {finding.check}{where}: {finding.what}")
+    counted = Counter(finding.verdict for finding in found.findings)
+    for kind, color in (("unclear", "yellow"), ("told", "blue"), ("holds", "green")):
+        if counted[kind]:
+            click.echo(f"{click.style(WORDS[kind], fg=color)}: {counted[kind]:,}")
     click.echo(verdict(found))
