@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir
-from wmspec.check.vocabulary import FILES
+from wmspec.check.vocabulary import ASSETS, FILES
 from wmspec.parse import syntax as s
 from wmspec.parse.load import located
 from wmspec.parse.source import Span
@@ -25,7 +25,10 @@ def beside(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.
     texts = list(_texts(check, written, set()))
     folders = {str(PurePosixPath(t.span.source.name).parent) for t in texts}
     for text in texts:
-        _there(check, name, text)
+        if name == "file" and is_asset(text):
+            remedy = f'write `file: "{text.value[:40]}"` in the object; it cannot depend on a factor'
+            check.fail("WMS210", "an asset is named outright", text.span, remedy)
+        there(check, name, text, FILES[name])
     if len(folders) > 1:
         check.fail("WMS210", "these file names stand in specs of different folders", written.span, "say them in one")
     folder = next(iter(folders), ".")
@@ -36,18 +39,23 @@ def beside(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.
     return ir.Operation(operator="+", operands=(ir.Value(value=f"{folder}/"), expr))
 
 
-def _there(check: Expressions, name: str, text: s.Text) -> None:
+def is_asset(e: s.Expr) -> bool:
+    """Whether this names the file of an asset, outright."""
+    return isinstance(e, s.Text) and e.value.lower().endswith(ASSETS)
+
+
+def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...]) -> None:
     """Complain about a file that is not there, not of a sort that can be read, or not below the spec's folder."""
     path = PurePosixPath(text.value)
     if path.is_absolute() or ntpath.isabs(text.value) or "\\" in text.value or ".." in path.parts:
         check.fail("WMS210", "a file is named from the folder of the spec downwards", text.span,
                    'put it beside the spec and write `"NAME"` or `"FOLDER/NAME"`')  # fmt: skip
-    if path.suffix.lower() not in FILES[name]:
-        can = ", ".join(FILES[name])
+    if path.suffix.lower() not in endings:
+        can = ", ".join((*endings, *(ASSETS if name == "file" else ())))
         check.fail("WMS210", f"`{name}` takes no {path.suffix or 'such'} file", text.span, f"it can be one of: {can}")
     folder = located(text.span.source.name).parent
     if not _is_file(folder / text.value):
-        there = sorted(p.name for p in _neighbours(folder) if p.suffix.lower() in FILES[name])[:8]
+        there = sorted(p.name for p in _neighbours(folder) if p.suffix.lower() in endings)[:8]
         hint = f"files there: {', '.join(there)}" if there else "it is looked for beside the spec"
         check.fail("WMS210", f"there is no file `{text.value}`", text.span, hint)
 

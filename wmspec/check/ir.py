@@ -193,7 +193,9 @@ class Thing(Node):
 
     `verb` is that of an action. `model` is the kind of a joint (hinge, slider, ball, fixed) or the model of a robot. A
     part is named `object.part` and `of` is its object; `of` of an action is the robot that acts, if any. A member of a
-    set has the set's name in `set` and is named `set_index`.
+    set has the set's name in `set` and is named `set_index`. The links and joints of an asset are objects and joints
+    whose `of` is the object that is its base; where they are is counted from the frame in which that is placed, when
+    all joints are at 0.
     """
 
     kind: ThingKind

@@ -71,7 +71,9 @@ class Vector:
 
     @property
     def _parts(self) -> str:
-        return {LENGTH: "lengths", NUMBER: "plain numbers"}.get(self.dimension, f"values ({self.dimension})")
+        return {LENGTH: "lengths", NUMBER: "plain numbers", ANGLE: "angles"}.get(
+            self.dimension, f"values ({self.dimension})"
+        )
 
 
 Kind = Quantity | Word | Plain | List | Vector
@@ -111,6 +113,7 @@ AN_ANGLE = Quantity(ANGLE)
 POINT2 = Vector(LENGTH, 2)
 POINT3 = Vector(LENGTH, 3)
 TRIPLE = Vector(NUMBER, 3)
+TURNS = Vector(ANGLE, 3)
 
 
 def either(words: Sequence[str]) -> str:

@@ -182,7 +182,7 @@ def _thing(name: str, of: Sort, properties: dict[str, Any], *, model: str = "", 
 
 def _part(whole: ir.Thing, name: str, said: Mapping[str, Any]) -> ir.Thing:
     name = f"{whole.name}.{name}"
-    properties = _filled(slots(sort("part", ())), said, f"the part `{name}`")
+    properties = _filled(slots(sort("part", said)), said, f"the part `{name}`")
     for look in inherited(said, whole.properties):
         properties[look] = _setting(ir.Property(owner=ir.Value(value=whole.name), name=look))
     return ir.Thing(kind="part", name=name, of=whole.name, properties=properties, place=HERE)

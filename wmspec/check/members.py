@@ -43,9 +43,23 @@ def member(check: Expressions, e: s.Member) -> Typed:
         slot = _row(check, PROPERTIES[kind], e.name, kind)
         return Typed(ir.Property(owner=whole.expr, name=e.name.id), slot.kinds[0])
     name = str(whole.expr.value)
+    if (found := _of_asset(check, name, e.name)) is not None:
+        return found
     if whole.kind == OBJECT and f"{name}.{e.name.id}" in _parts(check, name):
         return Typed(ir.Value(value=f"{name}.{e.name.id}"), PART)
     return Typed(ir.Property(owner=whole.expr, name=e.name.id), _kind(check, named(check, name), e.name))
+
+
+def _of_asset(check: Expressions, name: str, member: s.Name) -> Typed | None:
+    """A link or joint of an asset."""
+    if name in check.scope.broken:  # nobody knows what is in it
+        raise Failed
+    block = check.scope.assets.get(name, {}).get(member.id)
+    if block is None:
+        return None
+    declared = check.scope.names[block]
+    assert isinstance(declared, s.Block)
+    return Typed(ir.Value(value=block), BLOCKS[declared.kind])
 
 
 def named(check: Expressions, name: str) -> Owner:
@@ -55,7 +69,7 @@ def named(check: Expressions, name: str) -> Owner:
         return _parts(check, whole)[name]
     block = check.scope.names[name]
     assert isinstance(block, s.Block)
-    return owner(block)
+    return owner(block, check.scope.assets.get(name, {}))
 
 
 def _parts(check: Expressions, name: str) -> dict[str, Owner]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -53,17 +53,17 @@ class Owner:
         return "WMS206", f"`{self.name}` does not say its {name.id}", name.span, f"add `{name.id}:` to it", notes
 
 
-def owner(block: s.Block) -> Owner:
-    """A block as an owner of properties."""
+def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
+    """A block as an owner of properties; `members` are the links and joints of an asset, for suggestions."""
     said = {p.name.id for p in block.properties}
     model = block.model.id if block.model is not None and block.kind == "joint" else ""
-    of = sort(block.kind, said, model, bool(block.parts))
-    names = tuple(part.name.id for part in block.parts)
+    of = sort(block.kind, said, model, bool(block.parts), bool(block.whole))
+    names = (*members, *(part.name.id for part in block.parts))
     return Owner(block.name.id, of, block.properties, block.name.span, names)
 
 
 def parts(block: s.Block) -> Iterator[Owner]:
     """The parts of an object as owners of properties."""
     for part in block.parts:
-        of = sort("part", ())
+        of = sort("part", {p.name.id for p in part.properties})
         yield Owner(f"{block.name.id}.{part.name.id}", of, part.properties, part.name.span)

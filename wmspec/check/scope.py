@@ -25,6 +25,10 @@ class Scope:
         self.names: dict[str, Declaration] = {}
         self.sets: dict[str, str] = {}
         """The set of every member of one."""
+        self.assets: dict[str, dict[str, str]] = {}
+        """Of every asset, its links and joints: what they are called after its name, and the names of their blocks."""
+        self.broken: set[str] = set()
+        """Assets whose file cannot be used, which was reported."""
         self.designs: list[s.Design] = []
         self._report = report
         for statement in statements:
@@ -48,6 +52,14 @@ class Scope:
         if member_of:
             self.sets[name] = member_of
 
+    def asset(self, of: str, named: dict[str, str], blocks: tuple[s.Block, ...]) -> None:
+        """Take in the links and joints of an asset, and put its base in the place of the object that named it."""
+        base, *others = blocks
+        self.names[of] = base
+        self.assets[of] = named
+        for block in others:
+            self.declare(block)
+
     def members(self, of: str) -> tuple[str, ...]:
         """The names of the members of a set, in order."""
         return tuple(member for member, whole in self.sets.items() if whole == of)
@@ -62,4 +74,5 @@ class Scope:
 
     def blocks(self, kind: str) -> list[str]:
         """The names of the objects, cameras or lights, but for the members of sets."""
-        return [n for n, d in self.names.items() if isinstance(d, s.Block) and d.kind == kind and n not in self.sets]
+        found = ((n, d) for n, d in self.names.items() if isinstance(d, s.Block) and d.kind == kind)
+        return [n for n, d in found if n not in self.sets and not d.whole]

@@ -30,7 +30,9 @@ class Sets:
         self.substitute = substitute
 
     def members(self, whole: s.Block) -> tuple[s.Block, ...]:
-        """The members of a set as objects; none if its number is wrong. Raises Failed."""
+        """The members of a set as objects; none if its number is wrong, and what is no set as it is. Raises Failed."""
+        if whole.kind != "objects":
+            return (whole,)
         assert whole.count is not None
         count = self.check.value(whole.count, (A_NUMBER,), "the number of a set").expr
         largest = self._largest(whole.count, count)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.check import ir
+from wmspec.check.expand import Assets
 from wmspec.check.expressions import Expressions
 from wmspec.check.factors import Factors
 from wmspec.check.observations import Observations
@@ -62,18 +63,16 @@ class _Task:
         self.things = Things(self.check)
         self.questions = Questions(self.check)
         self.observations = Observations(self.check)
-        self._replace_sets(Sets(self.check, self.factors, substitute))
+        self._replace(Sets(self.check, self.factors, substitute).members)
+        self._replace(Assets(self.check, substitute).expanded)
         self.unused = list(templates.unused())
 
-    def _replace_sets(self, sets: Sets) -> None:
-        """Put the members of sets in their place."""
+    def _replace(self, made: Callable[[s.Block], tuple[s.Block, ...]]) -> None:
+        """Put what is made of blocks in their place, and nothing where that fails."""
         statements: list[s.Statement] = []
         for statement in self.statements:
-            if not isinstance(statement, s.Block) or statement.kind != "objects":
-                statements.append(statement)
-                continue
             with suppress(Failed):
-                statements += sets.members(statement)
+                statements += made(statement) if isinstance(statement, s.Block) else (statement,)
         self.statements = statements
 
     def library(self) -> None:

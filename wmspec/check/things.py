@@ -43,6 +43,7 @@ class Things:
             kind=cast(ir.ThingKind, block.kind),  # sets have become objects by now
             name=of.name,
             model=block.model.id if block.model else "",
+            of=block.whole,
             set=self.scope.sets.get(of.name, ""),
             properties=self._properties(of),
             place=ir.Place.of(of.span),

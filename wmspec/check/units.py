@@ -58,6 +58,7 @@ DENSITY = MASS / LENGTH**3
 FORCE = MASS * ACCELERATION
 IMPULSE = MASS * SPEED
 VOLUME = LENGTH**3
+INERTIA = MASS * LENGTH**2
 
 _NAMES = {
     NUMBER: "plain number",
@@ -74,6 +75,7 @@ _NAMES = {
     LENGTH**2: "area",
     VOLUME: "volume",
     NUMBER / TIME: "frequency",
+    INERTIA: "moment of inertia",
 }
 
 #: How a value of a dimension may be written, for messages.
@@ -88,6 +90,7 @@ EXAMPLES = {
     DENSITY: "700 kg/m^3",
     FORCE: "2 N",
     IMPULSE: "0.1 N*s",
+    INERTIA: "0.1 kg*m^2",
     NUMBER: "0.5",
 }
 

@@ -25,10 +25,12 @@ from wmspec.check.kinds import (
     TEXT,
     TRIPLE,
     TRUTH,
+    TURNS,
     Kind,
     Quantity,
+    Vector,
 )
-from wmspec.check.units import ACCELERATION, DENSITY, MASS, NUMBER, SPEED, TIME
+from wmspec.check.units import ACCELERATION, DENSITY, INERTIA, MASS, NUMBER, SPEED, TIME
 from wmspec.looks import MATERIALS, SHADES
 
 #: sRGB in 0..1. Told apart at a glance, named as a person would name them.
@@ -71,6 +73,9 @@ HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
 
 #: The endings of the files that a property can name.
 FILES = {"file": (".obj", ".stl", ".ply", ".glb"), "image": (".png", ".jpg", ".jpeg")}
+
+#: The endings of the files of assets, which `file` can name too: things of several links and joints.
+ASSETS = (".urdf",)
 
 #: Kinds of joints.
 JOINTS = ("hinge", "slider", "ball", "fixed")
@@ -122,6 +127,13 @@ _FORM: dict[str, Slot] = {
     ),
     "metallic": Slot((A_NUMBER,), "1 for bare metal; instead of its material's", optional=True, least=0, most=1),
 }
+_MESH: dict[str, Slot] = {
+    "file": Slot((TEXT,), "a mesh beside the spec (obj, stl, ply, glb), instead of a shape", optional=True),
+    "scale": Slot((A_NUMBER,), "of the mesh, whose lengths are metres", "1", above=0),
+    "collision": Slot(
+        (COLLISION,), "how a mesh is touched: as its hull, in convex pieces, or as its upright box", "hull"
+    ),
+}
 _TURN: dict[str, Slot] = {
     "yaw": Slot((AN_ANGLE,), "how far it is turned about the vertical, anticlockwise from above", "0 deg"),
     "pitch": Slot((AN_ANGLE,), "how far it is then tilted about its own y axis", "0 deg"),
@@ -131,11 +143,13 @@ _TURN: dict[str, Slot] = {
 PROPERTIES: dict[str, dict[str, Slot]] = {
     "object": {
         **_FORM,
-        "file": Slot((TEXT,), "a mesh beside the spec (obj, stl, ply, glb), instead of a shape", optional=True),
-        "scale": Slot((A_NUMBER,), "of the mesh, whose lengths are metres", "1", above=0),
-        "collision": Slot((COLLISION,), "how a mesh is touched: as its hull, in convex pieces, or as its upright box", "hull"),
+        **_MESH,
+        "file": Slot((TEXT,), "a mesh (obj, stl, ply, glb) or an asset (urdf) beside the spec, instead of a shape", optional=True),
         "mass": Slot((Quantity(MASS),), "its mass, instead of its density", optional=True, above=0),
         "density": Slot((Quantity(DENSITY),), "its mass per volume", "600 kg/m^3", above=0),
+        "centre": Slot((POINT3,), "its centre of mass, from its middle; instead of that of its form", optional=True),
+        "moments": Slot((Vector(INERTIA, 3),), "its moments of inertia about that, along its own axes; instead of those of its form", optional=True, above=0),
+        "axes": Slot((TURNS,), "how these axes are turned: yaw, pitch and roll", "(0, 0, 0)"),
         "friction": Slot((A_NUMBER,), "friction; a touching pair has the geometric mean", "0.5", least=0, most=5),
         "restitution": Slot((A_NUMBER,), "bounciness; a touching pair has the geometric mean", "0.1", least=0, most=1),
         "damping": Slot((Quantity(NUMBER / TIME),), "share of its speed that the air takes, per time", "0 Hz", least=0, most=100),
@@ -151,8 +165,11 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
     },
     "part": {
         **_FORM,
+        **_MESH,
         "at": Slot((POINT3,), "where its middle is, from the middle of the object's ground", "(0 m, 0 m, 0 m)"),
         **_TURN,
+        "solid": Slot((TRUTH,), "whether it can be touched; what cannot weighs nothing", optional=True),
+        "drawn": Slot((TRUTH,), "whether it can be seen", optional=True),
     },
     "camera": {
         "at": Slot((POINT3,), "where it is"),
@@ -176,6 +193,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "axis": Slot((TRIPLE,), "of a hinge or slider, in the world, at the start", "(0, 0, 1)"),
         "low": Slot((AN_ANGLE, A_LENGTH), "its lower limit", optional=True),
         "high": Slot((AN_ANGLE, A_LENGTH), "its upper limit", optional=True),
+        "start": Slot((AN_ANGLE, A_LENGTH), "of an asset's joint: where it is at the start", optional=True),
         "target": Slot((AN_ANGLE, A_LENGTH), "where its drive takes it", optional=True),
         "stiffness": Slot((A_NUMBER,), "of its drive, SI units per radian or metre", "0", least=0),
         "damping": Slot((A_NUMBER,), "of its drive, SI units", "0", least=0),

@@ -109,12 +109,15 @@ class Dependencies:
             yield from (f"{thing.name}.material", f"{thing.name}.image")
 
     def _form(self, thing: Thing) -> Iterator[str]:
-        placed = ("at", *_TURN) if thing.kind == "part" else ()
+        placed = ("at", *_TURN, "solid") if thing.kind == "part" else ()
         yield from (f"{thing.name}.{name}" for name in (*FORM, *placed))
         yield from (f"{part.name}.form" for part in self._parts(thing))
 
     def _pose(self, thing: Thing) -> Iterator[str | Expr]:
         yield f"{thing.name}.form"
+        for near in self._asset(thing):
+            turns = ("pose",) if near.name == thing.of else ("start",) if near.kind == "joint" else ("form", *_TURN)
+            yield from (f"{near.name}.{name}" for name in turns)
         yield from (f"{thing.name}.{name}" for name in PLACEMENT)
         for way in ("on", "inside"):
             if way in thing.properties:
@@ -139,6 +142,14 @@ class Dependencies:
                 yield from (f"{move.name}.{name}" for name in ("there", "yaw", *move.properties))
 
     # ------------------------------------------------------------ who is who
+
+    def _asset(self, thing: Thing) -> Iterator[Thing]:
+        """The other links and the joints of the asset that an object is a link of; of one, also its base."""
+        base = thing.of or thing.name
+        for other in self._things.values():
+            near = other.kind in ("object", "joint") and base in (other.name, other.of)
+            if thing.kind == "object" and near and other.name != thing.name:
+                yield other
 
     def _parts(self, thing: Thing) -> Iterator[Thing]:
         return (t for t in self._things.values() if t.kind == "part" and t.of == thing.name)

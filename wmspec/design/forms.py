@@ -15,8 +15,21 @@ _TALL = ("cylinder", "cone", "capsule")
 
 
 def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
-    """The solids that an object is made of, each in the object's frame. Raises WmsError if a size makes no sense."""
-    return values.once((owner, "pieces"), lambda: _pieces(values, owner))
+    """The solids of an object that can be touched, or if none can all, each in the object's frame.
+
+    Raises WmsError if a size makes no sense.
+    """
+    return values.once((owner, "pieces"), lambda: _touched(values, owner))
+
+
+def every_piece(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
+    """All that an object is made of, drawn or touched: the name of each part, or of the object, and its solid."""
+    return values.once((owner, "every piece"), lambda: _pieces(values, owner))
+
+
+def touchable(values: Values, part: str) -> bool:
+    """Whether a part can be touched, or an object that is not made of parts."""
+    return not values.has(part, "solid") or bool(values.property(part, "solid"))
 
 
 def volume(values: Values, owner: str) -> float:
@@ -29,11 +42,17 @@ def own_turn(values: Values, owner: str) -> tuple[float, float, float]:
     return (values.property(owner, "yaw"), values.property(owner, "pitch"), values.property(owner, "roll"))
 
 
-def _pieces(values: Values, owner: str) -> tuple[Piece, ...]:
+def _touched(values: Values, owner: str) -> tuple[Piece, ...]:
+    every = every_piece(values, owner)
+    return tuple(piece for part, piece in every if touchable(values, part)) or tuple(piece for _, piece in every)
+
+
+def _pieces(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
     parts = values.parts(owner)
     if not parts:
-        return (Piece(_solid(values, owner), HERE),)
-    return tuple(Piece(_solid(values, p), Pose(values.property(p, "at"), turn(*own_turn(values, p)))) for p in parts)
+        return ((owner, Piece(_solid(values, owner), HERE)),)
+    poses = (Pose(values.property(p, "at"), turn(*own_turn(values, p))) for p in parts)
+    return tuple((p, Piece(_solid(values, p), pose)) for p, pose in zip(parts, poses, strict=True))
 
 
 def _solid(values: Values, owner: str) -> Solid:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from wmspec.design import scatter
-from wmspec.design.forms import own_turn, pieces
+from wmspec.design import assets, scatter
+from wmspec.design.forms import own_turn
 from wmspec.design.solids import Face, reach
 from wmspec.design.space import Pose, add, inverse, multiply, rotate, tilt, times, turn
 from wmspec.design.surfaces import WORLD, under
@@ -15,10 +15,27 @@ if TYPE_CHECKING:
 
 
 def pose(values: Values, owner: str) -> Pose:
-    """Where an object is at the start: its resting place, or above it if it is going to be dropped."""
+    """Where an object is at the start: its resting place, or above it if it is going to be dropped.
+
+    A link of an asset is where its asset and the joints between take it.
+    """
+    base = assets.base(values, owner)
+    if base is None:
+        return _placed(values, owner)
+    return frame(values, base).then(assets.within(values, owner))
+
+
+def frame(values: Values, base: str) -> Pose:
+    """Where the frame of an asset is, by its base."""
+    return values.once((base, "frame"), lambda: _placed(values, base))
+
+
+def _placed(values: Values, owner: str) -> Pose:
+    """Where an object is itself placed, or the frame of an asset by its base."""
     at = scatter.place(values, owner) if values.has(owner, "scatter") else values.property(owner, "at")
     found = rest(values, owner, at, *own_turn(values, owner))
-    heights = [values.property(a.name, "height") for a in values.acting("drop", owner)]
+    links = assets.links(values, owner)
+    heights = [values.property(a.name, "height") for link in links for a in values.acting("drop", link)]
     return Pose(add(found.position, (0.0, 0.0, max(heights))), found.orientation) if heights else found
 
 
@@ -31,5 +48,5 @@ def rest(values: Values, owner: str, at: tuple[Any, ...], yaw: float, pitch: flo
             return Pose((at[0], at[1], at[2]), own)
         x, y = at[-2:]
         face = Face((x, y, 0.0))
-    depth = reach(pieces(values, owner), rotate(inverse(own), (0.0, 0.0, -1.0)))
+    depth = reach(assets.pieces(values, owner), rotate(inverse(own), (0.0, 0.0, -1.0)))
     return Pose(add(face.middle, times(depth, face.normal)), multiply(tilt(face.normal), own))

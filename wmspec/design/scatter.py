@@ -10,8 +10,9 @@ import math
 import re
 from typing import TYPE_CHECKING
 
+from wmspec.design import assets
 from wmspec.design.draws import uniform
-from wmspec.design.forms import own_turn, pieces
+from wmspec.design.forms import own_turn
 from wmspec.design.solids import Face, footprint
 from wmspec.design.space import UP, turn
 from wmspec.design.surfaces import seen_from, tops
@@ -50,7 +51,7 @@ def _scattered(values: Values, base: str) -> dict[str, tuple[float, float]]:
 def _free(values: Values, name: str, face: Face, taken: list[tuple[float, float, float]]) -> tuple[float, float, float]:
     """The first proposal that is free: the middle and radius of its circle."""
     _, pitch, roll = own_turn(values, name)
-    radius = footprint(pieces(values, name), turn(0.0, pitch, roll))
+    radius = footprint(assets.pieces(values, name), turn(0.0, pitch, roll))
     x, y = seen_from(face, values.property(name, "at"))
     (width, depth), gap = values.property(name, "scatter"), values.property(name, "gap")
     for k in range(TRIES):

@@ -78,6 +78,12 @@ def turn(yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Quaternion:
     return multiply(multiply(about_z, about_y), about_x)
 
 
+def about(axis: Vector, angle: float) -> Quaternion:
+    """Turned about a unit vector."""
+    sin = math.sin(angle / 2)
+    return (math.cos(angle / 2), sin * axis[0], sin * axis[1], sin * axis[2])
+
+
 def tilt(normal: Vector) -> Quaternion:
     """The shortest turn that brings z to a unit vector; it must not point straight down."""
     if normal[2] >= 1:

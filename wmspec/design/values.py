@@ -135,6 +135,15 @@ class Values:
         return found
 
     @cached_property
+    def assets(self) -> dict[str, tuple[Thing, ...]]:
+        """The links and joints of every asset, without its base, by the name of that."""
+        found: dict[str, tuple[Thing, ...]] = {}
+        for thing in self.spec.things:
+            if thing.kind in ("object", "joint") and thing.of:
+                found[thing.of] = (*found.get(thing.of, ()), thing)
+        return found
+
+    @cached_property
     def _actions(self) -> dict[str, list[Thing]]:
         """The actions on objects by their verbs, without those of robots."""
         found: dict[str, list[Thing]] = {}

@@ -189,7 +189,8 @@ class Part:
 class Block:
     """`object name : model { properties parts }`, and the same for cameras, lights, joints, robots and the world.
 
-    The world has no name of its own. `count` is set for `objects name[count] { ... }`.
+    The world has no name of its own. `count` is set for `objects name[count] { ... }`. `whole` is never written: it is
+    the object that an asset's link or joint belongs to, where they stand in the place of the asset.
     """
 
     kind: str
@@ -199,6 +200,7 @@ class Block:
     model: Name | None = None
     count: Expr | None = None
     parts: tuple[Part, ...] = ()
+    whole: str = ""
 
 
 @dataclass(frozen=True)

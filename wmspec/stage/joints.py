@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping
 
 from wmspec.check.ir import Thing
-from wmspec.design.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, unit
+from wmspec.design import assets, placement
+from wmspec.design.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
 from wmspec.stage.document import Document, Prim
@@ -51,7 +52,7 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
     prim = doc.add(joint_path(name), _TYPES[joint.model], schemas, (*sources, *_drive_sources(name)))
     frame = Pose(values.property(name, "at"), _frame(joint, values))
     for number, body in enumerate((to, of)):
-        _side(prim, number, name, body, frame, values)
+        _side(prim, number, joint, body, frame, values)
     if joint.model in _COORDINATES:
         _coordinate(prim, joint, values, driven)
 
@@ -67,16 +68,28 @@ def has_drive(joint: Thing, values: Values) -> bool:
     return _driven(joint, values)
 
 
-def _side(prim: Prim, number: int, name: str, body: str | None, frame: Pose, values: Values) -> None:
+def _side(prim: Prim, number: int, joint: Thing, body: str | None, frame: Pose, values: Values) -> None:
     """One of the two bodies, and the joint's frame as seen from there; the world if there is none."""
-    here = values.pose(body) if body else HERE
-    sources = (f"{name}.at", f"{name}.axis", *((f"{body}.pose",) if body else ()))
+    name = joint.name
+    here = _place(joint, body, values)
+    near = body or joint.of
+    sources = (f"{name}.at", f"{name}.axis", *((f"{near}.pose",) if near else ()))
     ends = (f"{name}.of", f"{name}.to")
     if body:
         prim.relate(f"physics:body{number}", object_path(body), ends[1 - number])
     turn = multiply(inverse(here.orientation), frame.orientation)
     prim.set(f"physics:localPos{number}", "point3f", here.seen(frame.position), *sources, *ends)
     prim.set(f"physics:localRot{number}", "quatf", turn, *sources, *ends)
+
+
+def _place(joint: Thing, body: str | None, values: Values) -> Pose:
+    """Where a body is in the space in which the joint is: the world, or the frame of an asset with all joints at 0."""
+    if not joint.of:
+        return values.pose(body) if body else HERE
+    if body:
+        return assets.at_zero(values, body)
+    frame = placement.frame(values, joint.of)
+    return Pose(rotate(inverse(frame.orientation), times(-1.0, frame.position)), inverse(frame.orientation))
 
 
 def _frame(joint: Thing, values: Values) -> Quaternion:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from wmspec.design.forms import pieces
+from wmspec.design.forms import every_piece, touchable
 from wmspec.design.solids import SLAB, Piece, Solid
 from wmspec.design.space import HERE
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
-from wmspec.stage import looks, polygons
+from wmspec.stage import looks, masses, polygons
 from wmspec.stage.document import Document, Prim
 
 if TYPE_CHECKING:
@@ -25,8 +25,6 @@ PRIMS = {
     "cone": "Cone",
     "capsule": "Capsule",
 }
-#: What is smaller than this (m³) is taken for a mistake: a tenth of a millimetre across.
-LEAST_VOLUME = 1e-13
 _TALL = ("cylinder", "cone", "capsule")
 _APPROXIMATIONS = {"hull": "convexHull", "pieces": "convexDecomposition", "bounds": "boundingCube"}
 
@@ -43,7 +41,8 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
         raise WmsError(f"{values.place(name)}: `{name}` is fixed, so nothing can carry it")
     if not fixed and not solid:
         raise WmsError(f"{values.place(name)}: `{name}` cannot be touched, so it must be fixed")
-    schemas = () if fixed else ("PhysicsRigidBodyAPI",)
+    weighed = () if fixed or not masses.own(name, values) else ("PhysicsMassAPI",)
+    schemas = () if fixed else ("PhysicsRigidBodyAPI", *weighed)
     body = doc.add(object_path(name), "Xform", schemas, (f"{name}.fixed", f"{name}.present"))
     pose = values.pose(name)
     body.set("xformOp:translate", "double3", pose.position, f"{name}.pose")
@@ -55,22 +54,19 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
         for kind in ("linear", "angular"):
             share = values.property(name, "damping")
             body.set(f"physxRigidBody:{kind}Damping", "float", share, f"{name}.damping")
-    _pieces(doc, name, values, fixed, solid)
+    if weighed:
+        masses.add_own(body, name, values)
+    _pieces(doc, name, values, solid)
 
 
-def _pieces(doc: Document, name: str, values: Values, fixed: bool, solid: bool) -> None:
-    made, parts = pieces(values, name), values.parts(name)
-    whole = sum(piece.solid.volume for piece in made)
-    if whole < LEAST_VOLUME:
-        raise WmsError(f"{values.place(name)}: `{name}` is too small to have a mass: {whole:g} m³")
-    for piece, part in zip(made, parts or (name,), strict=True):
-        below = part.removeprefix(f"{name}.") if parts else piece.solid.kind
-        prim = _piece(doc, f"{object_path(name)}/{below}", piece, part, name, values, solid)
-        if values.has(name, "mass"):
-            share = values.property(name, "mass") * (piece.solid.volume / whole)
-            prim.set("physics:mass", "float", share, f"{name}.mass", *((f"{name}.form",) if parts else ()))
-        elif not fixed:
-            prim.set("physics:density", "float", values.property(name, "density"), f"{name}.density")
+def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
+    made = every_piece(values, name)
+    for part, piece in made:
+        below = piece.solid.kind if part == name else part.removeprefix(f"{name}.")
+        touched = solid and touchable(values, part)
+        prim = _piece(doc, f"{object_path(name)}/{below}", piece, part, name, values, touched)
+        if touchable(values, part):
+            masses.add_mass(prim, name, piece.solid.volume, values)
         prim.relate("material:binding", looks.add_material(doc, part, name, values))
 
 
@@ -91,8 +87,10 @@ def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values:
     if ops:
         prim.set("xformOpOrder", "token[]", tuple(ops), form, uniform=True)
     _shape(prim, made, form)
+    if values.has(part, "drawn") and not values.property(part, "drawn"):
+        prim.set("visibility", "token", "invisible", f"{part}.drawn")
     if meshed:
-        way = _APPROXIMATIONS[values.property(name, "collision")] if values.has(name, "file") else "convexHull"
+        way = _APPROXIMATIONS[values.property(part, "collision")] if values.has(part, "file") else "convexHull"
         prim.set("physics:approximation", "token", way, form, uniform=True)
     return prim
 

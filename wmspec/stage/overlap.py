@@ -59,11 +59,15 @@ def _bodies(values: Values) -> Iterator[_Body]:
         name = thing.name
         if thing.kind != "object" or not values.there(name) or not values.property(name, "solid"):
             continue
-        if values.has(name, "file") and values.property(name, "collision") == "pieces":
+        if any(_in_pieces(values, part) for part in (name, *values.parts(name))):
             continue
         made, pose = pieces(values, name), values.pose(name)
         placed = tuple(Piece(piece.solid, pose.then(piece.pose)) for piece in made)
         yield _Body(name, values.property(name, "fixed"), placed, *bounds(made, pose))
+
+
+def _in_pieces(values: Values, part: str) -> bool:
+    return values.has(part, "file") and bool(values.property(part, "collision") == "pieces")
 
 
 def _joined(values: Values) -> set[frozenset[str]]:

@@ -70,6 +70,7 @@ class _Trial:
         self.report = report
         self.depend = Dependencies(spec)
         self.things = {t.name for t in spec.things}
+        self.asset = {t.name: t.of for t in spec.things if t.kind == "object"}
         self.told: set[object] = set()
 
     def instance(self, instance: Instance, changed: bool) -> None:
@@ -132,7 +133,8 @@ class _Trial:
         for sources in differing.values():
             owned = [source.rpartition(".") for source in sources]
             if all(owner != change.owner for owner, _, _ in owned):
-                found = (f"{owner}.{name}" for owner, _, name in owned if name not in _FOLLOWS)
+                others = (o for o in owned if self.asset.get(o[0]) != change.owner)  # the whole is said of each link
+                found = (f"{owner}.{name}" for owner, _, name in others if name not in _FOLLOWS)
                 yield from (source for source in found if target in self.depend.source(source))
 
 

@@ -1,0 +1,114 @@
+"""What an asset says, in whatever format: links with shapes, joints between them, and what is wrong with it.
+
+Lengths in m, angles in rad, masses in kg. Places are 4 × 4 matrices, from a frame to the one around it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Color = tuple[float, float, float]
+
+#: More than that is taken for a mistake, and would take long.
+MOST_LINKS, MOST_SHAPES, MOST_FAULTS = 500, 2000, 10
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that is wrong with an asset: where (`cabinet.urdf:12: joint hinge`), what, and what to do."""
+
+    where: str
+    message: str
+    help: str
+
+
+class Broken(Exception):
+    """An asset that cannot be read any further; its fault is the last one."""
+
+
+@dataclass
+class Faults:
+    """All that is wrong with one asset."""
+
+    found: list[Fault] = field(default_factory=list)
+
+    def add(self, where: str, message: str, help: str) -> None:
+        """Take note of a fault. Raises Broken when there are so many that more would help nobody."""
+        self.found.append(Fault(where, message, help))
+        if len(self.found) >= MOST_FAULTS:
+            raise Broken
+
+    def stop(self, where: str, message: str, help: str) -> Broken:
+        """A fault after which nothing can be read; raise what this returns."""
+        self.found.append(Fault(where, message, help))
+        return Broken()
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One geometry of a link: `size` are the edges of a box, (radius,) or (radius, height); a mesh has a `file`.
+
+    A capsule's height is the whole of it. `file` is seen from the spec's folder.
+    """
+
+    kind: Literal["box", "sphere", "cylinder", "capsule", "mesh"]
+    size: tuple[float, ...]
+    place: Array
+    file: str = ""
+    scale: float = 1.0
+    color: Color | None = None
+    solid: bool = True
+    drawn: bool = True
+
+
+@dataclass(frozen=True)
+class Mass:
+    """A mass, its centre (3,) in the link and its tensor of inertia (3, 3) about that, in the link's axes."""
+
+    mass: float
+    centre: Array
+    tensor: Array
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid body. `where` is where it stands in the file. One without shapes is a mere frame."""
+
+    name: str
+    where: str
+    shapes: tuple[Shape, ...] = ()
+    mass: Mass | None = None
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Holds `child` to `parent`. `place` is the child's frame in the parent's with the joint at 0.
+
+    The joint itself is `at` (3,) along `axis` (3,) in the child's frame; the axis of a ball joint or a fixed one means
+    nothing. A `free` joint holds nothing.
+    """
+
+    name: str
+    where: str
+    kind: Literal["hinge", "slider", "ball", "fixed", "free"]
+    parent: str
+    child: str
+    place: Array
+    at: Array
+    axis: Array
+    low: float | None = None
+    high: float | None = None
+    damping: float = 0.0
+
+
+@dataclass(frozen=True)
+class Asset:
+    """A file as it stands: links and joints by name, in the order of the file."""
+
+    links: dict[str, Link]
+    joints: dict[str, Joint]

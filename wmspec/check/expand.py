@@ -1,0 +1,122 @@
+"""Assets named by objects: each is read, and its links and joints stand in its place before anything is checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+from wmspec.check.expressions import Expressions
+from wmspec.check.files import is_asset, there
+from wmspec.check.substitute import Substitute, TooLarge
+from wmspec.check.vocabulary import ASSETS, PROPERTIES
+from wmspec.errors import suggestion
+from wmspec.parse import syntax as s
+from wmspec.parse.diagnostics import Note
+from wmspec.parse.load import located
+
+if TYPE_CHECKING:  # most specs have no assets, and checking those should not wait for what reads them
+    from wmspec.check.assets.blocks import Blocks
+    from wmspec.check.assets.model import Fault
+    from wmspec.check.assets.tree import Tree
+
+#: What an asset has from its links, each its own.
+_OF_LINKS = ("shape", "size", "radius", "height", "scale", "mass", "centre", "moments", "axes", "solid")
+
+
+class Assets:
+    """Puts the links and joints of assets in their place and declares them."""
+
+    def __init__(self, check: Expressions, substitute: Substitute) -> None:
+        self.check = check
+        self.scope = check.scope
+        self._substitute = substitute
+        self._known: dict[tuple[Path, str], Tree | tuple[Fault, ...]] = {}
+
+    def expanded(self, block: s.Block) -> tuple[s.Block, ...]:
+        """The links and joints of an asset, its base first; any other block as it is. Raises Failed."""
+        named = next((p.value for p in block.properties if p.name.id == "file"), None)
+        if block.kind != "object" or not isinstance(named, s.Text) or not is_asset(named):
+            return (block,)
+        self.scope.broken.add(block.name.id)
+        self._fits(block)
+        there(self.check, "file", named, ASSETS)
+        blocks = self._blocks(block, named)
+        names = {plain: blocks.name(of) for plain, of in self._names(blocks.tree, named).items()}
+        try:
+            made = blocks.all()
+            for _ in made:
+                self._substitute.thing()
+        except TooLarge:
+            self.check.fail("WMS105", "the assets of this task are too large together", named.span, "use fewer")
+        self.scope.broken.discard(block.name.id)
+        self.scope.asset(block.name.id, names, made)
+        return made
+
+    def _fits(self, block: s.Block) -> None:
+        """Complain about properties that an asset has from its links."""
+        for p in block.properties:
+            if p.name.id in _OF_LINKS:
+                link = p.name.id in ("mass",)
+                help = f"say it of a link: `part NAME {{ {p.name.id}: ... }}`" if link else "remove it"
+                message = f"an object that is an asset from a file has no `{p.name.id}` of its own"
+                self.check.report.add("WMS203", message, p.name.span, help)
+
+    def _blocks(self, block: s.Block, named: s.Text) -> Blocks:
+        from wmspec.check.assets.blocks import Blocks
+        from wmspec.check.assets.read import read
+        from wmspec.check.assets.write import Writer
+
+        key = (located(named.span.source.name).parent, named.value)
+        found = self._known[key] = self._known.get(key) or read(*key)
+        if isinstance(found, tuple):
+            self._report(found, named)
+        bare = s.Block("object", block.name, self._own(block), block.span)
+        return Blocks(bare, found, self._said(block, found, named), Writer(named.span))
+
+    def _own(self, block: s.Block) -> tuple[s.Property, ...]:
+        return tuple(p for p in block.properties if p.name.id not in _OF_LINKS)
+
+    def _report(self, faults: tuple[Fault, ...], named: s.Text) -> NoReturn:
+        for fault in faults[:-1]:
+            self.check.report.add("WMS210", f"{fault.where} {fault.message}", named.span, fault.help)
+        self.check.fail("WMS210", f"{faults[-1].where} {faults[-1].message}", named.span, faults[-1].help)
+
+    # ------------------------------------------------------------ what the spec says of links and joints
+
+    def _names(self, tree: Tree, named: s.Text) -> dict[str, str]:
+        """The links and joints as the language calls them, each with its name in the file."""
+        from wmspec.check.assets.blocks import plain
+        from wmspec.check.assets.tree import names
+
+        found: dict[str, str] = {}
+        for name, where in names(tree):
+            taken = found.get(plain(name))
+            if taken is not None or plain(name) in PROPERTIES["object"]:
+                whose = f"`{taken}`" if taken is not None else "a property of objects"
+                message = f"{where} its name cannot be told from {whose} in a spec"
+                self.check.fail("WMS210", message, named.span, "rename one of them in the file")
+            found[plain(name)] = name
+        return found
+
+    def _said(self, block: s.Block, tree: Tree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
+        """What `part NAME { ... }` says of links and joints."""
+        from wmspec.check.assets.blocks import OF_JOINT, OF_LINK, plain
+
+        links = {plain(placed.link.name) for placed in tree.links}
+        known = self._names(tree, named)
+        found: dict[str, tuple[s.Property, ...]] = {}
+        for part in block.parts:
+            name = part.name.id
+            if name not in known:
+                message = f"`{named.value}` has no link or joint `{name}`"
+                self.check.report.add("WMS201", message, part.name.span, suggestion(name, known))
+            elif name in found:
+                notes = (Note("said here first", block.parts[0].name.span),)
+                self.check.report.add("WMS202", f"`{name}` is said twice", part.name.span, "make it one", notes)
+            what, allowed = ("link", OF_LINK) if name in links else ("joint", OF_JOINT)
+            found[name] = tuple(p for p in part.properties if p.name.id in allowed)
+            for p in part.properties if name in known else ():
+                if p.name.id not in allowed:
+                    message = f"of a {what} of an asset, a spec cannot say `{p.name.id}`"
+                    self.check.report.add("WMS203", message, p.name.span, f"it can say {', '.join(allowed)}")
+        return found

@@ -1,0 +1,85 @@
+"""Assets: objects that are joined to one another as their file says, and placed as one.
+
+An asset's frame is what its base is placed by. With all joints at 0 each link is where its `at` and turn say, seen from
+there, and each joint where its `at` and `axis` say. A joint that starts elsewhere takes with it all links beyond.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmspec.check.ir import Thing
+from wmspec.design import forms
+from wmspec.design.solids import Piece
+from wmspec.design.space import HERE, Pose, Vector, about, times, turn, unit
+from wmspec.errors import WmsError
+
+if TYPE_CHECKING:
+    from wmspec.design.values import Values
+
+
+def base(values: Values, owner: str) -> str | None:
+    """The base of the asset that an object is a link of, itself if it is that; None if it is of no asset."""
+    things = values.assets
+    return next((of for of, members in things.items() if owner == of or any(t.name == owner for t in members)), None)
+
+
+def links(values: Values, owner: str) -> tuple[str, ...]:
+    """The links of the asset whose base this is, the base first; the object alone if it is of none."""
+    return owner, *(t.name for t in values.assets.get(owner, ()) if t.kind == "object")
+
+
+def within(values: Values, owner: str) -> Pose:
+    """Where a link of an asset is at the start, seen from the asset's frame."""
+    return values.once((owner, "within"), lambda: _shift(values, owner).then(at_zero(values, owner)))
+
+
+def at_zero(values: Values, owner: str) -> Pose:
+    """Where a link of an asset would be with all joints at 0, seen from the asset's frame; what is of none is there."""
+    if owner in values.assets:
+        return HERE
+    return Pose(values.property(owner, "at"), turn(*forms.own_turn(values, owner)))
+
+
+def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
+    """The solids of an object, with those of all links if it is the base of an asset, seen from its frame."""
+    if owner not in values.assets:
+        return forms.pieces(values, owner)
+    placed = ((within(values, link), forms.pieces(values, link)) for link in links(values, owner))
+    return tuple(Piece(piece.solid, here.then(piece.pose)) for here, made in placed for piece in made)
+
+
+def _shift(values: Values, owner: str) -> Pose:
+    """What the joints from the asset's frame to a link, where they start, do to all that is beyond them."""
+    of = base(values, owner)
+    joint = next((t for t in values.assets.get(of or "", ()) if _moves(values, t, owner)), None)
+    if joint is None:
+        return HERE
+    inner = _shift(values, values.property(joint.name, "to")) if values.has(joint.name, "to") else HERE
+    return inner.then(_moved(values, joint))
+
+
+def _moves(values: Values, thing: Thing, owner: str) -> bool:
+    return thing.kind == "joint" and bool(values.property(thing.name, "of") == owner)
+
+
+def _moved(values: Values, joint: Thing) -> Pose:
+    """What a joint does to all that is beyond it, where it starts, seen from the asset's frame."""
+    if joint.model not in ("hinge", "slider"):
+        return HERE
+    start: float = values.property(joint.name, "start") if values.has(joint.name, "start") else 0.0
+    _within_limits(values, joint.name, start)
+    axis: Vector = unit(values.property(joint.name, "axis"))
+    if joint.model == "slider":
+        return Pose(times(start, axis))
+    middle: Vector = values.property(joint.name, "at")
+    there = Pose(middle, about(axis, start))
+    return there.then(Pose(times(-1.0, middle)))
+
+
+def _within_limits(values: Values, joint: str, start: float) -> None:
+    for end, sign in (("low", 1.0), ("high", -1.0)):
+        if values.has(joint, end) and sign * (start - values.property(joint, end)) < 0:
+            limit = values.property(joint, end)
+            place = values.place(joint, "start" if values.has(joint, "start") else end)
+            raise WmsError(f"{place}: `{joint}` starts at {start:g}, beyond its limit of {limit:g} (rad or m)")
