@@ -18,7 +18,7 @@ def test_the_numbers_are_the_papers() -> None:
     assert len(set(REBUILT.values())) == len(REBUILT), "two tasks rebuild the same one"
 
 
-def test_every_rebuilt_task_has_at_least_the_papers_cases(tmp_path: Path) -> None:
+def test_every_rebuilt_task_has_the_papers_images_and_at_least_its_cases(tmp_path: Path) -> None:
     rows = {r["task"]: r for r in json.loads(wmspec("list", "--json", folder=tmp_path).stdout)}
     assert set(REBUILT) <= set(rows), "a task of the table does not ship"
     for name, row in rows.items():
@@ -26,6 +26,7 @@ def test_every_rebuilt_task_has_at_least_the_papers_cases(tmp_path: Path) -> Non
         assert (row["paper"] is None) == (there is None)
         if there is not None:
             assert row["instances"] * row["questions"] >= there.cases, name
+            assert row["images"] == there.images, name
     assert "104,886 instances" in " ".join(wmspec("list", folder=tmp_path).stdout.split())
 
 

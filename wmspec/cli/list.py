@@ -32,17 +32,21 @@ def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_js
 
 
 def _row(path: Path, spec: Any) -> dict[str, Any]:
+    from wmspec.ask.looks import looked
     from wmspec.check.ir import Choices
     from wmspec.design.design import Design
+    from wmspec.design.values import Values
     from wmspec.paper import column
     from wmspec.stage.agents import executable
 
     design, there = Design(spec), column(spec.name)
+    first = design[0]
     return {
         "task": spec.name,
         "dimension": spec.dimension,
         "title": spec.title,
         "instances": len(design),
+        "images": len(looked(spec, Values(spec, first.values, None, first.key))),
         "paper": None if there is None else {"task": there.name, "instances": there.cases, "images": there.images},
         "design": spec.plan.kind,
         "factors": {f.name: len(f.domain.values) if isinstance(f.domain, Choices) else None for f in design.factors},
