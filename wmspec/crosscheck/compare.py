@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 import numpy as np
 
@@ -43,7 +43,9 @@ def _gap(body: Body, i: int, a: Trace, b: Trace, allowed: Array, most: float) ->
 def _events(a: Trace, b: Trace, allowed: Array, event: float) -> Iterator[Event]:
     """First touches. What may be `d` (m) off and moves at `v` (m/s) may arrive `d / v` (s) off."""
     index = {name: i for i, name in enumerate(a.bodies)}
-    found = [_firsts(t, event) for t in (a, b)]
+    # From the start in either: what is held touches nothing in SAPIEN until it is let go.
+    resting = {(c.first, c.second) for t in (a, b) for c in t.contacts if c.start <= event}
+    found = [_firsts(t, event, resting) for t in (a, b)]
     for pair in sorted(found[0].keys() | found[1].keys(), key=lambda p: (index[p[0]], index[p[1]])):
         times = (found[0].get(pair), found[1].get(pair))
         seen = [(t, trace) for t, trace in zip(times, (a, b), strict=True) if t is not None]
@@ -54,13 +56,12 @@ def _events(a: Trace, b: Trace, allowed: Array, event: float) -> Iterator[Event]
         yield Event(*pair, times, bool(latest - time <= slack))
 
 
-def _firsts(trace: Trace, apart: float) -> dict[tuple[str, str], float]:
-    """When (s) pairs touch for the first time, without those that touch from the start."""
-    touching = {(c.first, c.second) for c in trace.contacts if c.start <= apart}
+def _firsts(trace: Trace, apart: float, resting: Set[tuple[str, str]]) -> dict[tuple[str, str], float]:
+    """When (s) pairs touch for the first time, without those that are `resting` on each other from the start."""
     firsts: dict[tuple[str, str], float] = {}
     for contact in impacts(trace, apart):
         pair = (contact.first, contact.second)
-        if pair not in touching:
+        if pair not in resting:
             firsts.setdefault(pair, contact.start)
     return firsts
 
