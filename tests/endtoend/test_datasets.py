@@ -46,6 +46,17 @@ def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
     assert (tmp_path / "sheet.png").stat().st_size > 10_000
 
 
+def test_shares_of_two_machines_come_together(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    args = ["generate", SPEED, "-b", "mujoco", "--per-task", 5, "--size", 64, "-j", 1]
+    wmspec(*args, "-o", "whole", folder=tmp_path)
+    for number in (1, 2):
+        wmspec(*args, "-o", f"part-{number}", "--shard", f"{number}/2", folder=tmp_path)
+        wmspec("view", f"part-{number}", folder=tmp_path)
+    wmspec(*args, "-o", "merged", "--reuse", "part-1", "--reuse", "part-2", folder=tmp_path)
+    assert digests(tmp_path / "merged") == digests(tmp_path / "whole")
+
+
 def test_one_engine_may_draw_what_another_executes(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet"):
         pytest.importorskip(engine)

@@ -140,6 +140,15 @@ def parse_size(text: str) -> tuple[int, int]:
     return width, height
 
 
+def parse_share(text: str) -> tuple[int, int]:
+    """`2/8` as the second of eight shares. Raises WmsError for anything else."""
+    match = re.fullmatch(r"(\d+)/(\d+)", text.strip())
+    number, count = (int(match[1]), int(match[2])) if match else (0, 0)
+    if not 1 <= number <= count:
+        raise WmsError(f"shard `{text}`: expected one of so many, from 1/8 for the first of eight to 8/8 for the last")
+    return number, count
+
+
 def make_folder(path: Path) -> Path:
     """Create a folder to write to. Raises WmsError with the reason if that is impossible."""
     try:

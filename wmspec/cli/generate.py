@@ -17,6 +17,7 @@ from wmspec.cli.common import (
     load_tasks,
     look_options,
     of_dimensions,
+    parse_share,
     parse_size,
     samples_for,
     seed_option,
@@ -34,6 +35,13 @@ from wmspec.errors import WmsError
 @click.option("--renderer", "-r", default="", help="The engine that draws, if not each what it executes itself.")
 @click.option(
     "--per-task", type=click.IntRange(1), help="How many instances of each task, drawn at random.  [default: all]"
+)
+@click.option("--shard", metavar="I/N", default="1/1", help="Only share I, from 1 to N, of each task's instances.")
+@click.option(
+    "--reuse",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    help="A folder to take instances from that were made before; may be given several times.",
 )
 @click.option("--full", is_flag=True, help="All instances of every task, said expressly.")
 @dimension_option
@@ -62,6 +70,8 @@ def generate_command(
     backend: str,
     renderer: str,
     per_task: int | None,
+    shard: str,
+    reuse: tuple[Path, ...],
     full: bool,
     only_dimension: tuple[str, ...],
     size: str,
@@ -78,6 +88,9 @@ def generate_command(
     """Make a dataset of the tasks in SPECS: Parquet with pictures, a manifest and a card.
 
     A run that was stopped goes on where it was when the same command is given again.
+
+    Many machines: each makes its own share into its own folder, a dataset by itself (-o part-2 --shard 2/8). The same
+    command without --shard makes one of them (-o whole --reuse part-1 --reuse part-2 ...), as if there had been one.
     """
     from wmspec import __version__
     from wmspec.design.design import Design
@@ -88,13 +101,14 @@ def generate_command(
     if full and per_task:
         raise WmsError("--full makes all instances and --per-task some of them; give one of the two")
     tasks = executable(of_dimensions(load_tasks(specs), only_dimension), specs)
+    part = parse_share(shard)
     engines = chosen(backend) if renderer else drawing(chosen(backend), look)
     drawers = drawing(chosen(renderer), look) if renderer else engines
     if renderer and len(drawers) > 1:
         raise WmsError("one engine draws; name it with --renderer, or leave it out so that each draws for itself")
     plan = Plan(
         texts=_texts(tasks),
-        tasks=tuple(Task(spec, _indices(Design(spec, seed), per_task)) for _, spec in tasks),
+        tasks=tuple(Task(spec, _indices(Design(spec, seed), per_task, part)) for _, spec in tasks),
         engines=engines,
         size=parse_size(size),
         seed=seed,
@@ -113,20 +127,22 @@ def generate_command(
     elif output is None:
         raise WmsError("where to? give the folder of the dataset with -o, or --dry-run to learn what it would take")
     else:
-        _make(output, plan, effort, force, as_json)
+        _make(output, plan, effort, reuse, force, as_json)
 
 
-def _make(output: Path, plan: Any, effort: Any, force: bool, as_json: bool) -> None:
+def _make(output: Path, plan: Any, effort: Any, reuse: tuple[Path, ...], force: bool, as_json: bool) -> None:
     from wmspec.write.dataset import Dataset
     from wmspec.write.generate import generate
+    from wmspec.write.reuse import Before
 
+    before = Before(reuse, plan)
     with Dataset.open(output, plan, force) as dataset:
         for notice in dataset.notices:
             click.echo(notice, err=True)
         total = sum(len(shard.indices) for shard in dataset.pending())
         try:
             with progress_bar(total, "generating") as progress:
-                generate(dataset, effort, progress)
+                generate(dataset, effort, progress, before)
         except KeyboardInterrupt:
             click.echo("\nstopped; give the same command again to go on", err=True)
             raise SystemExit(130) from None
@@ -149,5 +165,9 @@ def _texts(tasks: list[tuple[Path, Any]]) -> dict[str, str]:
     return texts
 
 
-def _indices(design: Any, per_task: int | None) -> tuple[int, ...]:
-    return tuple(sorted(design.sample(per_task))) if per_task else tuple(range(len(design)))
+def _indices(design: Any, per_task: int | None, part: tuple[int, int]) -> tuple[int, ...]:
+    """The instances to make: all or a sample, and of these a share."""
+    from wmspec.design.design import share
+
+    chosen = sorted(design.sample(per_task)) if per_task else range(len(design))
+    return tuple(chosen[share(len(chosen), *part)])

@@ -70,7 +70,9 @@ def _print(found: Sequence[dict[str, Any]]) -> None:
         asked = f" × {row['questions']}" if row["questions"] > 1 else ""
         name = row["task"] if row["executable"] else f"{row['task']} *"
         table.add_row(name, row["dimension"], f"{row['instances']:,}{asked}", paper, factors)
-    console = Console(soft_wrap=False)
+    console = Console()
+    if not console.is_terminal:  # programs read lines: one a task, however long
+        console.width = 10_000
     console.print(table)
     if not all(row["executable"] for row in found):
         console.print("* robots act in these: they are checked, and cannot be executed yet", highlight=False)

@@ -114,9 +114,7 @@ class Design:
 
     def shard(self, number: int, count: int) -> Part:
         """Shard `number`, 1 .. `count`: equal shares of the design, to within one, which in order make up the whole."""
-        if not 1 <= number <= count:
-            raise IndexError(f"there are shards 1 to {count}, not {number}")
-        return self[len(self) * (number - 1) // count : len(self) * number // count]
+        return self[share(len(self), number, count)]
 
     def _draw(self, key: tuple[object, ...]) -> dict[str, Level]:
         """The nuisances of a control group, kept until another group is asked for."""
@@ -125,6 +123,13 @@ class Design:
             drawn = {n.name: quantile(n.domain, uniform(*key, n.name)) for n in self.nuisances}
             self._drawn = (key, drawn)
         return dict(drawn)
+
+
+def share(size: int, number: int, count: int) -> slice:
+    """Share `number`, 1 .. `count`, of so many things. Raises IndexError if there is no such share."""
+    if not 1 <= number <= count:
+        raise IndexError(f"there are shards 1 to {count}, not {number}")
+    return slice(size * (number - 1) // count, size * number // count)
 
 
 class Part(Sequence[Instance]):

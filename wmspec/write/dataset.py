@@ -19,7 +19,6 @@ from wmspec.write.plan import Plan, Shard, differences
 from wmspec.write.rows import Row
 from wmspec.write.shards import Record, read_record, sidecar, write_shard
 
-PLAN = "plan.json"
 CARD = "README.md"
 CROISSANT = "croissant.json"
 MANIFEST = "manifest.json"
@@ -117,13 +116,13 @@ class Dataset:
                 )
             self._clear()
         if there != here:
-            self._put(PLAN, files.lines(here))
+            self._put(files.PLAN, files.lines(here))
         self._verify()
 
     def _plan(self) -> dict[str, Any] | None:
         """The plan that the folder holds, as JSON values; None if it holds none, {} if it cannot be read."""
         try:
-            said = json.loads((self.folder / PLAN).read_bytes())
+            said = json.loads((self.folder / files.PLAN).read_bytes())
         except FileNotFoundError:
             return None
         except ValueError:

@@ -16,6 +16,8 @@ from wmspec.errors import WmsError
 
 #: Where a dataset's folder keeps what its maker needs to go on.
 PROGRESS = ".progress"
+#: Its file that says what the folder is to hold.
+PLAN = "plan.json"
 
 _FULL = "{} cannot be written, {}; free some space or choose another folder with -o, then run the same command again"
 _DENIED = "{} cannot be written, {}; choose another folder with -o, or ask for the right to write there"

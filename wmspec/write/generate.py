@@ -15,21 +15,26 @@ from wmspec.check.record import to_json
 from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard
+from wmspec.write.reuse import Before
 from wmspec.write.work import Job, Outcome, work
 
 
-def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None]) -> None:
-    """Make every pending shard. `progress` is told the task and the number of its instances that were finished."""
+def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> None:
+    """Make every pending shard, but for what was made `before`.
+
+    `progress` is told the task and the number of its instances that were finished.
+    """
     plan = dataset.plan
     pending = dataset.pending()
     if not pending:
         return
     job = job_of(plan, effort)
-    pieces = ((job, shard.task.spec.name, i) for shard in pending for i in shard.indices)
+    pieces = ((job, shard.task.spec.name, i) for shard in pending for i in before.missing(shard))
     with closing(in_order(work, pieces, effort)) as outcomes:
         for shard in pending:
-            gathered = []
-            for index, outcome in zip(shard.indices, islice(outcomes, len(shard.indices)), strict=True):
+            gathered, missing = list(before.outcomes(shard).values()), before.missing(shard)
+            progress(shard.task.spec.name, len(gathered))
+            for index, outcome in zip(missing, islice(outcomes, len(missing)), strict=True):
                 gathered.append(_lost(plan, shard, index, outcome) if isinstance(outcome, Lost) else outcome)
                 progress(shard.task.spec.name, 1)
             rows = [row for outcome in gathered for row in outcome.rows]

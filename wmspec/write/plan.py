@@ -120,5 +120,6 @@ def _differs(key: str, there: Any, here: Any) -> str:
         names = [n for n in {**there, **here} if there.get(n) != here.get(n)]
         if key == "versions":
             return f"versions ({', '.join(_differs(n, there.get(n), here.get(n)) for n in names)})"
-        return f"{key} ({', '.join(names) or 'in another order'})"
+        what = "instances" if key == "tasks" and all(n in there and n in here for n in names) else key
+        return f"{what} ({', '.join(names) or 'in another order'})"
     return f"{key} {_said(there)} there, {_said(here)} now"

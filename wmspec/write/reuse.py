@@ -1,0 +1,93 @@
+"""Instances that were made before, in other folders: shares of a dataset come together, and a dataset grows.
+
+Files are taken that are what their records say, as if they lay in the dataset's own folder; what was not made, or was
+damaged since, is made again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pyarrow.parquet as pq
+
+from wmspec.errors import WmsError
+from wmspec.write import files
+from wmspec.write.plan import Plan, Shard, Task, differences
+from wmspec.write.shards import Record, read_record
+from wmspec.write.work import Outcome
+
+
+@dataclass(frozen=True)
+class File:
+    """A file of another folder: its shard, and the record of how it was made."""
+
+    folder: Path
+    shard: Shard
+    record: Record
+
+    def outcomes(self, wanted: Iterable[int]) -> dict[int, Outcome]:
+        """What came of these of its instances."""
+        rows, rejected = pq.read_table(self.folder / self.shard.path).to_pylist(), self.record.rejected
+        return {
+            i: Outcome(tuple(r for r in rows if r["index"] == i), tuple(r for r in rejected if r.index == i))
+            for i in wanted
+        }
+
+
+class Before:
+    """What the folders hold of the instances of a plan.
+
+    Raises WmsError if one of them holds no dataset, or one that was made in another way.
+    """
+
+    def __init__(self, folders: Iterable[Path], plan: Plan) -> None:
+        found = (file for folder in folders for file in _files(folder, plan))
+        self._files = {(f.shard.task.spec.name, index): f for f in found for index in f.shard.indices}
+
+    def outcomes(self, shard: Shard) -> dict[int, Outcome]:
+        """What came of the instances of a shard that were made before, by their indices."""
+        task, wanted = shard.task.spec.name, dict[str, tuple[File, list[int]]]()
+        for index in shard.indices:
+            if file := self._files.get((task, index)):
+                wanted.setdefault(f"{file.folder}/{file.shard.path}", (file, []))[1].append(index)
+        return {i: outcome for file, indices in wanted.values() for i, outcome in file.outcomes(indices).items()}
+
+    def missing(self, shard: Shard) -> tuple[int, ...]:
+        """The instances of a shard that are still to be made."""
+        return tuple(i for i in shard.indices if (shard.task.spec.name, i) not in self._files)
+
+
+def _files(folder: Path, plan: Plan) -> Iterator[File]:
+    """The files of a folder that are what their records say."""
+    there = _plan(folder, plan)
+    for shard in there.shards():
+        record, path = read_record(folder, shard), folder / shard.path
+        if (
+            record
+            and record.fingerprint == there.fingerprint
+            and path.is_file()
+            and files.digest(path) == record.sha256
+        ):
+            yield File(folder, shard, record)
+
+
+def _plan(folder: Path, plan: Plan) -> Plan:
+    """The plan of a folder: this one, but for which instances of the tasks it has."""
+    try:
+        said = json.loads((folder / files.PLAN).read_bytes())
+        indices = {name: tuple(map(int, numbers)) for name, numbers in said["tasks"].items()}
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        raise WmsError(
+            f"{folder} holds no dataset that could be reused; name a folder that `wmspec generate` made"
+        ) from None
+    tasks = tuple(Task(t.spec, indices[t.spec.name]) for t in plan.tasks if t.spec.name in indices)
+    there = replace(plan, tasks=tasks)
+    if there.record != said:
+        what = "; ".join(differences(said, there.record)) or "parts that this version does not know"
+        raise WmsError(
+            f"{folder} cannot be reused, it was made with other {what}; give the options that it was made with"
+        )
+    return there
