@@ -20,14 +20,16 @@ from wmspec.parse.source import Source
 from wmspec.stage.trial import trial
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs/language.md").read_text()
+PAGE_PATH = ROOT / "docs/language.md"
+PAGE = PAGE_PATH.read_text()
 EXAMPLES = re.findall(r"^```wms(?: \w+)?\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 
 
 def tasks_in(text: str) -> list[tuple[TaskSpec, int]]:
     report = Report()
     found = [
-        (task, trial(task, report)) for task in check_program(load_source(Source("docs", text), ROOT, report), report)
+        (task, trial(task, report))
+        for task in check_program(load_source(Source(str(PAGE_PATH), text), ROOT, report), report)
     ]
     assert report.diagnostics == ()
     return found

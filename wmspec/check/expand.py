@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NoReturn
 from wmspec.check.expressions import Expressions
 from wmspec.check.files import is_asset, there
 from wmspec.check.substitute import Substitute, TooLarge
+from wmspec.check.typed import Failed
 from wmspec.check.vocabulary import ASSETS, PROPERTIES
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
@@ -77,9 +78,9 @@ class Assets:
         return tuple(p for p in block.properties if p.name.id not in _OF_LINKS)
 
     def _report(self, faults: tuple[Fault, ...], named: s.Text) -> NoReturn:
-        for fault in faults[:-1]:
-            self.check.report.add("WMS210", f"{fault.where} {fault.message}", named.span, fault.help)
-        self.check.fail("WMS210", f"{faults[-1].where} {faults[-1].message}", named.span, faults[-1].help)
+        for fault in faults:
+            self.check.report.add("WMS210", f"{fault.where}: {fault.message}", named.span, fault.help)
+        raise Failed
 
     # ------------------------------------------------------------ what the spec says of links and joints
 
@@ -93,7 +94,7 @@ class Assets:
             taken = found.get(plain(name))
             if taken is not None or plain(name) in PROPERTIES["object"]:
                 whose = f"`{taken}`" if taken is not None else "a property of objects"
-                message = f"{where} its name cannot be told from {whose} in a spec"
+                message = f"{where}: its name cannot be told from {whose} in a spec"
                 self.check.fail("WMS210", message, named.span, "rename one of them in the file")
             found[plain(name)] = name
         return found

@@ -34,7 +34,9 @@ def _circle(graph: dict[str, dict[str, str]]) -> list[str]:
 
 
 def _needs(thing: ir.Thing) -> Iterator[tuple[str, str]]:
-    """The things that decide where this one is, each with the property that says so."""
+    """The things that decide where this one is, each with the property that says so; of a link, its asset."""
+    if thing.of:
+        yield thing.of, "of"
     for name in ("on", "inside", "at"):
         value = thing.properties[name].value if name in thing.properties else None
         if isinstance(value, ir.Value) and name != "at":

@@ -6,6 +6,7 @@ there, and each joint where its `at` and `axis` say. A joint that starts elsewhe
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from wmspec.check.ir import Thing
@@ -20,8 +21,9 @@ if TYPE_CHECKING:
 
 def base(values: Values, owner: str) -> str | None:
     """The base of the asset that an object is a link of, itself if it is that; None if it is of no asset."""
-    things = values.assets
-    return next((of for of, members in things.items() if owner == of or any(t.name == owner for t in members)), None)
+    if owner in values.assets:
+        return owner
+    return next((of for of, members in values.assets.items() if any(t.name == owner for t in members)), None)
 
 
 def links(values: Values, owner: str) -> tuple[str, ...]:
@@ -51,16 +53,21 @@ def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
 
 def _shift(values: Values, owner: str) -> Pose:
     """What the joints from the asset's frame to a link, where they start, do to all that is beyond them."""
-    of = base(values, owner)
-    joint = next((t for t in values.assets.get(of or "", ()) if _moves(values, t, owner)), None)
-    if joint is None:
-        return HERE
-    inner = _shift(values, values.property(joint.name, "to")) if values.has(joint.name, "to") else HERE
-    return inner.then(_moved(values, joint))
+    of = base(values, owner) or owner
+    holders = values.once((of, "holders"), lambda: _holders(values, of))
+    found, link = HERE, owner
+    for _ in holders:  # at most through all of them
+        if link not in holders:
+            break
+        joint = holders[link]
+        found = _moved(values, joint).then(found)
+        link = values.property(joint.name, "to") if values.has(joint.name, "to") else ""
+    return found
 
 
-def _moves(values: Values, thing: Thing, owner: str) -> bool:
-    return thing.kind == "joint" and bool(values.property(thing.name, "of") == owner)
+def _holders(values: Values, of: str) -> dict[str, Thing]:
+    """The joint that holds each link of an asset, but for those that nothing holds."""
+    return {values.property(t.name, "of"): t for t in values.assets.get(of, ()) if t.kind == "joint"}
 
 
 def _moved(values: Values, joint: Thing) -> Pose:
@@ -68,7 +75,7 @@ def _moved(values: Values, joint: Thing) -> Pose:
     if joint.model not in ("hinge", "slider"):
         return HERE
     start: float = values.property(joint.name, "start") if values.has(joint.name, "start") else 0.0
-    _within_limits(values, joint.name, start)
+    _within_limits(values, joint, start)
     axis: Vector = unit(values.property(joint.name, "axis"))
     if joint.model == "slider":
         return Pose(times(start, axis))
@@ -77,9 +84,16 @@ def _moved(values: Values, joint: Thing) -> Pose:
     return there.then(Pose(times(-1.0, middle)))
 
 
-def _within_limits(values: Values, joint: str, start: float) -> None:
+def _within_limits(values: Values, thing: Thing, start: float) -> None:
+    joint, model = thing.name, thing.model
     for end, sign in (("low", 1.0), ("high", -1.0)):
         if values.has(joint, end) and sign * (start - values.property(joint, end)) < 0:
             limit = values.property(joint, end)
             place = values.place(joint, "start" if values.has(joint, "start") else end)
-            raise WmsError(f"{place}: `{joint}` starts at {start:g}, beyond its limit of {limit:g} (rad or m)")
+            raise WmsError(
+                f"{place}: `{joint}` starts at {_told(start, model)}, beyond its limit of {_told(limit, model)}"
+            )
+
+
+def _told(coordinate: float, model: str) -> str:
+    return f"{math.degrees(coordinate):.4g} deg" if model == "hinge" else f"{100 * coordinate:.4g} cm"

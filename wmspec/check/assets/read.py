@@ -20,7 +20,7 @@ def read(folder: Path, name: str) -> Tree | tuple[Fault, ...]:
     with suppress(Broken):
         asset = urdf(read_xml(folder / name, name, faults), _Meshes(folder, name, faults).find, faults)
         if not faults.found:
-            made = tree(asset, f"{name}:", faults)
+            made = tree(asset, name, faults)
     return tuple(faults.found) or made
 
 

@@ -1,0 +1,92 @@
+"""Assets in motion, in every engine: a pendulum against its analytic period, and a cabinet that is opened."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib import import_module
+from importlib.util import find_spec
+from math import pi, radians, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.assets.specs import CABINET, here, scene, spec
+from tests.physics.scenes import ENGINES
+from wmspec.scene.model import Array, Scene, Trace
+
+#: What tests/assets/pendulum.urdf says: mass (kg), from the pivot to the centre of mass (m), moment about that (kg m²).
+MASS, ARM, MOMENT = 0.8, 0.3, 0.02
+
+
+@pytest.fixture(params=ENGINES)
+def engine(request: pytest.FixtureRequest) -> str:
+    pytest.importorskip(request.param)
+    return str(request.param)
+
+
+def executed(engine: str, found: Scene) -> Trace:
+    trace: Trace = import_module(f"wmspec.backends.{engine}").execute(found)
+    return trace
+
+
+def track(trace: Trace, found: Scene, name: str) -> Array:
+    """Where the frame of a body is (T, 3), m."""
+    i = [b.name for b in found.bodies].index(name)
+    return np.asarray(trace.position[:, i])
+
+
+@pytest.mark.parametrize("gravity", [9.81, 1.62])
+def test_a_pendulum_keeps_its_period(engine: str, tmp_path: Path, gravity: float) -> None:
+    """T = 2π √(I / m g d), I about the pivot; at 5° of amplitude it is 0.05 % longer."""
+    wanted = 2 * pi * sqrt((MOMENT + MASS * ARM**2) / (MASS * gravity * ARM)) * (1 + radians(5) ** 2 / 16)
+    swings = f'world {{ gravity: {gravity} m/s^2 }}\nobject pendulum {{ file: "pendulum.urdf"  at: (0, 0, 0)\n'
+    found = scene(spec(f"{swings}part pivot {{ start: 5 deg }} }}", here(tmp_path), 3.2 * wanted))
+    trace = executed(engine, found)
+    i = [b.name for b in found.bodies].index("pendulum")
+    angle = 2 * np.arctan2(trace.orientation[:, i, 2], trace.orientation[:, i, 0])
+    assert angle[0] == pytest.approx(radians(5), abs=1e-6)
+    up = np.flatnonzero((angle[:-1] < 0) & (angle[1:] >= 0))
+    crossings = trace.time[up] - angle[up] / np.diff(angle)[up] * np.diff(trace.time)[up]
+    assert len(crossings) == 3
+    assert np.diff(crossings) == pytest.approx(wanted, rel=2e-3)
+
+
+def test_a_cabinet_is_opened(engine: str, tmp_path: Path) -> None:
+    """Drives take the door and the drawer to their targets, wherever the cabinet stands; the rest stays."""
+    body = """object cabinet {
+      file: "cabinet.urdf"  at: (1 m, 0, 0)  yaw: 90 deg  fixed: true
+      part hinge { stiffness: 20  damping: 4 }
+      part rail { start: 5 cm  stiffness: 200  damping: 30  target: 5 cm }
+    }
+    action open = drive(cabinet.hinge, 60 deg)
+    action pull = drive(cabinet.rail, 20 cm) at 0.5 s"""
+    found = scene(spec(body, here(tmp_path), 3.0))
+    trace = executed(engine, found)
+    drawer = track(trace, found, "cabinet_drawer")
+    assert drawer[0] == pytest.approx((1.05, 0, 0.47), abs=1e-6)
+    assert drawer[-1] == pytest.approx((1.2, 0, 0.47), abs=2e-3)
+    i = [b.name for b in found.bodies].index("cabinet_door")
+    w, _, _, z = trace.orientation[-1, i]
+    assert 2 * np.arctan2(z, w) == pytest.approx(radians(90 - 60), abs=0.02)
+    assert track(trace, found, "cabinet_door")[-1] == pytest.approx((1.19, -0.23, 0.18), abs=2e-3)
+
+
+def test_the_cabinet_of_the_page_as_a_user_runs_it(tmp_path: Path) -> None:
+    """Compiled with its counterfactuals, run in every engine, and all of them say where door and drawer end."""
+    page = CABINET.with_name("language.md").read_text()
+    spec_file = here(tmp_path) / "open.wms"
+    spec_file.write_text(page.partition("```wms cabinet\n")[2].partition("```")[0])
+    wmspec = [sys.executable, "-m", "wmspec"]
+    engines = [e for e in ENGINES if find_spec(e)]
+    compiled = [*wmspec, "compile", "open.wms", "-i", "2", "-o", "out", "--backend", engines[0]]
+    subprocess.run(compiled, cwd=tmp_path, check=True, capture_output=True)
+    assert {p.name.partition(".")[2] for p in (tmp_path / "out/open").glob("000002.*.usda")} == {
+        "little.usda",
+        "none.usda",
+        "stuck.usda",
+    }
+    which = ["--backend", "all"] if len(engines) == len(ENGINES) else ["--backend", engines[0]]
+    run = subprocess.run([*wmspec, "run", "open.wms", *which], cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert run.stdout.count("cabinet_door     ends at") == len(engines if "all" in which else engines[:1])

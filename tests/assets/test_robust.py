@@ -1,0 +1,129 @@
+"""Whatever is in the file of an asset, the answer is a diagnostic, soon, and never a traceback."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.assets.specs import CABINET, HERE
+from wmspec.check.task import check_program
+from wmspec.errors import WmsError
+from wmspec.parse.diagnostics import Report
+from wmspec.parse.load import load_source
+from wmspec.parse.source import Source
+from wmspec.stage.trial import trial
+
+TEXTS = [file.read_text() for file in (CABINET, HERE / "pendulum.urdf", HERE / "arm.urdf")]
+FRAGMENTS = st.sampled_from(
+    [
+        "<",
+        ">",
+        '"',
+        "/>",
+        "-1",
+        "0",
+        "nan",
+        "1e999",
+        "<link/>",
+        "<joint/>",
+        "mesh",
+        "&amp;",
+        "&x;",
+        "\x00",
+        "é",
+        "9" * 400,
+    ]
+)
+SPEC = 'task t : custom {\nobject a { file: "a.urdf" }\ncamera front { at: (0, -3 m, 1 m) }\nobserve front at [0 s]\n}'
+
+
+def told(folder: Path, content: bytes) -> list[str]:
+    """The codes of all that is wrong with a spec that names this asset, each of which can be shown."""
+    (folder / "a.urdf").write_bytes(content)
+    report = Report()
+    source = Source(str(folder / "spec.wms"), SPEC)
+    for spec in check_program(load_source(source, folder, report), report):
+        with suppress(WmsError):
+            trial(spec, report)
+    for d in report.diagnostics:
+        assert d.render()
+        assert d.record()
+    return [d.code for d in report.diagnostics]
+
+
+@settings(max_examples=200, deadline=None)
+@given(data=st.data())
+def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
+    text = data.draw(st.sampled_from(TEXTS))
+    for _ in range(data.draw(st.integers(1, 3))):
+        i = data.draw(st.integers(0, len(text)))
+        j = min(len(text), i + data.draw(st.integers(0, 30)))
+        text = text[:i] + data.draw(st.one_of(FRAGMENTS, st.text(max_size=5))) + text[j:]
+    told(tmp_path_factory.getbasetemp(), text.encode(errors="replace"))
+
+
+@settings(max_examples=100, deadline=None)
+@given(data=st.data())
+def test_mutated_words_of_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
+    """Well formed, but names and numbers go astray."""
+    words = data.draw(st.sampled_from(TEXTS)).split('"')
+    for _ in range(data.draw(st.integers(1, 4))):
+        i = 1 + 2 * data.draw(st.integers(0, len(words) // 2 - 1))
+        words[i] = data.draw(st.one_of(st.sampled_from(words[1::2]), st.sampled_from(["", "0", "-1", "1e9", "0 0 0"])))
+    told(tmp_path_factory.getbasetemp(), '"'.join(words).encode())
+
+
+@settings(max_examples=50, deadline=None)
+@given(content=st.binary(max_size=200))
+def test_bytes(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
+    assert "WMS210" in told(tmp_path_factory.getbasetemp(), content)
+
+
+LINK = '<link name="l{0}"><visual><geometry><sphere radius="0.1"/></geometry></visual></link>'
+JOINT = '<joint name="j{0}" type="fixed"><parent link="l{1}"/><child link="l{0}"/></joint>'
+LARGE = {
+    "many bytes": "<robot>" + " " * 4_000_001 + "</robot>",
+    "many elements": "<robot>" + "<gazebo/>" * 20_001 + "</robot>",
+    "deep": "<robot>" + "<gazebo>" * 10_000,
+    "many links": "<robot>" + "".join(LINK.format(i) for i in range(501)) + "</robot>",
+    "many shapes": '<robot><link name="l">' + "<visual/>" * 2001 + "</link></robot>",
+    "many faults": "<robot>" + "<tendon/>" * 19_000 + "</robot>",
+    "entities": '<!DOCTYPE r [<!ENTITY a "' + "a" * 100_000 + '">]><robot name="' + "&a;" * 30_000 + '"/>',
+    "a file of others": '<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/hostname">]><robot name="r">&a;</robot>',
+    "a long number": '<robot><link name="l"><visual><origin xyz="' + "1" * 3_000_000 + '"/></visual></link></robot>',
+}
+
+
+@pytest.mark.parametrize("what", LARGE)
+def test_what_is_too_large_is_refused_soon(tmp_path: Path, what: str) -> None:
+    start = time.process_time()
+    assert "WMS210" in told(tmp_path, LARGE[what].encode())
+    assert time.process_time() - start < 5
+
+
+def test_a_long_chain_is_no_problem(tmp_path: Path) -> None:
+    """As many links as there may be, each held by the one before: nothing recurses."""
+    robot = ["<robot>", LINK.format(0)]
+    for i in range(1, 500):
+        robot += [LINK.format(i), JOINT.format(i, i - 1).replace("<child", '<origin xyz="0.3 0 0"/><child')]
+    text = "\n".join([*robot, "</robot>"]).replace("visual>", "collision>")
+    assert sys.getrecursionlimit() <= 1000
+    assert told(tmp_path, text.encode()) == []
+
+
+def test_other_specs_do_not_wait_for_what_reads_assets() -> None:
+    code = (
+        "import sys; from pathlib import Path; from wmspec.check.task import check\n"
+        "from wmspec.parse.diagnostics import Report\n"
+        f"check(Path({str(HERE.parent / 'corpus/good.wms')!r}), Report())\n"
+        "print([m for m in sys.modules if m.startswith(('wmspec.check.assets', 'numpy', 'xml', 'pxr'))])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
