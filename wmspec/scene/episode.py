@@ -185,9 +185,7 @@ def play(world: World, episode: Episode) -> Recording:
     states[:, :, :7] = episode.start
     for track in episode.tracks:
         states[:, track.body] = track.at(np.arange(episode.samples) / episode.rate)
-    if (
-        not episode.dynamic
-    ):  # bodies whose motion is given beforehand never touch each other: nothing is left to compute
+    if not episode.dynamic:  # what moves as it is told never touches what does too: nothing is left to compute
         return Recording(mounted(states, episode), [set()] * steps)
     paths = {track.body: track.steps(np.arange(steps + 1) * episode.step) for track in episode.tracks}
     touching = []
