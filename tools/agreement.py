@@ -1,47 +1,83 @@
-"""The last table of docs/crosscheck.md, from what `wmspec crosscheck --json FILE` wrote.
+"""The last section of docs/crosscheck.md, from what `wmspec crosscheck --json FILE` wrote, for all specs or for each.
 
-python -m tools.agreement FILE
+python -m tools.agreement FILE...
 """
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from tools.reference import table
+from wmspec.crosscheck.model import Cause, Verdict
+from wmspec.crosscheck.say import dispute
 
 PAGE = Path(__file__).parent.parent / "docs/crosscheck.md"
 MARK = "<!-- measured -->\n"
-HEAD = ("task", "engines", "answers", "before gates", "within tolerance", "gap, median", "largest", "event")
+USAGE = "python -m tools.agreement FILE...: give the files that `wmspec crosscheck --json FILE` wrote"
+
+Record = dict[str, Any]
 
 
-def measured(record: dict[str, Any]) -> Iterator[str]:
-    """The lines of the section."""
-    engines = ", ".join(f"{name} {version}" for name, version in record["engines"].items())
-    lines = record["summary"]
-    good, total = (sum(line["before_gates"][k] for line in lines) for k in ("good", "all"))
-    yield f"{len(record['instances'])} instances, seed {record['seed']}, with {engines}. Whatever the gates say,"
-    yield f"{good} of {total} answers are the same in both engines of a pair: {good / total:.2%}.\n"
-    yield from table(HEAD, map(row, lines))
+def measured(records: Sequence[Record]) -> Iterator[str]:
+    """The lines of the section. The records are of the same engines and the same seed."""
+    engines = ", ".join(f"{name} {version}" for name, version in records[0]["engines"].items())
+    lines = sorted((line for record in records for line in record["summary"]), key=lambda line: line["task"])
+    rows = {task: list(found) for task, found in groupby(lines, key=lambda line: line["task"])}
+    instances = [instance for record in records for instance in record["instances"]]
+    good, total = total_of(lines, "before_gates")
+    yield f"{len(rows)} tasks, {len(instances):,} instances, seed {records[0]['seed']}, with {engines}."
+    yield f"Whatever the gates say, {good:,} of {total:,} answers are the same in both engines of a pair: {good / total:.2%}.\n"
+    pairs = [" ".join(line["engines"]) for line in next(iter(rows.values()))]
+    heads = ("task", *pairs, *(f"{pair}, before gates" for pair in pairs), "within tolerance", "largest gap")
+    yield from table(heads, (row(*r) for r in rows.items()))
+    yield "First the answers of the questions that are asked, then those of all, before any gate; then the episodes,"
+    yield "counterfactuals included, and of all pairs together, in which everything is within tolerance.\n"
+    yield from disagreements(instances)
 
 
-def row(line: dict[str, Any]) -> tuple[str, ...]:
-    """A task in a pair of engines."""
-    shares = (f"{line[k]['good']}/{line[k]['all']}" for k in ("answers", "before_gates", "episodes"))
-    gaps = (f"{line[k] * 100:.2f} cm" for k in ("median", "largest"))
-    return f"`{line['task']}`", " ".join(line["engines"]), *shares, *gaps, f"{line['late'] * 1000:.1f} ms"
+def row(task: str, lines: Sequence[Record]) -> tuple[str, ...]:
+    """A task: its shares in each pair of engines, and what they have in common."""
+    shares = (f"{line[k]['good']}/{line[k]['all']}" for k in ("answers", "before_gates") for line in lines)
+    good, total = total_of(lines, "episodes")
+    return f"`{task}`", *shares, f"{good / total:.0%}", f"{max(line['largest'] for line in lines) * 100:.2f} cm"
+
+
+def total_of(lines: Sequence[Record], share: str) -> tuple[int, int]:
+    """A share of all the lines together: how many of how many."""
+    return sum(line[share]["good"] for line in lines), sum(line[share]["all"] for line in lines)
+
+
+def disagreements(instances: Sequence[Record]) -> Iterator[str]:
+    """A line for each answer that differs, asked or not, and for each instance that was not executed."""
+    found = [(i, v) for i in instances for v in i["verdicts"] if not v["agree"]]
+    yield f"Answers that differ: {len(found) or 'none'}.\n"
+    for instance, verdict in found:
+        yield f"- `{instance['task']}`, instance {instance['index']}: {dispute(verdict_of(verdict))}"
+    for instance in instances:
+        for failure in instance["failures"]:
+            yield f"- `{instance['task']}`, instance {instance['index']} was not executed: {failure['reason']}"
+
+
+def verdict_of(said: Record) -> Verdict:
+    """The verdict that was written as JSON."""
+    cause = said["cause"] and Cause(**said["cause"])
+    return Verdict(**{k: v for k, v in said.items() if k not in ("asked", "cause")}, cause=cause)
 
 
 def main() -> None:
     """Rewrite the section."""
-    if len(sys.argv) != 2:
-        sys.exit("python -m tools.agreement FILE: give the file that `wmspec crosscheck --json FILE` wrote")
-    record = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    records = [json.loads(Path(name).read_text(encoding="utf-8")) for name in sys.argv[1:]]
+    if not records:
+        sys.exit(USAGE)
+    if any((r["engines"], r["seed"]) != (records[0]["engines"], records[0]["seed"]) for r in records):
+        sys.exit("these files are of different engines or seeds: crosscheck all specs with the same")
     told, mark, _ = PAGE.read_text(encoding="utf-8").partition(MARK)
-    PAGE.write_text(told + mark + "\n" + "\n".join(measured(record)), encoding="utf-8")
+    PAGE.write_text(told + mark + "\n" + "\n".join(measured(records)).rstrip() + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
