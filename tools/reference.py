@@ -13,7 +13,7 @@ from pathlib import Path
 from wmspec.check.calls import signature
 from wmspec.check.functions import FUNCTIONS
 from wmspec.check.kinds import either
-from wmspec.check.slots import LOOKS
+from wmspec.check.slots import LOOKS, slots, sort
 from wmspec.check.units import EXAMPLES, UNITS
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import (
@@ -57,15 +57,18 @@ def reference() -> Iterator[str]:
     yield "### Designs\n"
     yield from forms("design", PLANS.values())
     yield "### Properties\n"
-    for kind, slots in PROPERTIES.items():
+    for kind, properties in PROPERTIES.items():
         yield f"Of {'the world' if kind == 'world' else f'{article(kind)} {kind}'}:\n"
         yield from table(
             ("property", "takes", "left out", "meaning"),
             (
                 row(name, slot, "its object's" if kind == "part" and name in LOOKS else "")
-                for name, slot in slots.items()
+                for name, slot in properties.items()
             ),
         )
+    yield "### Joints\n"
+    yield "Every engine executes all of them; what else there is about joints is in [the stage](stage.md).\n"
+    yield from table(("joint", "meaning", "counts in", "its own properties"), joints())
     yield "### Verbs\n"
     for name, verb in VERBS.items():
         yield from described(name, verb)
@@ -94,9 +97,15 @@ def reference() -> Iterator[str]:
     limits = ((f"`{name}`", str(slot.kinds[0]), slot.meaning) for name, slot in TOLERANCES.items())
     yield from table(("tolerance", "takes", "of"), limits)
     yield "### Materials\n"
-    yield "What an object seems to be made of. How it rubs and bounces is said by its `friction` and `restitution`.\n"
-    looks = ((f"`{n}`", m.meaning, f"{m.roughness:g}", f"{m.metallic:g}") for n, m in MATERIALS.items())
-    yield from table(("material", "look", "roughness", "metallic"), looks)
+    yield (
+        "What an object seems to be made of, to the eye alone: what it weighs, how it rubs and bounces is said by its "
+        "`density`, `friction` and `restitution`. The colour (sRGB) is that of an object that has no `color`.\n"
+    )
+    looks = (
+        (f"`{n}`", m.meaning, ", ".join(f"{c:g}" for c in m.color), f"{m.roughness:g}", f"{m.metallic:g}")
+        for n, m in MATERIALS.items()
+    )
+    yield from table(("material", "look", "color", "roughness", "metallic"), looks)
     yield "### Words\n"
     for vocabulary, words in (WORDS | {"kind of joint": JOINTS}).items():
         yield f"- **{vocabulary}**: {', '.join(f'`{word}`' for word in words)}"
@@ -114,6 +123,15 @@ def reference() -> Iterator[str]:
 def forms(head: str, written: Iterable[Form]) -> Iterator[str]:
     """A table of ways to write something."""
     yield from table((head, "meaning"), ((f"`{form.written}`", form.meaning) for form in written))
+
+
+def joints() -> Iterator[tuple[str, ...]]:
+    """Each kind of joint: what it does, the kind of its coordinate, and what others do not have."""
+    has = {kind: slots(sort("joint", (), kind)) for kind in JOINTS}
+    for kind, meaning in JOINTS.items():
+        own = [name for name in has[kind] if not all(name in other for other in has.values())]
+        counts = either([str(k) for k in has[kind]["low"].kinds]) if "low" in has[kind] else "—"
+        yield f"`{kind}`", meaning, counts, ", ".join(f"`{name}`" for name in own) or "—"
 
 
 def described(name: str, verb: Verb) -> Iterator[str]:

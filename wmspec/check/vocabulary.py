@@ -77,8 +77,13 @@ FILES = {"file": (".obj", ".stl", ".ply", ".glb"), "image": (".png", ".jpg", ".j
 #: The endings of the files of assets, which `file` can name too: things of several links and joints.
 ASSETS = (".urdf",)
 
-#: Kinds of joints.
-JOINTS = ("hinge", "slider", "ball", "fixed")
+#: Kinds of joints, and what each lets an object do.
+JOINTS = {
+    "hinge": "turns about its axis",
+    "slider": "slides along its axis",
+    "ball": "turns every way about its place",
+    "fixed": "holds it fast",
+}
 
 
 @dataclass(frozen=True)
