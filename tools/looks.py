@@ -79,7 +79,7 @@ def stone() -> Grey:
     return np.clip(tone[nearest] - 0.03 * noise(22, 0.5), 0, 1)
 
 
-def brushed() -> Grey:
+def metal() -> Grey:
     """Strokes along x, and broad bands as if lamps and walls were reflected."""
     stroke = noise(31, 0.35, across=40, least=6)
     band = 0.5 + 0.36 * np.sin(2 * np.pi * (Y + 0.1)) + 0.14 * np.sin(2 * np.pi * (2 * Y + 0.45))
@@ -127,7 +127,7 @@ def stripes() -> Grey:
 
 IMAGES: dict[str, Callable[[], Grey]] = {
     f"{make.__name__}.png": make
-    for make in (wood, marble, stone, brushed, fabric, rubber, glass, checker, stripes)
+    for make in (wood, marble, stone, metal, fabric, rubber, glass, checker, stripes)
 }  # fmt: skip
 
 

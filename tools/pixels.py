@@ -53,7 +53,7 @@ task still : custom {{
   }}
   object ball  {{ shape: sphere    size: 13 cm  color: red     on: {ground} at (18 cm, 8 cm)  mass: only * 1 kg }}
   object hat   {{ shape: cone      size: 13 cm  color: orange  material: wood    on: {ground} at (-20 cm, -12 cm) }}
-  object steel {{ shape: sphere    size: 11 cm  material: brushed  on: {ground} at (-1 cm, -7 cm) }}
+  object steel {{ shape: sphere    size: 11 cm  material: metal  on: {ground} at (-1 cm, -7 cm) }}
   object block {{
     shape: cube  size: 10 cm  color: yellow  material: checker  on: {ground} at (19 cm, -13 cm)  yaw: 40 deg
   }}
