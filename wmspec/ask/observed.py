@@ -9,9 +9,9 @@ import numpy as np
 
 from wmspec.ask.looks import Look
 from wmspec.errors import WmsError
-from wmspec.scene.bounds import upright
+from wmspec.scene.bounds import middle, upright
 from wmspec.scene.model import Array, Body, Frame, Pose, Scene, Trace
-from wmspec.scene.transform import identity, rotate
+from wmspec.scene.transform import identity
 
 #: What gets no further than this (m) from where it was has not moved: engines let things at rest creep by 0.3 mm.
 MOVED = 0.002
@@ -58,8 +58,7 @@ class Observed:
     def track(self, name: str) -> Array:
         """Where the middle of a body's box is (T, 3), m, over the whole episode."""
         i = self.index(name)
-        middle = upright(self.scene.bodies[i].geoms, identity()).mean(axis=0)
-        return self.trace.position[:, i] + rotate(self.trace.orientation[:, i], middle)
+        return middle(self.scene.bodies[i], Pose(self.trace.position[:, i], self.trace.orientation[:, i]))
 
     def path(self, name: str) -> Array:
         """The part (t, 3) of a body's track that was observed."""

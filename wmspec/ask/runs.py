@@ -19,7 +19,7 @@ from wmspec.design.values import Values
 from wmspec.errors import EngineError, WmsError
 from wmspec.execute.studio import Studio
 from wmspec.execute.trace import Executor
-from wmspec.scene.bounds import bounds
+from wmspec.scene.bounds import bounds, middle
 from wmspec.scene.model import Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.scene.overlap import overlap
 from wmspec.scene.read import read
@@ -53,17 +53,28 @@ class Run:
 
     def movers(self) -> set[str]:
         """The names of the bodies that do move, at any time."""
-        away = np.linalg.norm(self.trace.position - self.trace.position[0], axis=2).max(axis=0)
+        middles = np.stack([middle(b, p) for b, p in zip(self.scene.bodies, self._tracks(), strict=True)], axis=1)
+        away = np.linalg.norm(middles - middles[0], axis=2).max(axis=0)
         return {b.name for b, way in zip(self.scene.bodies, away, strict=True) if way > MOVED}
 
     def poses(self, names: Sequence[str], time: float) -> NDArray[np.float64]:
-        """Where bodies are (n, 7) at a time (s), NaN for one that is not there."""
+        """Where the middles of bodies are, and how they are turned (n, 7) at a time (s), NaN for one that is not there.
+
+        A door that turns about the origin of its frame is elsewhere, though its frame is not.
+        """
         i, index = self.trace.sample(time), {name: k for k, name in enumerate(self.trace.bodies)}
         rows = np.full((len(names), 7), np.nan)
         for row, name in zip(rows, names, strict=True):
             if name in index:
-                row[:3], row[3:] = self.trace.position[i, index[name]], self.trace.orientation[i, index[name]]
+                k = index[name]
+                here = Pose(self.trace.position[i, k], self.trace.orientation[i, k])
+                row[:3], row[3:] = middle(self.scene.bodies[k], here), here.orientation
         return rows
+
+    def _tracks(self) -> Iterator[Pose]:
+        """The frames of every body at all times, (T, 3) and (T, 4)."""
+        for k in range(len(self.scene.bodies)):
+            yield Pose(self.trace.position[:, k], self.trace.orientation[:, k])
 
     def observed(self, looks: Sequence[Look], crew: Crew) -> Observed:
         """What there is to measure, with looks at it."""

@@ -6,8 +6,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from wmspec.scene.model import Array, Box, Capsule, Cone, Cylinder, Geom, Mesh, Pose, Shape, Sphere
-from wmspec.scene.transform import compose, rotation
+from wmspec.scene.model import Array, Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Pose, Shape, Sphere
+from wmspec.scene.transform import compose, identity, rotate, rotation
+
+#: A middle nearer (m) than this to the frame is there.
+_ROUNDING = 1e-12
 
 
 def bounds(shape: Shape, pose: Pose) -> Array:
@@ -43,3 +46,11 @@ def upright(geoms: Iterable[Geom], pose: Pose) -> Array:
     """The corners (2, 3) m of the upright box around pieces of a body that is placed at `pose`."""
     boxes = np.stack([bounds(g.shape, compose(pose, g.pose)) for g in geoms])
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
+def middle(body: Body, frames: Pose) -> Array:
+    """Where the middle (..., 3) of a body's own box is, its frame being at `frames`, (..., 3) and (..., 4)."""
+    if not body.geoms:
+        return frames.position
+    own = upright(body.geoms, identity()).mean(axis=0)
+    return frames.position + rotate(frames.orientation, np.where(np.abs(own) < _ROUNDING, 0.0, own))
