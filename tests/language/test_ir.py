@@ -2,7 +2,9 @@
 
 import json
 import math
+import pickle
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -54,6 +56,29 @@ def test_a_task_of_the_future_is_refused() -> None:
     record = plain(task_of(SPECS[0])) | {"novelty": 1}
     with pytest.raises(WmsError, match=r"novelty: Unexpected keyword argument"):
         from_json(json.dumps(record))
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"repeat": "2"}, "repeat: Input should be a valid integer"),
+        ({"repeat": True}, "repeat: Input should be a valid integer"),
+        ({"title": 3}, "title: Input should be a valid string"),
+        ({"tolerances": {"rest": "1"}}, "rest: Input should be a valid number"),
+        ({"tolerances": {"rest": math.nan}}, "rest: Input should be a finite number"),
+        ({"horizon": {"kind": "value", "value": math.inf}}, "value.float: Input should be a finite number"),
+        ({"horizon": {"kind": "number", "value": 1.0}}, "horizon: .* 'number' found using 'kind' does not match"),
+    ],
+)
+def test_nothing_is_taken_for_what_it_is_not(changed: dict[str, Any], said: str) -> None:
+    record = plain(task_of(SPECS[0])) | changed
+    with pytest.raises(WmsError, match=said):
+        from_json(json.dumps(record))
+
+
+def test_a_task_goes_to_another_process() -> None:
+    made = task_of(SPECS[0])
+    assert pickle.loads(pickle.dumps(made)) == made
 
 
 @pytest.mark.parametrize("path", SPECS, ids=lambda p: f"{p.parent.stem}-{p.stem}")

@@ -15,7 +15,7 @@ from wmspec.parse.source import Span
 class Node:
     """Base of all parts: what is read as one has no more fields than it says."""
 
-    __pydantic_config__: ClassVar[Mapping[str, str]] = {"extra": "forbid"}
+    __pydantic_config__: ClassVar[Mapping[str, str | bool]] = {"extra": "forbid", "allow_inf_nan": False}
 
 
 class ByKind:

@@ -20,9 +20,12 @@ def to_json(spec: TaskSpec, indent: int | None = None) -> str:
 
 
 def from_json(text: str) -> TaskSpec:
-    """The task of a JSON text. Raises WmsError with all that keeps it from being one."""
+    """The task of a JSON text. Raises WmsError with all that keeps it from being one.
+
+    Nothing is taken for what it is not: no text for a number, no number for a truth value, and no number is infinite.
+    """
     try:
-        return _adapter().validate_json(text)
+        return _adapter().validate_json(text, strict=True)
     except ValidationError as error:
         wrong = (f"{'.'.join(map(str, e['loc'])) or 'the text'}: {e['msg']}" for e in error.errors())
         raise WmsError("this JSON is no checked task: " + "; ".join(wrong)) from None
