@@ -72,6 +72,17 @@ def test_a_shift_is_found_where_when_and_how_large(race: tuple[Scene, Trace]) ->
     assert (found.cause.body, found.cause.other) == ("far", "floor")
 
 
+def test_what_rests_from_the_start_has_no_first_touch_though_an_engine_reports_it_late(
+    race: tuple[Scene, Trace],
+) -> None:
+    scene, trace = race
+    late = tuple(replace(c, start=0.2) if c.start == 0 else c for c in trace.contacts)
+    assert late != trace.contacts
+    found = judged(scene, trace, replace(trace, engine="other", contacts=late))
+    assert found.within
+    assert found.events == judged(scene, trace, trace).events
+
+
 @pytest.mark.parametrize(("by", "within"), [(0.002, True), (0.005, False)])
 def test_a_body_that_meets_nothing_may_drift_5_mm_a_second(race: tuple[Scene, Trace], by: float, within: bool) -> None:
     scene, trace = race  # it moves from 0.1 s to 0.6 s: 2.5 mm, and the half millimetre of a body at rest
