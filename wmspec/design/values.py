@@ -45,6 +45,7 @@ class Values:
         self.assignment = assignment
         self.change = change
         self.key = key
+        self._changed = (change.owner, change.property) if change else ()
         self._lets = {let.name: let for let in spec.lets}
         self._things = {t.name: t for t in spec.things}
         self._known: dict[tuple[str, str], Any] = {}
@@ -69,7 +70,7 @@ class Values:
         if key in self._known:
             return self._known[key]
         setting = self._things[owner].properties.get(name)
-        if setting is None or self.change is not None or not isinstance(setting.value, Value):
+        if setting is None or owner in self._changed or not isinstance(setting.value, Value):
             return self.once(key, lambda: self._value(owner, name))
         constant = self._known[key] = setting.value.value  # most are, and need no more than this
         self._check(self._things[owner], name, constant, setting.place)
@@ -200,12 +201,8 @@ class Values:
             return
         slot = _slot(thing, name)
         for number in value if isinstance(value, tuple) else (value,):
-            if isinstance(number, float) and slot and (reason := slot.fault(number)):
-                raise WmsError(f"{place}: `{name}` of `{thing.name}` is {number:g} here; it must be {reason}")
-            if isinstance(number, float) and not math.isfinite(number):
-                raise WmsError(f"{place}: `{name}` of `{thing.name}` is not finite")
-            if isinstance(number, float) and abs(number) > MOST_LENGTH and slot and _LENGTHS.intersection(slot.kinds):
-                raise WmsError(f"{place}: `{name}` of `{thing.name}` is {number / 1000:g} km here; the most is 10 km")
+            if isinstance(number, float) and (fault := _fault(number, slot)):
+                raise WmsError(f"{place}: `{name}` of `{thing.name}` is {fault}")
 
     def _of_material(self, owner: str, name: str) -> Any:
         """What an object's material decides; a picture on it keeps its own colours."""
@@ -236,6 +233,17 @@ def _evaluate(expr: Expr, values: Values, place: Place) -> Any:
         return evaluate(expr, values)
     except NoValue as error:
         raise WmsError(f"{place}: {error}") from None
+
+
+def _fault(number: float, slot: Slot | None) -> str:
+    """What a number is and must not be; empty if it is within bounds."""
+    if slot and (wanted := slot.fault(number)):
+        return f"{number:g} here; it must be {wanted}"
+    if not math.isfinite(number):
+        return "not finite"
+    if abs(number) > MOST_LENGTH and slot and _LENGTHS.intersection(slot.kinds):
+        return f"{number / 1000:g} km here; the most is 10 km"
+    return ""
 
 
 def _slot(thing: Thing, name: str) -> Slot | None:
