@@ -41,14 +41,14 @@ FRAGMENTS = st.sampled_from(
         "9" * 400,
     ]
 )
-SPEC = 'task t : custom {\nobject a { file: "a.urdf" }\ncamera front { at: (0, -3 m, 1 m) }\nobserve front at [0 s]\n}'
+SPEC = 'task t : custom {\nobject a { file: "NAME" }\ncamera front { at: (0, -3 m, 1 m) }\nobserve front at [0 s]\n}'
 
 
-def told(folder: Path, content: bytes) -> list[str]:
+def told(folder: Path, content: bytes, name: str = "a.urdf") -> list[str]:
     """The codes of all that is wrong with a spec that names this asset, each of which can be shown."""
-    (folder / "a.urdf").write_bytes(content)
+    (folder / name).write_bytes(content)
     report = Report()
-    source = Source(str(folder / "spec.wms"), SPEC)
+    source = Source(str(folder / "spec.wms"), SPEC.replace("NAME", name))
     for spec in check_program(load_source(source, folder, report), report):
         with suppress(WmsError):
             trial(spec, report)
@@ -127,3 +127,20 @@ def test_other_specs_do_not_wait_for_what_reads_assets() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+USDA = (HERE / "balance.usda").read_text()
+
+
+@settings(max_examples=100, deadline=None)
+@given(data=st.data())
+def test_mutated_stages(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
+    """A new file for each, since USD remembers those that it has opened."""
+    lines = USDA.split("\n")
+    for _ in range(data.draw(st.integers(1, 4))):
+        i = data.draw(st.integers(4, len(lines) - 1))
+        values = st.sampled_from(["0", "-1", "nan", "inf", "1e30", "(0, 0, 0)", "</balance/left>", '"Z"', ""])
+        name, equals, _ = lines[i].partition(" = ")
+        lines[i] = f"{name} = {data.draw(values)}" if equals else data.draw(st.sampled_from([lines[i], "", "}"]))
+    folder = tmp_path_factory.mktemp("stage")
+    told(folder, "\n".join(lines).encode(), "a.usda")

@@ -52,7 +52,7 @@ class Blocks:
         here = {p.name.id for p in self.base.properties}
         held: dict[str, s.Expr] = {"fixed": self.write.truth(True)} if self.tree.held and "fixed" not in here else {}
         own = tuple(p for p in self.base.properties if p.name.id not in ("file", "collision"))
-        found = _instead((*own, *self.write.properties(held)), self._of(link))
+        found = _instead((*own, *self.write.properties(held | self._by_file(link))), self._of(link))
         made = (*found, *self.write.properties(self._matter(link, found)))
         return replace(self.base, properties=made, parts=self._parts(link, found))
 
@@ -64,7 +64,7 @@ class Blocks:
         where = {"at": at, **{name: self.write.number(angle, "rad") for name, angle in turns.items()}}
         whole = {p.name.id for p in self.base.properties}
         common = ("present", *_COMMON, *(look for look in LOOKS if look in whole))
-        shared = self.write.properties({name: self.write.of(base, name) for name in common})
+        shared = self.write.properties({name: self.write.of(base, name) for name in common} | self._by_file(link))
         found = _instead((*self.write.properties(where), *shared), self._of(link))
         made = (*found, *self.write.properties(self._matter(link, found)))
         parts = self._parts(link, found)
@@ -76,20 +76,26 @@ class Blocks:
 
     # ------------------------------------------------------------ what a link is made of
 
+    def _by_file(self, link: Link) -> dict[str, s.Expr]:
+        """What the file says of a link besides its mass, unless the spec says it of the whole."""
+        whole = {p.name.id for p in self.base.properties}
+        units = {"density": "kg/m^3"}
+        return {n: self.write.number(x, units.get(n)) for n, x in link.said.items() if n not in whole}
+
     def _matter(self, link: Link, said: tuple[s.Property, ...]) -> dict[str, s.Expr]:
         """Its mass with its centre and its moments, which go with the mass; nothing if the spec says its density."""
         names = {p.name.id for p in said}
         if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._of(link))}:
             return {}
-        moments, axes = frames.principal(link.mass.tensor)
-        mass = {} if "mass" in names else {"mass": self.write.number(link.mass.mass, "kg")}
-        own = self.write.of(self.name(link.name), "mass")
-        return {
-            **mass,
-            "centre": self.write.numbers(frames.clean(link.mass.centre), "m"),
-            "moments": self.write.times((m / link.mass.mass for m in moments), "m^2", own),
-            "axes": self.write.numbers(axes, "rad"),
-        }
+        found = {} if "mass" in names else {"mass": self.write.number(link.mass.mass, "kg")}
+        if link.mass.centre is not None:
+            found["centre"] = self.write.numbers(frames.clean(link.mass.centre), "m")
+        if link.mass.tensor is not None:
+            moments, axes = frames.principal(link.mass.tensor)
+            own = self.write.of(self.name(link.name), "mass")
+            found["moments"] = self.write.times((m / link.mass.mass for m in moments), "m^2", own)
+            found["axes"] = self.write.numbers(axes, "rad")
+        return found
 
     def _parts(self, link: Link, said: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
         colored = not {"color", "material", "image"} & {p.name.id for p in said}
@@ -138,11 +144,11 @@ class Blocks:
         """Axis, limits, damping; it starts at 0, or at the limit that is nearest to it."""
         unit = "rad" if joint.kind == "hinge" else "m"
         low, high = (-math.inf if joint.low is None else joint.low), (math.inf if joint.high is None else joint.high)
-        start = max(low, min(high, 0.0)) or None
-        numbers = (("low", joint.low), ("high", joint.high), ("start", start))
+        start = joint.start if joint.start is not None else max(low, min(high, 0.0))
+        numbers = (("low", joint.low), ("high", joint.high), ("start", start or None), ("target", joint.target))
         found = {name: self.write.number(value, unit) for name, value in numbers if value is not None}
-        if joint.damping:
-            found["damping"] = self.write.number(joint.damping)
+        plain_numbers = (("stiffness", joint.stiffness), ("damping", joint.damping))
+        found |= {name: self.write.number(value) for name, value in plain_numbers if value}
         return {"axis": self.write.numbers(frames.clean(joint.axis)), **found}
 
 

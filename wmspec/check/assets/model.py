@@ -51,12 +51,12 @@ class Faults:
 
 @dataclass(frozen=True)
 class Shape:
-    """One geometry of a link: `size` are the edges of a box, (radius,) or (radius, height); a mesh has a `file`.
+    """One geometry of a link: `size` are the edges of a box, (radius,) or (radius, height) along z; a mesh has `file`.
 
     A capsule's height is the whole of it. `file` is seen from the spec's folder.
     """
 
-    kind: Literal["box", "sphere", "cylinder", "capsule", "mesh"]
+    kind: Literal["box", "sphere", "cylinder", "capsule", "cone", "mesh"]
     size: tuple[float, ...]
     place: Array
     file: str = ""
@@ -68,21 +68,28 @@ class Shape:
 
 @dataclass(frozen=True)
 class Mass:
-    """A mass, its centre (3,) in the link and its tensor of inertia (3, 3) about that, in the link's axes."""
+    """A mass, its centre (3,) in the link and its tensor of inertia (3, 3) about that, in the link's axes.
+
+    What is None follows from the shapes.
+    """
 
     mass: float
-    centre: Array
-    tensor: Array
+    centre: Array | None = None
+    tensor: Array | None = None
 
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid body. `where` is where it stands in the file. One without shapes is a mere frame."""
+    """A rigid body. `where` is where it stands in the file. One without shapes is a mere frame.
+
+    `said` are numbers of the language that the file says of it: `density`, `friction`, `restitution`.
+    """
 
     name: str
     where: str
     shapes: tuple[Shape, ...] = ()
     mass: Mass | None = None
+    said: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -90,7 +97,7 @@ class Joint:
     """Holds `child` to `parent`. `place` is the child's frame in the parent's with the joint at 0.
 
     The joint itself is `at` (3,) along `axis` (3,) in the child's frame; the axis of a ball joint or a fixed one means
-    nothing. A `free` joint holds nothing.
+    nothing. A `free` joint holds nothing. Without a `start` it starts at 0, or at the limit that is nearest to it.
     """
 
     name: str
@@ -104,6 +111,9 @@ class Joint:
     low: float | None = None
     high: float | None = None
     damping: float = 0.0
+    stiffness: float = 0.0
+    target: float | None = None
+    start: float | None = None
 
 
 @dataclass(frozen=True)

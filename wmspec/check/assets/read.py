@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 
 from wmspec.check.assets.markup import Element
 from wmspec.check.assets.markup import read as read_xml
-from wmspec.check.assets.model import Broken, Fault, Faults
+from wmspec.check.assets.model import Asset, Broken, Fault, Faults
 from wmspec.check.assets.tree import Tree, tree
 from wmspec.check.assets.urdf import urdf
 from wmspec.check.vocabulary import FILES
@@ -18,10 +18,19 @@ def read(folder: Path, name: str) -> Tree | tuple[Fault, ...]:
     """The links and joints of the asset in the file `name` below the spec's folder, or all that is wrong with it."""
     faults = Faults()
     with suppress(Broken):
-        asset = urdf(read_xml(folder / name, name, faults), _Meshes(folder, name, faults).find, faults)
+        asset = _asset(folder, name, faults)
         if not faults.found:
             made = tree(asset, name, faults)
     return tuple(faults.found) or made
+
+
+def _asset(folder: Path, name: str, faults: Faults) -> Asset:
+    """What the file says, by its format. Raises Broken if that is nothing."""
+    if PurePosixPath(name).suffix.lower() == ".urdf":
+        return urdf(read_xml(folder / name, name, faults), _Meshes(folder, name, faults).find, faults)
+    from wmspec.check.assets.usd import usd  # pxr is large, and only USD needs it
+
+    return usd(folder / name, folder, name, faults)
 
 
 class _Meshes:

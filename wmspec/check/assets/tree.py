@@ -155,7 +155,8 @@ def _moved(link: Link, here: Array) -> Link:
     shapes = tuple(replace(s, place=here @ s.place) for s in link.shapes)
     mass, axes = link.mass, here[:3, :3]
     if mass is not None:
-        mass = Mass(mass.mass, point(here, mass.centre), axes @ mass.tensor @ axes.T)
+        centre = None if mass.centre is None else point(here, mass.centre)
+        mass = Mass(mass.mass, centre, None if mass.tensor is None else axes @ mass.tensor @ axes.T)
     return replace(link, shapes=shapes, mass=mass)
 
 
@@ -163,7 +164,7 @@ def _solid(walk: _Walk, faults: Faults) -> None:
     """Complain about masses that no solid has."""
     for placed in walk.links:
         link = placed.link
-        if link.mass is None:
+        if link.mass is None or link.mass.tensor is None:
             continue
         moments = np.linalg.eigvalsh(link.mass.tensor)
         if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
