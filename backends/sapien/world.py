@@ -183,8 +183,8 @@ class World:
         pairs = set()
         for contact in self.system.get_contacts():
             if any(point.separation < TOUCH for point in contact.points):
-                first, second = sorted(int(part.entity.name) for part in contact.bodies)
-                pairs.add((first, second))
+                first, second = (int(part.entity.name) for part in contact.bodies)
+                pairs.add((min(first, second), max(first, second)))
         return pairs
 
 

@@ -46,10 +46,7 @@ class Push:
 
 @dataclass(frozen=True)
 class Drag:
-    """Damping of a jointed body: force per speed, N s/m, and torques per spin about its axes, N m s (engines damp the
-
-    speeds of joints instead).
-    """
+    """Damping of a jointed body: force per speed, N s/m, torque per spin about its axes, N m s."""
 
     body: int
     linear: float
@@ -75,9 +72,8 @@ class Aim:
 
 @dataclass(frozen=True)
 class Track:
-    """The path of a kinematic body: from `times[i]` (s) on it moves from `points[i]` with `velocities[i]`,
-
-    and turns from `turns[i]`, quaternions, with `spins[i]`, rad/s. Between two such times it may jump.
+    """The path of a kinematic body, which may jump between its parts: from `times[i]` (s) on it moves from `points[i]`
+    with `velocities[i]`, and turns from `turns[i]`, quaternions, with `spins[i]`, rad/s.
     """
 
     body: int
@@ -188,9 +184,10 @@ def play(world: World, episode: Episode) -> Recording:
     if not episode.dynamic:  # what moves as it is told never touches what does too: nothing is left to compute
         return Recording(mounted(states, episode), [set()] * steps)
     paths = {track.body: track.steps(np.arange(steps + 1) * episode.step) for track in episode.tracks}
+    begins = beginnings(episode)
     touching = []
     for i in range(steps + 1):
-        kicks = begin(world, episode, i)
+        kicks = begin(world, episode, i) if i in begins else []
         if i % episode.substeps == 0:
             observe(world, episode, kicks, states[i // episode.substeps])
         if i == steps:
@@ -201,6 +198,12 @@ def play(world: World, episode: Episode) -> Recording:
         world.step()
         touching.append(world.touching())
     return Recording(mounted(states, episode), touching)
+
+
+def beginnings(episode: Episode) -> set[int]:
+    """The numbers of the steps before which something happens at once."""
+    held = range(max((hold.until + 1 for hold in episode.holds), default=0))
+    return {*held, *(kick.step for kick in episode.kicks), *(aim.step for aim in episode.aims)}
 
 
 def begin(world: World, episode: Episode, i: int) -> list[Kick]:
