@@ -2,8 +2,8 @@
 
     python -m benchmarks.fuzz --count 100000 --workers 2
 
-An input is a pure function of its number. Each is checked, tried out and, if it can be parsed, formatted twice. What
-fails is written to `--output`, and the exit code is 1.
+An input is a pure function of its number and of the texts in the repository, which it is made from. Each is checked,
+tried out and, if it can be parsed, formatted twice. What fails is written to `--output`, and the exit code is 1.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import os
 import resource
+import shutil
 import signal
 import sys
 import tempfile
@@ -24,7 +25,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from types import FrameType
 
-from benchmarks.inputs import text_of
+from benchmarks.inputs import ROOT, text_of
 from wmspec.check.task import check_program
 from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Report, SpecError
@@ -45,11 +46,13 @@ class TooSlow(BaseException):
 
 @cache
 def folder() -> Path:
-    """Where the inputs are said to be: with two meshes and a picture beside them."""
+    """Where the inputs are said to be: with meshes, a picture, and assets beside them."""
     import trimesh
     from PIL import Image
 
     made = Path(tempfile.mkdtemp(prefix="fuzz"))
+    shutil.copytree(ROOT / "tests/corpus/assets", made / "assets")
+    shutil.copy(ROOT / "docs/cabinet.urdf", made)
     trimesh.creation.cylinder(3, 8, sections=16).export(made / "cup.obj")
     trimesh.creation.box((4, 2, 3)).export(made / "wedge.stl")
     Image.new("RGB", (8, 8), "red").save(made / "label.png")
@@ -58,7 +61,7 @@ def folder() -> Path:
 
 def survive(text: str) -> str:
     """Check, try out and format a text; returns how far it came. Raises whatever is a defect of ours."""
-    source = Source("fuzz.wms", text)
+    source = Source(str(folder() / "fuzz.wms"), text)
     report = Report()
     came = "unread"
     try:
