@@ -20,7 +20,7 @@ from wmspec.parse.load import load_source
 from wmspec.parse.source import Source
 from wmspec.stage.trial import trial
 
-TEXTS = [file.read_text() for file in (CABINET, HERE / "pendulum.urdf", HERE / "arm.urdf")]
+TEXTS = [file.read_text() for file in (CABINET, HERE / "pendulum.urdf", HERE / "arm.urdf", HERE / "crane.xml")]
 FRAGMENTS = st.sampled_from(
     [
         "<",
@@ -58,7 +58,7 @@ def told(folder: Path, content: bytes, name: str = "a.urdf") -> list[str]:
     return [d.code for d in report.diagnostics]
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(data=st.data())
 def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     text = data.draw(st.sampled_from(TEXTS))
@@ -69,7 +69,7 @@ def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataO
     told(tmp_path_factory.getbasetemp(), text.encode(errors="replace"))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_mutated_words_of_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """Well formed, but names and numbers go astray."""
@@ -132,7 +132,7 @@ def test_other_specs_do_not_wait_for_what_reads_assets() -> None:
 USDA = (HERE / "balance.usda").read_text()
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_mutated_stages(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """A new file for each, since USD remembers those that it has opened."""

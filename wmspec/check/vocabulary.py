@@ -75,7 +75,7 @@ HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
 FILES = {"file": (".obj", ".stl", ".ply", ".glb"), "image": (".png", ".jpg", ".jpeg")}
 
 #: The endings of the files of assets, which `file` can name too: things of several links and joints.
-ASSETS = (".urdf", ".usda", ".usd", ".usdc")
+ASSETS = (".urdf", ".xml", ".usda", ".usd", ".usdc")
 
 #: Kinds of joints, and what each lets an object do.
 JOINTS = {
@@ -149,7 +149,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
     "object": {
         **_FORM,
         **_MESH,
-        "file": Slot((TEXT,), "a mesh (obj, stl, ply, glb) or an asset (urdf, usd) beside the spec, instead of a shape", optional=True),
+        "file": Slot((TEXT,), "a mesh (obj, stl, ply, glb) or an asset (urdf, xml, usd) beside the spec, instead of a shape", optional=True),
         "mass": Slot((Quantity(MASS),), "its mass, instead of its density", optional=True, above=0),
         "density": Slot((Quantity(DENSITY),), "its mass per volume", "600 kg/m^3", above=0),
         "centre": Slot((POINT3,), "its centre of mass, from its middle; instead of that of its form", optional=True),

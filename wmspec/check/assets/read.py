@@ -8,6 +8,7 @@ from pathlib import Path, PurePosixPath
 
 from wmspec.check.assets.markup import Element
 from wmspec.check.assets.markup import read as read_xml
+from wmspec.check.assets.mjcf import mjcf
 from wmspec.check.assets.model import Asset, Broken, Fault, Faults
 from wmspec.check.assets.tree import Tree, tree
 from wmspec.check.assets.urdf import urdf
@@ -26,8 +27,9 @@ def read(folder: Path, name: str) -> Tree | tuple[Fault, ...]:
 
 def _asset(folder: Path, name: str, faults: Faults) -> Asset:
     """What the file says, by its format. Raises Broken if that is nothing."""
-    if PurePosixPath(name).suffix.lower() == ".urdf":
-        return urdf(read_xml(folder / name, name, faults), _Meshes(folder, name, faults).find, faults)
+    if PurePosixPath(name).suffix.lower() in (".urdf", ".xml"):
+        root, find = read_xml(folder / name, name, faults), _Meshes(folder, name, faults).find
+        return mjcf(root, find, faults) if root.tag == "mujoco" else urdf(root, find, faults)
     from wmspec.check.assets.usd import usd  # pxr is large, and only USD needs it
 
     return usd(folder / name, folder, name, faults)

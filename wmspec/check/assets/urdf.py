@@ -31,7 +31,11 @@ _KINDS: dict[str, Literal["hinge", "slider", "fixed", "free"]] = {
 def urdf(robot: Element, find: Find, faults: Faults) -> Asset:
     """The asset in the root element of a URDF. Raises Broken if it is none."""
     if robot.tag != "robot":
-        raise faults.stop(robot.where, "is no URDF, whose root is `robot`", "is this the right file?")
+        raise faults.stop(
+            robot.where,
+            "is neither a URDF nor an MJCF, whose roots are `robot` and `mujoco`",
+            "is this the right file?",
+        )
     return _Urdf(robot, find, faults).asset()
 
 

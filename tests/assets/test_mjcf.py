@@ -1,0 +1,82 @@
+"""What wmspec makes of an MJCF, against what MuJoCo makes of it."""
+
+from __future__ import annotations
+
+from math import radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.assets.specs import HERE, named, scene, spec, tensor
+from wmspec.scene.model import Scene
+from wmspec.scene.transform import rotation
+
+mujoco = pytest.importorskip("mujoco")
+LINKS = ("boom", "trolley", "hook", "plate")
+
+
+def crane(tmp_path: Path, slew: float = 0.0, run: float = 0.0) -> tuple[Scene, Any, Any]:
+    """The crane with two of its joints at these places (deg, m): our scene, and MuJoCo's model and data."""
+    (tmp_path / "crane.xml").write_bytes((HERE / "crane.xml").read_bytes())
+    parts = f"part slew {{ start: {slew} deg }}  part run {{ start: {run} m }}"
+    found = scene(spec(f'object crane {{ file: "crane.xml"  at: (0, 0, 0)  {parts} }}', tmp_path))
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "crane.xml"))
+    data = mujoco.MjData(model)
+    data.joint("slew").qpos[0], data.joint("run").qpos[0] = radians(slew), run
+    mujoco.mj_forward(model, data)
+    return found, model, data
+
+
+@pytest.mark.parametrize(("slew", "run"), [(0.0, 0.0), (40.0, -0.15), (-90.0, 0.2)])
+def test_bodies_are_where_mujoco_has_them(tmp_path: Path, slew: float, run: float) -> None:
+    found, _, data = crane(tmp_path, slew, run)
+    for name in LINKS:
+        ours, theirs = named(found, f"crane_{name}").pose, data.body(name)
+        np.testing.assert_allclose(ours.position, theirs.xpos, atol=1e-9)
+        np.testing.assert_allclose(rotation(ours.orientation), theirs.xmat.reshape(3, 3), atol=1e-9)
+
+
+@pytest.mark.parametrize("name", LINKS)
+def test_masses_are_those_of_mujoco(tmp_path: Path, name: str) -> None:
+    found, model, data = crane(tmp_path)
+    body, theirs = named(found, f"crane_{name}"), model.body(name)
+    assert body.inertia is not None
+    assert body.inertia.mass == pytest.approx(theirs.mass[0], rel=1e-6)
+    own, axes = rotation(body.pose.orientation), data.body(name).ximat.reshape(3, 3)
+    middle = body.pose.position + own @ body.inertia.center
+    np.testing.assert_allclose(middle, data.body(name).xipos, atol=1e-7)
+    wanted = axes @ np.diag(theirs.inertia) @ axes.T
+    np.testing.assert_allclose(own @ tensor(body) @ own.T, wanted, rtol=1e-5, atol=1e-8)
+
+
+def test_joints_are_those_of_mujoco(tmp_path: Path) -> None:
+    found, model, data = crane(tmp_path)
+    joints = {j.name.removeprefix("crane_"): j for j in found.joints}
+    for name, kind in (("slew", "hinge"), ("run", "slider"), ("swivel", "ball")):
+        ours, theirs = joints[name], data.joint(name)
+        assert ours.kind == kind
+        first = named(found, ours.first or "")
+        at = first.pose.position + rotation(first.pose.orientation) @ ours.first_frame.position
+        np.testing.assert_allclose(at, theirs.xanchor, atol=1e-7)
+        if kind != "ball":
+            axis = rotation(first.pose.orientation) @ rotation(ours.first_frame.orientation)[:, 0]
+            np.testing.assert_allclose(axis, theirs.xaxis, atol=1e-6)
+            assert ours.limits == pytest.approx(model.joint(name).range, rel=1e-6)
+    spring, drive = joints["slew"].drive, joints["run"].drive
+    assert spring is not None
+    assert drive is not None
+    assert (spring.stiffness, spring.damping, spring.target) == pytest.approx((3, 0.3, radians(10)), rel=1e-6)
+    assert (drive.stiffness, drive.damping, drive.target) == pytest.approx((50, 4.3, 0), rel=1e-6)
+    assert joints["plate_fixed"].kind == "fixed"
+
+
+def test_shapes_are_those_of_mujoco(tmp_path: Path) -> None:
+    found, model, _ = crane(tmp_path)
+    boom = named(found, "crane_boom").geoms
+    assert [g.collides for g in boom] == [True, True, False]
+    assert [type(g.shape).__name__ for g in boom] == ["Capsule", "Box", "Sphere"]
+    assert boom[0].shape.height == pytest.approx(2 * model.geom_size[1][1], rel=1e-6)  # type: ignore[union-attr]
+    assert boom[0].friction.dynamic == pytest.approx(0.7)
+    assert named(found, "crane").motion == "static"
