@@ -9,6 +9,9 @@ from wmspec.crosscheck.model import Cause, Event, Gap, Rest
 from wmspec.scene.contact import colliders, mix
 from wmspec.scene.model import Body, Cone, Contact, Cylinder, Friction, Scene, Sphere, Trace
 
+#: With a friction of 0.5 two rolling balls that meet end three times as far apart as with this.
+SMOOTH = 0.1
+
 _ALONE = "it had touched nothing: the engines differ in free motion"
 
 
@@ -97,5 +100,10 @@ def _hint(body: Body, other: Body, material: Friction, impacts: int) -> str:
     if impacts > 3:
         return "small differences grow with every impact: look earlier, or let fewer bodies meet"
     if not balls:
-        return "where a face or an edge is hit decides how a body turns: hit it nearer to its middle, or look earlier"
+        return (
+            "where a face or an edge is hit decides how a body turns: hit it nearer to its middle, let one be a "
+            "ball, or look earlier"
+        )
+    if material.dynamic > SMOOTH:
+        return f"balls that rub climb on each other: lower the friction of both to {SMOOTH:g}, or look earlier"
     return "the engines differ in how this pair bounces and rubs: look earlier, or ask for less precision"
