@@ -41,7 +41,7 @@ def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictur
     from wmspec.audit.page import page
     from wmspec.write.finished import Finished
 
-    with progress_bar(len(Finished.open(dataset).tasks), "auditing") as progress:
+    with progress_bar(len(Finished.open(dataset).tasks), "auditing", "tasks") as progress:
         found = audit(dataset, pictures_of, progress)
     said = json.dumps({"passed": found.passed, **asdict(found)}, indent=1, ensure_ascii=False) + "\n"
     if output is not None:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def progress_bar(total: int, doing: str) -> Iterator[Callable[[str, int], None]]:
+def progress_bar(total: int, doing: str, what: str = "instances") -> Iterator[Callable[[str, int], None]]:
     """A progress bar on a terminal; elsewhere a line every tenth of the way."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -20,7 +20,7 @@ def progress_bar(total: int, doing: str) -> Iterator[Callable[[str, int], None]]
             nonlocal done
             before, done = done, done + count
             if total and before * 10 // total != done * 10 // total:
-                console.print(f"{done} of {total} instances ({task})", highlight=False)
+                console.print(f"{done} of {total} {what} ({task})", highlight=False)
 
         yield line
         return
