@@ -15,7 +15,7 @@ from wmspec.cli.common import json_option, make_folder, write_text
 from wmspec.cli.progress import progress_bar
 
 if TYPE_CHECKING:
-    from wmspec.audit.model import Audit
+    from wmspec.audit.model import Audit, Verdict
 
 
 @click.command("audit")
@@ -61,12 +61,13 @@ def _tell(found: Audit) -> None:
     """What matters, for a terminal: what fails, and how much else there is to read."""
     from wmspec.audit.page import WORDS, verdict
 
+    quiet: dict[Verdict, str] = {"unclear": "yellow", "told": "blue", "holds": "green"}
     for finding in found.findings:
         if finding.verdict == "fails":
             where = f" {finding.task}" if finding.task else ""
             click.echo(f"{click.style(WORDS['fails'], fg='red')}: {finding.check}{where}: {finding.what}")
     counted = Counter(finding.verdict for finding in found.findings)
-    for kind, color in (("unclear", "yellow"), ("told", "blue"), ("holds", "green")):
+    for kind, color in quiet.items():
         if counted[kind]:
             click.echo(f"{click.style(WORDS[kind], fg=color)}: {counted[kind]:,}")
     click.echo(verdict(found))

@@ -46,7 +46,7 @@ MATERIALS: dict[str, Material] = {
     "wood": Material("planed wood with its grain", (0.80, 0.60, 0.40), 0.60, image="wood.png", texels=1280),
     "marble": Material("polished stone with dark veins", (0.95, 0.94, 0.92), 0.20, image="marble.png", texels=1280),
     "stone": Material("speckled granite", (0.66, 0.65, 0.63), 0.80, image="stone.png", texels=1600),
-    "metal": Material("brushed steel, with fine strokes", (0.86, 0.87, 0.89), 0.35, 1.0, image="metal.png", texels=1600),
+    "metal": Material("brushed steel, finely stroked", (0.86, 0.87, 0.89), 0.35, 1.0, image="metal.png", texels=1600),
     "fabric": Material("a coarse weave", (0.78, 0.70, 0.58), 0.95, image="fabric.png", texels=3200),
     "rubber": Material("matte, with studs", (0.24, 0.24, 0.26), 0.90, image="rubber.png", texels=3200),
     "glass": Material("glossy, with streaks of light", (0.80, 0.90, 0.92), 0.05, image="glass.png", texels=1600),
