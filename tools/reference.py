@@ -168,7 +168,8 @@ def bounds(slot: Slot) -> str:
     if slot.least is not None and slot.most is not None:
         return f", {slot.least:g} to {slot.most:g}"
     limits = (("more than", slot.above), ("at least", slot.least), ("at most", slot.most))
-    return "".join(f", {word} {bound:g}" for word, bound in limits if bound is not None)
+    said = "".join(f", {word} {bound:g}" for word, bound in limits if bound is not None)
+    return f"{said}, not 0" if slot.nonzero else said
 
 
 def article(noun: str) -> str:

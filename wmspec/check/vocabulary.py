@@ -101,6 +101,7 @@ class Slot:
     above: float | None = None
     least: float | None = None
     most: float | None = None
+    nonzero: bool = False
     among: tuple[str, ...] = ()
 
     def fault(self, value: float) -> str:
@@ -111,6 +112,8 @@ class Slot:
             return f"at least {self.least:g}"
         if self.most is not None and value > self.most:
             return f"at most {self.most:g}"
+        if self.nonzero and value == 0:
+            return "other than 0"
         return ""
 
 
@@ -134,7 +137,12 @@ _FORM: dict[str, Slot] = {
 }
 _MESH: dict[str, Slot] = {
     "file": Slot((TEXT,), "a mesh beside the spec (obj, stl, ply, glb), instead of a shape", optional=True),
-    "scale": Slot((A_NUMBER,), "of the mesh, whose lengths are metres", "1", above=0),
+    "scale": Slot(
+        (A_NUMBER, TRIPLE),
+        "of the mesh, whose lengths are metres, along all of its axes or each; below 0 it is mirrored",
+        "1",
+        nonzero=True,
+    ),
     "collision": Slot(
         (COLLISION,), "how a mesh is touched: as its hull, in convex pieces, or as its upright box", "hull"
     ),

@@ -36,8 +36,10 @@ class Mesh:
         return float((self.corners @ direction).max())
 
 
-def load(path: str, scale: float, collision: str) -> Mesh:
-    """The mesh in a file, `scale` times as large, touched as its `collision` says. A file is read once.
+def load(path: str, scale: float | Vector, collision: str) -> Mesh:
+    """The mesh in a file, `scale` times as large, along all of its axes or each, touched as its `collision` says.
+
+    A file is read once.
 
     Raises:
         WmsError: if the file is missing, of another kind, broken, or has no volume.
@@ -53,7 +55,7 @@ def load(path: str, scale: float, collision: str) -> Mesh:
 
 
 @lru_cache(maxsize=256)
-def _load(path: str, _changed: int, _size: int, scale: float, collision: str) -> Mesh:
+def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision: str) -> Mesh:
     import numpy as np
     import trimesh
 
@@ -64,8 +66,9 @@ def _load(path: str, _changed: int, _size: int, scale: float, collision: str) ->
         raise WmsError(f"{path} is broken: {str(error) or type(error).__name__}") from None
     if not len(found.faces) or hull.volume <= 0:
         raise WmsError(f"{path} has no volume; use a mesh that is not flat")
-    points, faces = np.asarray(found.vertices, float) * scale, np.asarray(found.faces)
-    if found.volume < 0:  # inside out
+    stretch = np.broadcast_to(np.asarray(scale, float), 3)
+    points, faces = np.asarray(found.vertices, float) * stretch, np.asarray(found.faces)
+    if (found.volume < 0) != (stretch.prod() < 0):  # inside out, or mirrored
         faces = faces[:, ::-1]
     low, high = points.min(axis=0), points.max(axis=0)
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
@@ -76,6 +79,6 @@ def _load(path: str, _changed: int, _size: int, scale: float, collision: str) ->
         tuple((a, b, c) for a, b, c in faces.tolist()),
         None if st is None else tuple((s, t) for s, t in np.asarray(st, float)[:, :2].tolist()),
         (x, y, z),
-        corners if collision == "bounds" else np.asarray(hull.vertices, float) * scale,
-        float(hull.volume) * scale**3,
+        corners if collision == "bounds" else np.asarray(hull.vertices, float) * stretch,
+        float(hull.volume) * abs(float(stretch.prod())),
     )

@@ -119,7 +119,7 @@ class Blocks:
     def _form(self, shape: Shape) -> dict[str, s.Expr]:
         if shape.kind == "mesh":
             way = next((p.value for p in self.base.properties if p.name.id == "collision"), self.write.name("hull"))
-            return {"file": self.write.text(shape.file), "scale": self.write.number(shape.scale), "collision": way}
+            return {"file": self.write.text(shape.file), "scale": self.write.numbers(shape.scale), "collision": way}
         kind: dict[str, s.Expr] = {"shape": self.write.name(shape.kind)}
         if shape.kind == "box":
             return kind | {"size": self.write.numbers(shape.size, "m")}

@@ -97,6 +97,14 @@ class Reader:
             return found if len(found) == count else (1.0,) * count
         return (1.0,) * count
 
+    def scale(self, e: Element) -> tuple[float, ...]:
+        """The scale of a mesh along each of its axes; below 0 it is mirrored."""
+        found = self.numbers(e, "scale", 3, (1.0, 1.0, 1.0))
+        if 0 in found:
+            self.faults.add(e.where, "its scale is 0", "make it other than 0")
+            return (1.0, 1.0, 1.0)
+        return found
+
 
 def read(path: Path, shown: str, faults: Faults) -> Element:
     """The root element of a file. Raises Broken, with the fault taken note of, if it is no XML or too large."""

@@ -104,13 +104,10 @@ class Geoms:
             self.faults.add(e.where, f"there is no mesh `{e.attributes.get('mesh', '')[:60]}`", "add it to `asset`")
             return None
         self.read.known(mesh, ("name", "file", "scale", "inertia"))
-        x, y, z = self.read.numbers(mesh, "scale", 3, (1.0, 1.0, 1.0))
-        if not x == y == z or x <= 0:
-            self.faults.add(mesh.where, "its scale differs along its axes or is not above 0", "scale the mesh itself")
-            return None
+        scale = self.read.scale(mesh)
         named = self.read.text(mesh, "file")
         file = self.read.find(mesh, posixpath.join(self.read.meshes, named)) if named else ""
-        return Shape("mesh", (), here, file, x, color, solid, drawn) if file else None
+        return Shape("mesh", (), here, file, scale, color, solid, drawn) if file else None
 
     def _touched(self, e: Element) -> bool:
         """Whether it collides with what has MuJoCo's defaults."""

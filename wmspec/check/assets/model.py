@@ -53,14 +53,14 @@ class Faults:
 class Shape:
     """One geometry of a link: `size` are the edges of a box, (radius,) or (radius, height) along z; a mesh has `file`.
 
-    A capsule's height is the whole of it. `file` is seen from the spec's folder.
+    A capsule's height is the whole of it. `file` is seen from the spec's folder, and `scale` is along each of its axes.
     """
 
     kind: Literal["box", "sphere", "cylinder", "capsule", "cone", "mesh"]
     size: tuple[float, ...]
     place: Array
     file: str = ""
-    scale: float = 1.0
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0)
     color: Color | None = None
     solid: bool = True
     drawn: bool = True

@@ -142,12 +142,9 @@ class _Urdf(Reader):
 
     def mesh(self, e: Element, here: Array) -> Shape | None:
         self.known(e, ("filename", "scale"))
-        x, y, z = self.numbers(e, "scale", 3, (1.0, 1.0, 1.0))
-        if not x == y == z or x <= 0:
-            self.faults.add(e.where, "its scale differs along its axes or is not above 0", "scale the mesh itself")
-            x = 1.0
+        scale = self.scale(e)
         file = self.find(e, self.text(e, "filename"))
-        return Shape("mesh", (), here, file, x) if file else None
+        return Shape("mesh", (), here, file, scale) if file else None
 
     def material(self, e: Element) -> Color | None:
         """The colour of a `material`, which it says or which one of this name said."""
