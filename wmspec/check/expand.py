@@ -63,7 +63,7 @@ class Assets:
                 self.check.report.add("WMS203", message, p.name.span, help)
 
     def _blocks(self, block: s.Block, named: s.Text) -> Blocks:
-        from wmspec.check.assets.blocks import Blocks
+        from wmspec.check.assets.blocks import Blocks, mattering
         from wmspec.check.assets.read import read
         from wmspec.check.assets.write import Writer
 
@@ -71,8 +71,10 @@ class Assets:
         found = self._known[key] = self._known.get(key) or read(*key)
         if isinstance(found, tuple):
             self._report(found, named)
-        bare = s.Block("object", block.name, self._own(block), block.span)
-        return Blocks(bare, found, self._said(block, found, named), Writer(named.span))
+        bare, said = s.Block("object", block.name, self._own(block), block.span), self._said(block, found, named)
+        if faults := mattering(found, said, {p.name.id for p in block.properties}):
+            self._report(faults, named)
+        return Blocks(bare, found, said, Writer(named.span))
 
     def _own(self, block: s.Block) -> tuple[s.Property, ...]:
         return tuple(p for p in block.properties if p.name.id not in _OF_LINKS)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
-from wmspec.check.assets import frames
-from wmspec.check.assets.model import Joint, Link, Shape
+from wmspec.check.assets import frames, model
+from wmspec.check.assets.model import MOST_FAULTS, Fault, Joint, Link, Shape
 from wmspec.check.assets.tree import Placed, Tree
 from wmspec.check.assets.write import Writer
 from wmspec.check.slots import LOOKS
@@ -27,6 +27,16 @@ def plain(name: str) -> str:
     """A name of the file as one of the language: what a name cannot have in it becomes `_`."""
     made = re.sub(r"\W", "_", name, flags=re.ASCII)
     return made if not made[:1].isdigit() else f"_{made}"
+
+
+def mattering(tree: Tree, said: Said, whole: Collection[str]) -> tuple[Fault, ...]:
+    """The first faults that matter, with what a spec says of links and of the `whole`, each once."""
+    found: dict[Fault, None] = {}
+    for link in (placed.link for placed in tree.links):
+        own = {p.name.id for p in said.get(plain(link.name), ())}
+        doubts = (doubt for shape in link.shapes for doubt in shape.doubts)
+        found |= {doubt.fault: None for doubt in doubts if not {*own, *whole}.intersection(doubt.unless)}
+    return tuple(found)[:MOST_FAULTS]
 
 
 @dataclass(frozen=True)
@@ -98,7 +108,7 @@ class Blocks:
         return found
 
     def _parts(self, link: Link, said: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
-        colored = not {"color", "material", "image"} & {p.name.id for p in said}
+        colored = not {p.name.id for p in said}.intersection(model.LOOKS)
         return tuple(self._part(i, shape, colored) for i, shape in enumerate(link.shapes))
 
     def _part(self, i: int, shape: Shape, colored: bool) -> s.Part:

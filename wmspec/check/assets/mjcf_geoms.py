@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import posixpath
+from dataclasses import replace
 
 import numpy as np
 
 from wmspec.check.assets.frames import point
 from wmspec.check.assets.markup import Element
 from wmspec.check.assets.mjcf_defaults import Defaults
-from wmspec.check.assets.model import Array, Color, Link, Mass, Shape
+from wmspec.check.assets.model import LOOKS, Array, Color, Doubt, Link, Mass, Shape
 from wmspec.check.assets.solids import inertia, volume
 
 _GEOM = (
@@ -48,16 +49,17 @@ class Geoms:
         kind = e.attributes.get("type", "mesh" if "mesh" in e.attributes else "sphere")
         here = self.read.place(e)
         solid, drawn = self._touched(e), self.read.number(e, "group", 0.0) <= _DRAWN
-        color = self._color(e) if drawn else None
+        color, doubts = self._looks(e) if drawn else (None, ())
         if kind == "mesh":
-            return self._mesh(e, here, color, solid, drawn)
+            made = self._mesh(e, here)
+            return made and replace(made, color=color, solid=solid, drawn=drawn, doubts=doubts)
         if kind not in _SIZES:
             known = ", ".join((*_SIZES, "mesh"))
             help = f"make it one of {known}" + ("; the ground is the spec's" if kind == "plane" else "")
             self.faults.add(e.where, f"geoms of type `{kind[:30]}` are not supported", help)
             return None
         here, size = self._sized(e, kind, here)
-        return Shape(kind, size, here, color=color, solid=solid, drawn=drawn)  # type: ignore[arg-type]
+        return Shape(kind, size, here, color=color, solid=solid, drawn=drawn, doubts=doubts)  # type: ignore[arg-type]
 
     def _sized(self, e: Element, kind: str, here: Array) -> tuple[Array, tuple[float, ...]]:
         """Its place and whole size, from half sizes and maybe from the two ends of its middle line."""
@@ -98,7 +100,7 @@ class Geoms:
         made[:3, :3] = np.stack([x, np.cross(z, x), z], axis=1)
         return made, size / 2
 
-    def _mesh(self, e: Element, here: Array, color: Color | None, solid: bool, drawn: bool) -> Shape | None:
+    def _mesh(self, e: Element, here: Array) -> Shape | None:
         mesh = self.read.named("mesh", self.read.text(e, "mesh"))
         if mesh is None:
             self.faults.add(e.where, f"there is no mesh `{e.attributes.get('mesh', '')[:60]}`", "add it to `asset`")
@@ -107,7 +109,7 @@ class Geoms:
         scale = self.read.scale(mesh)
         named = self.read.text(mesh, "file")
         file = self.read.find(mesh, posixpath.join(self.read.meshes, named)) if named else ""
-        return Shape("mesh", (), here, file, scale, color, solid, drawn) if file else None
+        return Shape("mesh", (), here, file, scale) if file else None
 
     def _touched(self, e: Element) -> bool:
         """Whether it collides with what has MuJoCo's defaults."""
@@ -123,6 +125,12 @@ class Geoms:
         """How it slides; torsion and rolling have no friction here unless they are said, which is refused."""
         given = e.attributes.get("friction", "1").split()
         return self.read.numbers(e, "friction", max(1, len(given)), (1.0,))[0]
+
+    def _looks(self, e: Element) -> tuple[Color | None, tuple[Doubt, ...]]:
+        """The colour of a geom, and what is wrong with it."""
+        with self.faults.apart() as found:
+            color = self._color(e)
+        return color, tuple(Doubt(fault, LOOKS) for fault in found)
 
     def _color(self, e: Element) -> Color | None:
         """The colour of a geom: its own, its material's, or none."""
@@ -144,7 +152,7 @@ class Geoms:
             self.faults.add(e.where, f"there is no material `{name[:60]}`", "add it to `asset`")
         if found is not None and "texture" in found.attributes:
             what = "textures of an asset are not supported"
-            self.faults.add(found.where, what, "remove it, or say `image:` in the spec")
+            self.faults.add(found.where, what, "remove it, or say `color` or `image` in the spec")
         return found
 
     # ------------------------------------------------------------ masses

@@ -5,6 +5,8 @@ Lengths in m, angles in rad, masses in kg. Places are 4 × 4 matrices, from a fr
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -13,6 +15,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Color = tuple[float, float, float]
+
+#: What a spec says of looks goes before all that the file says of them.
+LOOKS = ("color", "material", "image")
 
 #: More than that is taken for a mistake, and would take long.
 MOST_LINKS, MOST_SHAPES, MOST_FAULTS = 500, 2000, 10
@@ -25,6 +30,14 @@ class Fault:
     where: str
     message: str
     help: str
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A fault that does not matter if the spec says one of these properties of the link, or of the whole asset."""
+
+    fault: Fault
+    unless: tuple[str, ...]
 
 
 class Broken(Exception):
@@ -48,6 +61,19 @@ class Faults:
         self.found.append(Fault(where, message, help))
         return Broken()
 
+    @contextmanager
+    def apart(self) -> Iterator[list[Fault]]:
+        """What is found meanwhile, which is kept apart from all else."""
+        whole, self.found = self.found, []
+        found = self.found
+        try:
+            yield found
+        except Broken:
+            whole += found
+            raise
+        finally:
+            self.found = whole
+
 
 @dataclass(frozen=True)
 class Shape:
@@ -64,6 +90,7 @@ class Shape:
     color: Color | None = None
     solid: bool = True
     drawn: bool = True
+    doubts: tuple[Doubt, ...] = ()
 
 
 @dataclass(frozen=True)
