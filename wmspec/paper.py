@@ -126,3 +126,9 @@ REBUILT = {
 def column(task: str) -> Column | None:
     """The column of the paper that a task rebuilds; None if it rebuilds none."""
     return next((c for c in COLUMNS if c.name == REBUILT.get(task)), None)
+
+
+def instances(task: str, questions: int) -> int | None:
+    """How many instances of a task, so many questions each, are as many as the paper's cases; None if it has none."""
+    there = column(task)
+    return None if there is None else -(-there.cases // questions)

@@ -3,9 +3,12 @@
 from pathlib import Path
 
 import pytest
+import trimesh
 
 from wmspec.check.ir import Operation, Ref, TaskSpec, Value
 from wmspec.check.task import check
+from wmspec.design.meshes import load
+from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Report
 
 TASK = "use tabletop\ntask t : custom {{\n  {0}\n  observe front at [0 s]\n}}\n"
@@ -68,3 +71,11 @@ def test_libraries_are_found_on_the_search_path(folder: Path, monkeypatch: pytes
     assert checked(folder, body)[1] == ["WMS207", "WMS201"]
     monkeypatch.setenv("WMSPEC_PATH", f"/nowhere:{folder / 'deep'}")
     assert checked(folder, body)[1] == []
+
+
+@pytest.mark.parametrize("scale", [1e5, 1e308])
+def test_a_mesh_is_not_larger_than_other_things(folder: Path, scale: float) -> None:
+    trimesh.creation.box((1, 1, 1)).export(folder / "cup.obj")
+    assert load(str(folder / "cup.obj"), 10, "hull").volume == pytest.approx(1000)
+    with pytest.raises(WmsError, match="km large with this scale; the most is 10 km"):
+        load(str(folder / "cup.obj"), scale, "hull")

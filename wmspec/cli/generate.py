@@ -34,7 +34,10 @@ from wmspec.errors import WmsError
 @click.option("--backend", "-b", default="all", show_default=True, help="Engines: names joined by commas, or all.")
 @click.option("--renderer", "-r", default="", help="The engine that draws, if not each what it executes itself.")
 @click.option(
-    "--per-task", type=click.IntRange(1), help="How many instances of each task, drawn at random.  [default: all]"
+    "--per-task",
+    type=click.IntRange(1),
+    help="How many instances of each task, drawn at random.  [default: as many as the paper has of its tasks, "
+    "all of others]",
 )
 @click.option("--shard", metavar="I/N", default="1/1", help="Only share I, from 1 to N, of each task's instances.")
 @click.option(
@@ -43,7 +46,7 @@ from wmspec.errors import WmsError
     type=click.Path(path_type=Path),
     help="A folder to take instances from that were made before; may be given several times.",
 )
-@click.option("--full", is_flag=True, help="All instances of every task, said expressly.")
+@click.option("--full", is_flag=True, help="All instances of every task, where there are more than the paper's.")
 @dimension_option
 @click.option("--size", default="256", show_default=True, help="Pixels of a picture: 256, or 320x240.")
 @look_options
@@ -108,7 +111,7 @@ def generate_command(
         raise WmsError("one engine draws; name it with --renderer, or leave it out so that each draws for itself")
     plan = Plan(
         texts=_texts(tasks),
-        tasks=tuple(Task(spec, _indices(Design(spec, seed), per_task, part)) for _, spec in tasks),
+        tasks=tuple(Task(spec, indices(Design(spec, seed), per_task, full, part)) for _, spec in tasks),
         engines=engines,
         size=parse_size(size),
         seed=seed,
@@ -165,9 +168,11 @@ def _texts(tasks: list[tuple[Path, Any]]) -> dict[str, str]:
     return texts
 
 
-def _indices(design: Any, per_task: int | None, part: tuple[int, int]) -> tuple[int, ...]:
-    """The instances to make: all or a sample, and of these a share."""
+def indices(design: Any, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:
+    """The instances to make: all, or a sample as large as asked for or as the paper's, and of these a share."""
     from wmspec.design.design import share
+    from wmspec.paper import instances
 
-    chosen = sorted(design.sample(per_task)) if per_task else range(len(design))
+    count = len(design) if full else per_task or instances(design.spec.name, len(design.spec.questions))
+    chosen = range(len(design)) if count is None or count >= len(design) else sorted(design.sample(count))
     return tuple(chosen[share(len(chosen), *part)])

@@ -6,11 +6,18 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
+from typing import TYPE_CHECKING, cast
 
 from wmspec.design.forms import pieces
-from wmspec.design.solids import Piece, bounds
-from wmspec.design.space import Vector, add, cross, rotate, times
+from wmspec.design.solids import SLAB, Piece, bounds
+from wmspec.design.space import Pose, Vector, add, cross, rotate, times
 from wmspec.design.values import Values
+from wmspec.stage.polygons import wedge
+
+if TYPE_CHECKING:  # most scenes need no more than the axes, and checking those should not wait for numpy
+    from wmspec.design.meshes import Mesh
+    from wmspec.scene import model
+    from wmspec.scene.model import Shape
 
 #: So deep (m) objects may be in one another: less is a matter of rounding, and of resting on a curved thing.
 SLACK = 1e-3
@@ -21,7 +28,7 @@ _EDGES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True)
 class Overlap:
-    """Two objects and how deep (m) one is in the other: so far one would have to move to be outside."""
+    """Two objects and how deep (m) one is in the other: the diameter of the largest ball within both."""
 
     first: str
     second: str
@@ -79,22 +86,17 @@ def _joined(values: Values) -> set[frozenset[str]]:
 
 
 def _depth(a: Piece, b: Piece) -> float:
-    """How far (m) a convex piece is in another; less than 0 if it is outside.
+    """The diameter (m) of the largest ball within two convex pieces, or 0 if it is less than SLACK.
 
-    Two convex bodies are apart if there is a direction along which they are, and the depth is the least overlap of all
-    directions. For boxes one of these is it: an axis of either, or at right angles to an edge of each (Gottschalk,
-    Lin & Manocha, "OBBTree", 1996). For round bodies the best of those, and of the line between the middles, is
-    improved by a search, unless it shows already that they are apart.
+    Two convex bodies are apart if there is a direction along which they are. For boxes one of a few is it; those are
+    tried first, because what it takes to be exact is slow to import.
     """
-    best, direction = min((_overlap(a, b, d), d) for d in _directions(a, b))
-    step = 0.25
-    while best > SLACK and step > 1e-3:
-        better, found = min((_overlap(a, b, d), d) for d in _around(direction, step))
-        if better < best:
-            best, direction = better, found
-        else:
-            step /= 2
-    return best
+    if any(_overlap(a, b, d) <= SLACK for d in _directions(a, b)):
+        return 0.0
+    from wmspec.scene.overlap import overlap
+
+    (first, at), (second, there) = _placed(a), _placed(b)
+    return overlap(first, at, second, there, SLACK)
 
 
 def _overlap(a: Piece, b: Piece, d: Vector) -> float:
@@ -103,7 +105,11 @@ def _overlap(a: Piece, b: Piece, d: Vector) -> float:
 
 
 def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
-    """Both ways along the axes on which two boxes can be apart, and along the line between the middles."""
+    """Both ways along the axes on which two boxes can be apart, and along the line between the middles.
+
+    A box's are the axes of either and those at right angles to an edge of each (Gottschalk, Lin & Manocha, "OBBTree",
+    1996).
+    """
     own = [rotate(a.pose.orientation, axis) for axis in _EDGES]
     others = [rotate(b.pose.orientation, axis) for axis in _EDGES]
     faces = [rotate(p.pose.orientation, normal) for p in (a, b) for normal, _ in p.solid.faces]
@@ -115,13 +121,29 @@ def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
             yield times(-1 / size, axis)
 
 
-def _around(direction: Vector, step: float) -> Iterator[Vector]:
-    """Unit vectors about `step` (rad) from a direction, all around it."""
-    x, y, z = direction
-    aside = cross(direction, (0.0, 0.0, 1.0) if abs(z) < 0.9 else (1.0, 0.0, 0.0))
-    aside = times(1 / math.hypot(*aside), aside)
-    across = cross(direction, aside)
-    for i in range(8):
-        angle = math.pi / 4 * i
-        tilted = add((x, y, z), add(times(step * math.cos(angle), aside), times(step * math.sin(angle), across)))
-        yield times(1 / math.hypot(*tilted), tilted)
+def _placed(piece: Piece) -> tuple[Shape, model.Pose]:
+    """A convex piece as a shape of a scene, and where that is."""
+    import numpy as np
+
+    from wmspec.scene import model
+
+    x, y, z = piece.solid.edges
+    made: Shape
+    pose = piece.pose
+    match piece.solid.kind:
+        case "sphere":
+            made = model.Sphere(x / 2)
+        case "cylinder":
+            made = model.Cylinder(x / 2, z)
+        case "cone":
+            made = model.Cone(x / 2, z)
+        case "capsule":
+            made = model.Capsule(x / 2, z - x)
+        case "box" | "cube":
+            made = model.Box(np.array((x, y, z)) / 2)
+        case "plane":
+            made, pose = model.Box(np.array((x, y, SLAB)) / 2), pose.then(Pose((0.0, 0.0, -SLAB / 2)))
+        case kind:
+            corners = wedge(x, y, z).points if kind == "wedge" else cast("Mesh", piece.solid.hull).corners
+            made = model.Mesh(np.array(corners), np.empty((0, 3), np.int32))
+    return made, model.Pose(np.array(pose.position), np.array(pose.orientation))
