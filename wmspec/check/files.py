@@ -8,7 +8,9 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir
-from wmspec.check.vocabulary import ASSETS, FILES
+from wmspec.check.prims import parted
+from wmspec.check.typed import Failed
+from wmspec.check.vocabulary import ASSETS, FILES, STAGES
 from wmspec.parse import syntax as s
 from wmspec.parse.load import located
 from wmspec.parse.source import Span
@@ -27,6 +29,8 @@ def beside(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.
     for text in texts:
         if name == "file" and is_asset(text):
             remedy = f'write `file: "{text.value[:40]}"` in the object; it cannot depend on a factor'
+            if text.value.lower().endswith(STAGES):
+                remedy += f'; one mesh of it is `"{text.value[:40]}#/PRIM"`'
             check.fail("WMS210", "an asset is named outright", text.span, remedy)
         there(check, name, text, FILES[name])
     if len(folders) > 1:
@@ -46,18 +50,33 @@ def is_asset(e: s.Expr) -> bool:
 
 def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...]) -> None:
     """Complain about a file that is not there, not of a sort that can be read, or not below the spec's folder."""
-    path = PurePosixPath(text.value)
-    if path.is_absolute() or ntpath.isabs(text.value) or "\\" in text.value or ".." in path.parts:
+    file, prim = parted(text.value) if name == "file" else (text.value, "")
+    path = PurePosixPath(file)
+    if path.is_absolute() or ntpath.isabs(file) or "\\" in file or ".." in path.parts:
         check.fail("WMS210", "a file is named from the folder of the spec downwards", text.span,
                    'put it beside the spec and write `"NAME"` or `"FOLDER/NAME"`')  # fmt: skip
-    if path.suffix.lower() not in endings:
+    if path.suffix.lower() not in (STAGES if prim else endings):
         can = ", ".join((*endings, *(ASSETS if name == "file" else ())))
         check.fail("WMS210", f"`{name}` takes no {path.suffix or 'such'} file", text.span, f"it can be one of: {can}")
     folder = located(text.span.source.name).parent
-    if not _is_file(folder / text.value):
+    if not _is_file(folder / file):
         there = sorted(p.name for p in _neighbours(folder) if p.suffix.lower() in endings)[:8]
         hint = f"files there: {', '.join(there)}" if there else "it is looked for beside the spec"
-        check.fail("WMS210", f"there is no file `{text.value}`", text.span, hint)
+        check.fail("WMS210", f"there is no file `{file}`", text.span, hint)
+    if prim:
+        _mesh(check, text, folder, file, prim)
+
+
+def _mesh(check: Expressions, text: s.Text, folder: Path, file: str, prim: str) -> None:
+    """Complain about a mesh in a USD file that cannot be read."""
+    from wmspec.check.assets.triangles import Triangles
+    from wmspec.check.assets.usd_meshes import triangles
+
+    found = triangles(folder / file, folder, file, prim)
+    if not isinstance(found, Triangles):
+        for fault in found:
+            check.report.add("WMS210", f"{fault.where}: {fault.message}", text.span, fault.help)
+        raise Failed
 
 
 def _is_file(path: Path) -> bool:

@@ -74,8 +74,11 @@ HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
 #: The endings of the files that a property can name.
 FILES = {"file": (".obj", ".stl", ".ply", ".glb"), "image": (".png", ".jpg", ".jpeg")}
 
+#: The endings of USD files, one mesh of which a property can name too: `thing.usda#/World/Cup`.
+STAGES = (".usda", ".usd", ".usdc", ".usdz")
+
 #: The endings of the files of assets, which `file` can name too: things of several links and joints.
-ASSETS = (".urdf", ".xml", ".usda", ".usd", ".usdc")
+ASSETS = (".urdf", ".xml", *STAGES)
 
 #: Kinds of joints, and what each lets an object do.
 JOINTS = {

@@ -62,7 +62,7 @@ def _solid(values: Values, owner: str) -> Solid:
 
     path, scale, touched = (values.property(owner, name) for name in ("file", "scale", "collision"))
     try:
-        mesh = load(path, scale, touched)
+        mesh = load(path, scale, touched, touchable(values, owner))
     except WmsError as error:
         raise WmsError(f"{values.place(owner, 'file')}: {error}") from None
     return Solid("mesh", mesh.edges, mesh)

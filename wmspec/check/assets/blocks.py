@@ -15,7 +15,7 @@ from wmspec.check.slots import LOOKS
 from wmspec.parse import syntax as s
 
 #: What a spec may say of a link and of a joint of an asset, instead of its file.
-OF_LINK = (*LOOKS, "mass", "density", "friction", "restitution", "damping")
+OF_LINK = (*LOOKS, "mass", "density", "friction", "restitution", "damping", "collision")
 OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping")
 #: What holds for every link where the whole says it, besides looks.
 _COMMON = ("density", "friction", "restitution", "damping")
@@ -82,7 +82,8 @@ class Blocks:
         return s.Block("object", name, made, self.write.span, parts=parts, whole=base)
 
     def _of(self, link: Link) -> tuple[s.Property, ...]:
-        return self.said.get(plain(link.name), ())
+        """What the spec says of a link, but for what is of its parts."""
+        return tuple(p for p in self.said.get(plain(link.name), ()) if p.name.id != "collision")
 
     # ------------------------------------------------------------ what a link is made of
 
@@ -109,26 +110,30 @@ class Blocks:
 
     def _parts(self, link: Link, said: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
         colored = not {p.name.id for p in said}.intersection(model.LOOKS)
-        return tuple(self._part(i, shape, colored) for i, shape in enumerate(link.shapes))
+        ways = (*self.said.get(plain(link.name), ()), *self.base.properties)
+        touched = next((p.value for p in ways if p.name.id == "collision"), None)
+        return tuple(self._part(i, shape, colored, touched) for i, shape in enumerate(link.shapes))
 
-    def _part(self, i: int, shape: Shape, colored: bool) -> s.Part:
+    def _part(self, i: int, shape: Shape, colored: bool, touched: s.Expr | None) -> s.Part:
         yaw, pitch, roll = frames.turn(shape.place[:3, :3])
         values = {
-            **self._form(shape),
+            **self._form(shape, touched),
             "at": self.write.numbers(frames.clean(shape.place[:3, 3]), "m"),
             **{n: self.write.number(a, "rad") for n, a in (("yaw", yaw), ("pitch", pitch), ("roll", roll)) if a},
         }
         if colored and shape.color is not None:
             values["color"] = self.write.color(shape.color)
+        if colored and shape.image:
+            values["image"] = self.write.text(shape.image)
         if not shape.solid:
             values["solid"] = self.write.truth(False)
         if not shape.drawn:
             values["drawn"] = self.write.truth(False)
         return s.Part(self.write.name(f"shape_{i}"), self.write.properties(values), self.write.span)
 
-    def _form(self, shape: Shape) -> dict[str, s.Expr]:
+    def _form(self, shape: Shape, touched: s.Expr | None) -> dict[str, s.Expr]:
         if shape.kind == "mesh":
-            way = next((p.value for p in self.base.properties if p.name.id == "collision"), self.write.name("hull"))
+            way = touched or self.write.name(shape.collision)
             return {"file": self.write.text(shape.file), "scale": self.write.numbers(shape.scale), "collision": way}
         kind: dict[str, s.Expr] = {"shape": self.write.name(shape.kind)}
         if shape.kind == "box":

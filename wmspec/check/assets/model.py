@@ -79,7 +79,8 @@ class Faults:
 class Shape:
     """One geometry of a link: `size` are the edges of a box, (radius,) or (radius, height) along z; a mesh has `file`.
 
-    A capsule's height is the whole of it. `file` is seen from the spec's folder, and `scale` is along each of its axes.
+    A capsule's height is the whole of it. `file` and `image` are seen from the spec's folder, `scale` is along
+    each of a mesh's axes, and `collision` says how a mesh is touched.
     """
 
     kind: Literal["box", "sphere", "cylinder", "capsule", "cone", "mesh"]
@@ -90,6 +91,8 @@ class Shape:
     color: Color | None = None
     solid: bool = True
     drawn: bool = True
+    image: str = ""
+    collision: str = "hull"
     doubts: tuple[Doubt, ...] = ()
 
 

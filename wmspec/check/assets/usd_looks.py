@@ -1,36 +1,58 @@
-"""What prims of USD are made of: one colour, and friction, restitution and density of the materials bound to them."""
+"""What prims of USD are made of: one colour or a picture, and the friction, restitution and density of materials."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from pxr import Usd, UsdPhysics, UsdShade
 
-from wmspec.check.assets.model import Color
+from wmspec.check.assets.model import LOOKS, Color, Doubt
+from wmspec.check.assets.triangles import Triangles
 from wmspec.check.assets.usd_prims import Prims
+from wmspec.check.assets.usd_textures import texture
 
 
-def color(prims: Prims, prim: Usd.Prim) -> Color | None:
-    """The colour (sRGB) of a prim by its preview surface, or else its `displayColor`; None if neither says one."""
+def look(prims: Prims, prim: Usd.Prim, mesh: Triangles | None) -> tuple[Color | None, str, tuple[Doubt, ...]]:
+    """The colour (sRGB) of a prim or None, the picture on it or nothing, and what is wrong with them.
+
+    They are those of its preview surface, or else its `displayColor`; `mesh` are its triangles if it is one.
+    """
+    with prims.faults.apart() as found:
+        color, image = _look(prims, prim, mesh)
+    return color, image, tuple(Doubt(fault, LOOKS) for fault in found)
+
+
+def _look(prims: Prims, prim: Usd.Prim, mesh: Triangles | None) -> tuple[Color | None, str]:
     material = _bound(prim, "preview")
     shader = material.ComputeSurfaceSource()[0] if material else None
     if not shader:
-        shown = prims.value(prim, "primvars:displayColor", None)
-        return _srgb(prims, prim, shown[0]) if shown is not None and len(shown) else None
+        of = prim.GetParent() if prim.GetTypeName() == "GeomSubset" else prim
+        return _displayed(prims, of), ""
     if shader.GetIdAttr().Get() != "UsdPreviewSurface":
         prims.faults.add(prims.where(prim), "its surface is no UsdPreviewSurface", "bind one, or none")
-        return None
-    for name, plain in (("diffuseColor", None), ("opacity", 1.0)):
-        given = shader.GetInput(name)
-        if given and given.HasConnectedSource():
-            what, help = f"its {name} is made by other shaders, such as a texture", "author a value instead"
-            prims.faults.add(prims.where(prim), what, f"{help}, or say `image:` in the spec")
-        elif given and plain is not None and given.Get() not in (None, plain):
-            prims.faults.add(prims.where(prim), "what is transparent is not supported", "author opacity = 1")
-    diffuse = shader.GetInput("diffuseColor")
+        return None, ""
+    opacity, diffuse = (shader.GetInput(name) for name in ("opacity", "diffuseColor"))
+    if opacity and (opacity.HasConnectedSource() or opacity.Get() not in (None, 1.0)):
+        prims.faults.add(prims.where(prim), "what is transparent is not supported", "author opacity = 1")
+    if diffuse and diffuse.HasConnectedSource():
+        image, tint = texture(prims, prim, diffuse, mesh)
+        return (None if (tint == 1).all() else _srgb(prims, prim, tint)), image
     found = diffuse.Get() if diffuse else None
-    return None if found is None else _srgb(prims, prim, found)
+    return (None if found is None else _srgb(prims, prim, found)), ""
+
+
+def _displayed(prims: Prims, prim: Usd.Prim) -> Color | None:
+    """Its `displayColor`, which must be one."""
+    shown = prims.value(prim, "primvars:displayColor", ())
+    if not len(shown):
+        return None
+    if (np.ptp(np.asarray(shown, float), axis=0) > 1e-6).any():
+        prims.faults.add(
+            prims.where(prim), "it has a displayColor of several colours", "make it one, or bind a material"
+        )
+    return _srgb(prims, prim, shown[0])
 
 
 def rubs(prims: Prims, colliders: Sequence[Usd.Prim]) -> dict[str, float]:

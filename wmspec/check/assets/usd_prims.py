@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,11 @@ _SKEW = 1e-6
 
 
 class Prims:
-    """Reads prims of one stage; what is wrong with them goes to the faults."""
+    """Reads prims of one stage; what is wrong with them goes to the faults. `folder` is the spec's, if there is one."""
 
-    def __init__(self, stage: Usd.Stage, shown: str, faults: Faults) -> None:
+    def __init__(self, stage: Usd.Stage, shown: str, faults: Faults, folder: Path | None = None) -> None:
         self.stage = stage
+        self.folder = folder
         self.shown = shown
         self.faults = faults
         self.meters = float(UsdGeom.GetStageMetersPerUnit(stage))
@@ -61,8 +63,11 @@ class Prims:
                 )
         return np.asarray(self._units @ np.array(self._cache.GetLocalToWorldTransform(prim)).T)
 
-    def rigid(self, prim: Usd.Prim) -> tuple[Array, Array]:
-        """The prim's frame, 4 × 4, and how long (m) its units are along its axes (3,)."""
+    def rigid(self, prim: Usd.Prim, *, skewed: bool = False) -> tuple[Array, Array]:
+        """The prim's frame, 4 × 4, and how long (m) its units are along its axes (3,); complain if it is `skewed`.
+
+        What may be skewed has the nearest frame that is not.
+        """
         frame = self.world(prim)
         scale = np.linalg.norm(frame[:3, :3], axis=0)
         if not np.isfinite(frame).all() or (scale < 1e-9).any() or np.abs(frame).max() > MOST:
@@ -71,7 +76,10 @@ class Prims:
         made = frame.copy()
         made[:3, :3] /= scale
         if np.abs(made[:3, :3].T @ made[:3, :3] - np.eye(3)).max() > _SKEW:
-            self.faults.add(self.where(prim), "its transform is skewed", "scale it along its own axes only")
+            if not skewed:
+                self.faults.add(self.where(prim), "its transform is skewed", "scale it along its own axes only")
+            u, _, v = np.linalg.svd(made[:3, :3])
+            made[:3, :3] = u @ v
         if np.linalg.det(made[:3, :3]) < 0:  # mirrored, which does nothing to what has a middle
             made[:3, 0] *= -1
         return made, scale

@@ -1,0 +1,98 @@
+"""The geometries of a body of USD as shapes: which are drawn and touched, and how meshes are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
+
+from wmspec.check.assets import triangles, usd_looks, usd_meshes, usd_shapes
+from wmspec.check.assets.model import Array, Doubt, Shape
+from wmspec.check.assets.triangles import Triangles
+from wmspec.check.assets.usd_prims import Prims
+
+#: What is said by `physics:approximation`, as a word of the language.
+_WAYS = {"convexHull": "hull", "convexDecomposition": "pieces", "boundingCube": "bounds"}
+#: What touches as it is, which can be honoured of what is convex or never moves.
+_EXACT = ("none", "meshSimplification")
+
+
+def is_solid(prims: Prims, prim: Usd.Prim) -> bool:
+    """Whether a geometry can be touched."""
+    return prim.HasAPI(UsdPhysics.CollisionAPI) and bool(prims.value(prim, "physics:collisionEnabled", True))
+
+
+def is_drawn(prim: Usd.Prim) -> bool:
+    """Whether a geometry can be seen."""
+    seen = UsdGeom.Imageable(prim)
+    return bool(seen.ComputeVisibility() != "invisible" and seen.ComputePurpose() in ("default", "render"))
+
+
+def shapes(prims: Prims, prim: Usd.Prim, frame: Array, *, solid: bool, still: bool) -> tuple[Shape, ...]:
+    """The shapes of a geometry in the frame of its body, which is `still` if it never moves. Faults are reported."""
+    drawn = is_drawn(prim)
+    if not (solid or drawn):
+        return ()
+    if prim.GetTypeName() == "Mesh":
+        return _meshes(prims, prim, frame, solid=solid, still=still)
+    shape = usd_shapes.shape(prims, prim, frame)
+    if shape is None:
+        return ()
+    color, image, doubts = usd_looks.look(prims, prim, None) if drawn else (None, "", ())
+    return (replace(shape, solid=solid, drawn=drawn, color=color, image=image, doubts=doubts),)
+
+
+def _meshes(prims: Prims, prim: Usd.Prim, frame: Array, *, solid: bool, still: bool) -> tuple[Shape, ...]:
+    """A mesh; if parts of it look different, each of these, and the whole if it can be touched."""
+    found = usd_meshes.mesh(prims, prim)
+    if found is None:
+        return ()
+    drawn, place = is_drawn(prim), np.linalg.inv(frame) @ prims.rigid(prim, skewed=True)[0]
+    whole = Shape("mesh", (), place, f"{prims.shown}#{prim.GetPath()}", solid=solid, drawn=drawn)
+    if solid:
+        way, doubts = _touched(prims, prim, found, still)
+        whole = replace(whole, collision=way, doubts=doubts)
+    subsets = _subsets(prims, prim) if drawn else []
+    if not subsets:
+        return (_painted(prims, prim, found, whole) if drawn else whole,)
+    seen = (replace(whole, file=f"{prims.shown}#{s.GetPath()}", solid=False, doubts=()) for s in subsets)
+    parts = [_painted(prims, s, found, shape) for s, shape in zip(subsets, seen, strict=True)]
+    return (*parts, replace(whole, drawn=False)) if solid else tuple(parts)
+
+
+def _painted(prims: Prims, prim: Usd.Prim, mesh: Triangles, shape: Shape) -> Shape:
+    color, image, doubts = usd_looks.look(prims, prim, mesh)
+    return replace(shape, color=color, image=image, doubts=(*shape.doubts, *doubts))
+
+
+def _subsets(prims: Prims, prim: Usd.Prim) -> list[Usd.Prim]:
+    """The polygons of a mesh that have materials of their own, which must be all of them, each once."""
+    found = [subset.GetPrim() for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()]
+    if not found:
+        return []
+    count = len(prims.value(prim, "faceVertexCounts", ()))
+    faces = np.concatenate([usd_meshes.indices(prims, subset, "indices") for subset in found])
+    if not np.array_equal(np.sort(faces), np.arange(count)):
+        what = "its material subsets are not each of its faces once"
+        prims.faults.add(prims.where(prim), what, "give the others a subset too, or remove the subsets")
+    return found
+
+
+def _touched(prims: Prims, prim: Usd.Prim, mesh: Triangles, still: bool) -> tuple[str, tuple[Doubt, ...]]:
+    """How a mesh is touched, as a word of the language, and why it cannot be as the file says."""
+    if triangles.is_flat(mesh):
+        what = "what is touched is flat"
+        prims.faults.add(prims.where(prim), what, "make it a Cube, or give the mesh some thickness")
+        return "hull", ()
+    way = str(prims.value(prim, "physics:approximation", "none"))
+    if way in _WAYS or (way in _EXACT and (still or triangles.is_convex(mesh))):
+        return _WAYS.get(way, "hull" if not still or triangles.is_convex(mesh) else "pieces"), ()
+    remedy = "make it convexHull or convexDecomposition, or say `collision` in the spec"
+    with prims.faults.apart() as found:
+        what = f"physics:approximation = {way[:40]} is not supported"
+        if way in _EXACT:
+            what = "a mesh that can move and is not convex cannot be touched as it is"
+            remedy = f"author physics:approximation: {remedy}"
+        prims.faults.add(prims.where(prim), what, remedy)
+    return "hull", tuple(Doubt(fault, ("collision",)) for fault in found)
