@@ -6,6 +6,7 @@ python benchmarks/memory.py [--engines mujoco,pybullet,sapien] [--frames 5000] [
 from __future__ import annotations
 
 import argparse
+import ctypes
 import gc
 import math
 from pathlib import Path
@@ -84,8 +85,9 @@ def still() -> Scene:
 
 
 def resident() -> float:
-    """Memory of this process in MB."""
+    """Memory of this process in MB, without what its allocator could give back."""
     gc.collect()
+    ctypes.CDLL(None).malloc_trim(0)
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6
 
 
