@@ -67,7 +67,7 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
 
     stretch = np.broadcast_to(np.asarray(scale, float), 3)
     found = _of_stage(path) if parted(path)[1] else _of_file(path)
-    points, faces = found.points * stretch, found.faces[:, :: -1 if stretch.prod() < 0 else 1]
+    points, faces = found.points * stretch, found.faces[:, :: -1 if np.sign(stretch).prod() < 0 else 1]
     low, high = points.min(axis=0), points.max(axis=0)
     if not (size := float((high - low).max())) <= MOST_LENGTH:
         what = f"{size / 1000:g} km large with this scale; the most is {MOST_LENGTH / 1000:g} km"
