@@ -129,17 +129,17 @@ def test_other_specs_do_not_wait_for_what_reads_assets() -> None:
     assert done.stdout.strip() == "[]"
 
 
-USDA = (HERE / "balance.usda").read_text()
+STAGES = [(HERE / name).read_text() for name in ("balance.usda", "box.usda")]
 
 
 @settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_mutated_stages(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """A new file for each, since USD remembers those that it has opened."""
-    lines = USDA.split("\n")
+    lines = data.draw(st.sampled_from(STAGES)).split("\n")
     for _ in range(data.draw(st.integers(1, 4))):
         i = data.draw(st.integers(4, len(lines) - 1))
-        values = st.sampled_from(["0", "-1", "nan", "inf", "1e30", "(0, 0, 0)", "</balance/left>", '"Z"', ""])
+        values = st.sampled_from(["0", "-1", "nan", "inf", "1e30", "(0, 0, 0)", "</balance/left>", '"Z"', "", "[]", "[9]"])
         name, equals, _ = lines[i].partition(" = ")
         lines[i] = f"{name} = {data.draw(values)}" if equals else data.draw(st.sampled_from([lines[i], "", "}"]))
     folder = tmp_path_factory.mktemp("stage")

@@ -110,6 +110,8 @@ def _broken(points: Array, counts: Indices, corners: Indices) -> tuple[str, str]
 def _shown(prims: Prims, of: Usd.Prim, prim: Usd.Prim, count: int) -> NDArray[np.bool_] | None:
     """Which of its polygons are meant: all but the holes, or those of a subset."""
     chosen = indices(prims, prim, "indices") if prim != of else np.arange(count)
+    if prim != of and prims.value(prim, "elementType", "face") != "face":
+        prims.faults.add(prims.where(prim), "it is a subset of other things than faces", "make its elementType face")
     holes = indices(prims, of, "holeIndices")
     shown = np.zeros(count, bool)
     for part, kept in ((chosen, True), (holes, False)):

@@ -88,11 +88,10 @@ def _touched(prims: Prims, prim: Usd.Prim, mesh: Triangles, still: bool) -> tupl
     way = str(prims.value(prim, "physics:approximation", "none"))
     if way in _WAYS or (way in _EXACT and (still or triangles.is_convex(mesh))):
         return _WAYS.get(way, "hull" if not still or triangles.is_convex(mesh) else "pieces"), ()
-    remedy = "make it convexHull or convexDecomposition, or say `collision` in the spec"
+    remedy = "author physics:approximation = convexHull or convexDecomposition, or say `collision` in the spec"
     with prims.faults.apart() as found:
         what = f"physics:approximation = {way[:40]} is not supported"
         if way in _EXACT:
             what = "a mesh that can move and is not convex cannot be touched as it is"
-            remedy = f"author physics:approximation: {remedy}"
         prims.faults.add(prims.where(prim), what, remedy)
     return "hull", tuple(Doubt(fault, ("collision",)) for fault in found)
