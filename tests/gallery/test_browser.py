@@ -150,6 +150,14 @@ def test_pages_are_turned(page: Any) -> None:
     assert page.get_by_role("dialog").is_visible()
 
 
+def test_another_engine_leaves_the_question_in_sight(page: Any) -> None:
+    for _ in range(6):
+        page.keyboard.press("j")
+    page.keyboard.press("e")
+    assert page.evaluate("document.activeElement.id") == "card-6"
+    page.wait_for_function("(r => 0 <= r.top && r.top < innerHeight)(document.activeElement.getBoundingClientRect())")
+
+
 # ---------------------------------------------------------------- for everybody
 
 

@@ -43,9 +43,12 @@ def view_command(dataset: Path, output: Path, per_task: int | None) -> None:
     from wmspec.gallery.gallery import folder, page
     from wmspec.write.finished import Finished
 
-    shown = (page if kind == ".html" else folder)(Finished.open(dataset), count, output)
+    found = Finished.open(dataset)
+    shown = (page if kind == ".html" else folder)(found, count, output)
     where = output if kind == ".html" else output / "index.html"
-    click.echo(f"{where}: {shown:,} questions; open it in a browser")
+    some = any(task["instances"] > count for task in found.manifest["tasks"].values())
+    which = f" of {count} instances of each task (--per-task)" if some else ""
+    click.echo(f"{where}: {shown:,} questions{which}; open it in a browser")
 
 
 def _sheet(dataset: Path, output: Path, per_task: int) -> None:

@@ -81,7 +81,11 @@
       control("order", "Order", select("order", [["", "as made"], ["mixed", "mixed"]])),
       control("search", "Search", make("input", { id: "search", type: "search", placeholder: "words or an id" })),
     );
-    $("filters").addEventListener("input", (event) => { if (event.target.id === "factor") $("value").value = ""; refilter(); });
+    $("filters").addEventListener("input", (event) => {
+      if (event.target.id === "engine") return draw();
+      if (event.target.id === "factor") $("value").value = "";
+      refilter();
+    });
     $("filters").addEventListener("submit", (event) => event.preventDefault());
   }
 
@@ -231,6 +235,11 @@
     if (current + by > last) { if (!turn(1)) return; }
     else if (current + by < 0) { if (!turn(-1)) return; current = $("questions").children.length - 1; }
     else current += by;
+    hold();
+  }
+
+  /** Mark the current question and keep it in sight. */
+  function hold() {
     for (const card of $("questions").children) card.classList.toggle("current", card.id === `card-${current}`);
     $(`card-${current}`)?.focus({ preventScroll: true });
     $(`card-${current}`)?.scrollIntoView({ block: "nearest" });
@@ -240,6 +249,7 @@
     const select = $("engine");
     select.selectedIndex = (select.selectedIndex + 1) % select.options.length;
     draw();
+    hold(); // fewer or more pictures make the page shorter or longer
   }
 
   const KEYS = {
