@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
 from math import pi, radians, sqrt
@@ -12,9 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.assets.specs import CABINET, here, scene, spec
+from tests.assets.specs import CABINET, here, named, scene, spec
+from tests.assets.test_usd_meshes import written
 from tests.physics.scenes import ENGINES
-from wmspec.scene.model import Array, Scene, Trace
+from wmspec.scene.bounds import upright
+from wmspec.scene.model import Array, Pose, Scene, Trace
 
 #: What tests/assets/pendulum.urdf says: mass (kg), from the pivot to the centre of mass (m), moment about that (kg m²).
 MASS, ARM, MOMENT = 0.8, 0.3, 0.02
@@ -90,3 +93,23 @@ def test_the_cabinet_of_the_page_as_a_user_runs_it(tmp_path: Path) -> None:
     run = [*wmspec, "run", "open.wms", "--backend", ",".join(engines)]
     said = subprocess.run(run, cwd=tmp_path, check=True, capture_output=True, text=True).stdout
     assert said.count("cabinet_door     ends at") == len(engines)
+
+
+def test_a_mesh_of_usd_falls_and_rests_as_the_cube_that_it_is(engine: str, tmp_path: Path) -> None:
+    """In centimetres, y up, mirrored: it lands on its lower face and stays there."""
+    said = {"meters": 0.01, "up": "Y", "scale": (-3, 3, 3), "turn": -1}
+    written(tmp_path, "mesh.usda", **said)
+    written(tmp_path, "cube.usda", "Cube", form="double size = 2", **said)
+    floor = "object floor_ { shape: plane  size: 4 m  at: (0, 0, 0)  fixed: true }"
+    ends = []
+    for name in ("mesh", "cube"):
+        falls = f'object a {{ file: "{name}.usda"  at: (0, 0, 15 cm)  yaw: 10 deg  restitution: 0 }}'
+        found = scene(spec(f"{floor}\n{falls}", tmp_path, 2.0))
+        trace = executed(engine, found)
+        i = [b.name for b in found.bodies].index("a")
+        bodies = replace(named(found, "a"), pose=Pose(trace.position[-1, i], trace.orientation[-1, i]))
+        ends.append(upright(bodies.geoms, bodies.pose))
+        assert np.linalg.norm(trace.position[-1, i] - trace.position[-10, i]) < 1e-4
+    for low, high in ends:
+        assert low[2] == pytest.approx(0, abs=1e-3)
+        assert high[2] == pytest.approx(0.06, abs=2e-3)

@@ -139,7 +139,9 @@ def test_mutated_stages(tmp_path_factory: pytest.TempPathFactory, data: st.DataO
     lines = data.draw(st.sampled_from(STAGES)).split("\n")
     for _ in range(data.draw(st.integers(1, 4))):
         i = data.draw(st.integers(4, len(lines) - 1))
-        values = st.sampled_from(["0", "-1", "nan", "inf", "1e30", "(0, 0, 0)", "</balance/left>", '"Z"', "", "[]", "[9]"])
+        values = st.sampled_from(
+            ["0", "-1", "nan", "inf", "1e30", "(0, 0, 0)", "</balance/left>", '"Z"', "", "[]", "[9]"]
+        )
         name, equals, _ = lines[i].partition(" = ")
         lines[i] = f"{name} = {data.draw(values)}" if equals else data.draw(st.sampled_from([lines[i], "", "}"]))
     folder = tmp_path_factory.mktemp("stage")

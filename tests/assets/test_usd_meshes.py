@@ -191,3 +191,51 @@ def test_what_can_move_and_cannot_be_touched_so_is_refused(tmp_path: Path, way: 
     assert told.help is not None
     assert "collision" in told.help
     assert ways(tmp_path, 'object a { file: "mesh.usda"  at: (0, 0, 0)  collision: hull }') == ["convexHull"]
+
+
+# ---------------------------------------------------------------- without any physics
+
+
+def test_a_file_without_physics_is_one_thing(tmp_path: Path) -> None:
+    """It rests on its lowest point, weighs by density what its hulls are, and what is flat or hidden is not touched."""
+    sheet = QUADS.format("0, 1, 2, 3").replace("[4,4,4,4,4,4]", "[4]")
+    text = f"""#usda 1.0
+(
+  metersPerUnit = 0.01
+  upAxis = "Y"
+)
+def Xform "cup" {{
+  def Mesh "side" {{
+    {quads()}
+    double3 xformOp:scale = (3, 5, 3)
+    uniform token[] xformOpOrder = ["xformOp:scale"]
+  }}
+  def Sphere "knob" {{
+    double radius = 1
+    double3 xformOp:translate = (0, 6, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+  }}
+  def Mesh "label" {{
+    {sheet}
+  }}
+  def Mesh "proxy" {{
+    {quads()}
+    uniform token purpose = "guide"
+  }}
+}}"""
+    (tmp_path / "cup.usda").write_text(text)
+    found = body(tmp_path, 'object a { file: "cup.usda"  on: floor_ at (0, 0)  density: 500 kg/m^3 }')
+    assert found.motion == "dynamic"
+    assert [(g.collides, g.visible) for g in found.geoms] == [(True, True), (True, True), (False, True)]
+    np.testing.assert_allclose(found.pose.position, (0, 0, 0.05), atol=1e-6)
+    np.testing.assert_allclose(upright(found.geoms, found.pose), [(-0.03, -0.03, 0), (0.03, 0.03, 0.12)], atol=1e-6)
+    assert found.inertia is not None
+    assert found.inertia.mass == pytest.approx(500 * (0.06 * 0.06 * 0.1 + 4 / 3 * np.pi * 0.01**3), rel=1e-5)
+
+
+def test_a_file_with_colliders_alone_stands_still(tmp_path: Path) -> None:
+    text = f'def Mesh "wall" ( prepend apiSchemas = ["PhysicsCollisionAPI"] ) {{\n{ANGLE}\n}}'
+    (tmp_path / "wall.usda").write_text(f"#usda 1.0\n{text}")
+    found = body(tmp_path, 'object a { file: "wall.usda"  at: (0, 0, 0) }')
+    assert found.motion == "static"
+    assert ways(tmp_path, 'object a { file: "wall.usda"  at: (0, 0, 0) }') == ["convexDecomposition"]

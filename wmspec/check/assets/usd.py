@@ -1,6 +1,7 @@
 """USD by UsdGeom and UsdPhysics: rigid bodies, shapes, masses, joints. What bears on them and is not known is refused.
 
-Geometry outside any rigid body is the base, which never moves. Lights, cameras and physics scenes are the spec's
+Geometry outside any rigid body is the base, which never moves; but a file without any physics is one thing, which can
+move and all of which is touched. Lights, cameras and physics scenes are the spec's
 business and left out, and so are the attributes of single engines.
 """
 
@@ -30,6 +31,9 @@ _APIS = (
     "PhysicsDriveAPI", "PhysicsMeshCollisionAPI",
 )  # fmt: skip
 
+#: What a stage without any physics has on none of its prims.
+_PHYSICAL = (UsdPhysics.RigidBodyAPI, UsdPhysics.CollisionAPI)
+
 
 def usd(path: Path, folder: Path, shown: str, faults: Faults) -> Asset:
     """The asset in a USD file, all of whose layers are below a folder. Raises Broken if it cannot be read."""
@@ -44,13 +48,18 @@ class _Usd:
         self.bodies: dict[str, Body] = {}
         self.base = Body("base", prims.shown, np.eye(4))
         self.joints: list[Usd.Prim] = []
+        self.bare = False
 
     def asset(self) -> Asset:
-        """The base, the rigid bodies and the joints between them."""
-        for prim in self._walk():
+        """The base, the rigid bodies and the joints between them; or all of it as one, without any physics."""
+        every = list(self._walk())
+        self.bare = not any(prim.HasAPI(api) for prim in every for api in _PHYSICAL)
+        for prim in every:
             self._take(prim)
         self._sized()
         links = self._links()
+        if self.bare:
+            return Asset(links, {})
         base = links.pop(self.base.name)
         root = base.name if base.shapes else WORLD
         frames = {body.name: body.frame for body in self.bodies.values()}
@@ -70,9 +79,8 @@ class _Usd:
 
     def _sized(self) -> None:
         """Complain about nothing, and about too much."""
-        if not self.bodies:
-            help = "apply PhysicsRigidBodyAPI to what can move"
-            raise self.faults.stop(self.prims.shown, "has no rigid bodies", help)
+        if not self.bodies and not self.base.shapes:
+            raise self.faults.stop(self.prims.shown, "has no geometry", "is this the right file?")
         bodies = [self.base, *self.bodies.values()]
         if len(bodies) > MOST_LINKS or sum(len(body.shapes) for body in bodies) > MOST_SHAPES:
             what = f"has more than {MOST_LINKS} rigid bodies or {MOST_SHAPES} shapes"
@@ -137,6 +145,9 @@ class _Usd:
                 self.faults.add(self.prims.where(prim), f"physics:{name} is not supported", remedy)
 
     def _piece(self, prim: Usd.Prim, body: Body) -> None:
+        if self.bare:
+            body.shapes += usd_pieces.bare(self.prims, prim, body.frame)
+            return
         solid = usd_pieces.is_solid(self.prims, prim)
         body.shapes += usd_pieces.shapes(self.prims, prim, body.frame, solid=solid, still=body is self.base)
         if solid:

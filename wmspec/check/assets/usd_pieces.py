@@ -17,6 +17,9 @@ _WAYS = {"convexHull": "hull", "convexDecomposition": "pieces", "boundingCube": 
 #: What touches as it is, which can be honoured of what is convex or never moves.
 _EXACT = ("none", "meshSimplification")
 
+#: How a mesh is touched, as a word of the language, and why it cannot be as its file says.
+_Way = tuple[str, tuple[Doubt, ...]]
+
 
 def is_solid(prims: Prims, prim: Usd.Prim) -> bool:
     """Whether a geometry can be touched."""
@@ -35,7 +38,26 @@ def shapes(prims: Prims, prim: Usd.Prim, frame: Array, *, solid: bool, still: bo
     if not (solid or drawn):
         return ()
     if prim.GetTypeName() == "Mesh":
-        return _meshes(prims, prim, frame, solid=solid, still=still)
+        found = usd_meshes.mesh(prims, prim)
+        touched = _touched(prims, prim, found, still) if found and solid else None
+        return _meshes(prims, prim, frame, found, touched) if found else ()
+    return _plain(prims, prim, frame, solid=solid, drawn=drawn)
+
+
+def bare(prims: Prims, prim: Usd.Prim, frame: Array) -> tuple[Shape, ...]:
+    """The shapes of a geometry where nothing says what is touched: all that is drawn, but for sheets."""
+    if not is_drawn(prim):
+        return ()
+    if prim.GetTypeName() != "Mesh":
+        return _plain(prims, prim, frame, solid=True, drawn=True)
+    found = usd_meshes.mesh(prims, prim)
+    if found is None:
+        return ()
+    return _meshes(prims, prim, frame, found, None if triangles.is_flat(found) else ("hull", ()))
+
+
+def _plain(prims: Prims, prim: Usd.Prim, frame: Array, *, solid: bool, drawn: bool) -> tuple[Shape, ...]:
+    """A geometry that is a shape of the language."""
     shape = usd_shapes.shape(prims, prim, frame)
     if shape is None:
         return ()
@@ -43,16 +65,12 @@ def shapes(prims: Prims, prim: Usd.Prim, frame: Array, *, solid: bool, still: bo
     return (replace(shape, solid=solid, drawn=drawn, color=color, image=image, doubts=doubts),)
 
 
-def _meshes(prims: Prims, prim: Usd.Prim, frame: Array, *, solid: bool, still: bool) -> tuple[Shape, ...]:
+def _meshes(prims: Prims, prim: Usd.Prim, frame: Array, found: Triangles, touched: _Way | None) -> tuple[Shape, ...]:
     """A mesh; if parts of it look different, each of these, and the whole if it can be touched."""
-    found = usd_meshes.mesh(prims, prim)
-    if found is None:
-        return ()
     drawn, place = is_drawn(prim), np.linalg.inv(frame) @ prims.rigid(prim, skewed=True)[0]
-    whole = Shape("mesh", (), place, f"{prims.shown}#{prim.GetPath()}", solid=solid, drawn=drawn)
-    if solid:
-        way, doubts = _touched(prims, prim, found, still)
-        whole = replace(whole, collision=way, doubts=doubts)
+    way, doubts = touched or ("hull", ())
+    file, solid = f"{prims.shown}#{prim.GetPath()}", touched is not None
+    whole = Shape("mesh", (), place, file, solid=solid, drawn=drawn, collision=way, doubts=doubts)
     subsets = _subsets(prims, prim) if drawn else []
     if not subsets:
         return (_painted(prims, prim, found, whole) if drawn else whole,)
@@ -79,7 +97,7 @@ def _subsets(prims: Prims, prim: Usd.Prim) -> list[Usd.Prim]:
     return found
 
 
-def _touched(prims: Prims, prim: Usd.Prim, mesh: Triangles, still: bool) -> tuple[str, tuple[Doubt, ...]]:
+def _touched(prims: Prims, prim: Usd.Prim, mesh: Triangles, still: bool) -> _Way:
     """How a mesh is touched, as a word of the language, and why it cannot be as the file says."""
     if triangles.is_flat(mesh):
         what = "what is touched is flat"
