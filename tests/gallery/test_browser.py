@@ -155,7 +155,7 @@ def test_another_engine_leaves_the_question_in_sight(page: Any) -> None:
         page.keyboard.press("j")
     page.keyboard.press("e")
     assert page.evaluate("document.activeElement.id") == "card-6"
-    page.wait_for_function("(r => 0 <= r.top && r.top < innerHeight)(document.activeElement.getBoundingClientRect())")
+    page.wait_for_function("(r => -1 < r.top && r.top < innerHeight)(document.activeElement.getBoundingClientRect())")
 
 
 # ---------------------------------------------------------------- for everybody

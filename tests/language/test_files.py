@@ -76,6 +76,6 @@ def test_libraries_are_found_on_the_search_path(folder: Path, monkeypatch: pytes
 @pytest.mark.parametrize("scale", [1e5, 1e308])
 def test_a_mesh_is_not_larger_than_other_things(folder: Path, scale: float) -> None:
     trimesh.creation.box((1, 1, 1)).export(folder / "cup.obj")
-    assert load(str(folder / "cup.obj"), 10, "hull").volume == pytest.approx(1000)
+    assert load(str(folder / "cup.obj"), 10, "hull", True).volume == pytest.approx(1000)
     with pytest.raises(WmsError, match="km large with this scale; the most is 10 km"):
-        load(str(folder / "cup.obj"), scale, "hull")
+        load(str(folder / "cup.obj"), scale, "hull", True)

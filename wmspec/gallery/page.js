@@ -279,6 +279,7 @@
   $("title").textContent = data.name;
   $("about").textContent = `${data.questions.length.toLocaleString("en")} questions of ${tasks} ${tasks === 1 ? "task" : "tasks"}, ` +
     `executed in ${data.engines.join(", ")}. Answer with a click or the keys 1 to 9; the truth is hidden until you do.`;
+  document.documentElement.style.setProperty("--shape", data.size.join(" / ")); // so that nothing moves when pictures come
   theme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   $("theme").addEventListener("click", () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
   $("help").addEventListener("click", () => $("keys").showModal());

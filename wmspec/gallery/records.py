@@ -24,6 +24,7 @@ def about(dataset: Finished) -> Record:
         "engines": list(dataset.engines),
         "rows": said["rows"],
         "seed": said["seed"],
+        "size": said["size"],
         "versions": said["versions"],
         "tasks": {
             name: {
