@@ -72,7 +72,10 @@ WORDS: dict[str, tuple[str, ...]] = {
 HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
 
 #: The endings of the files that a property can name.
-FILES = {"file": (".obj", ".stl", ".ply", ".glb"), "image": (".png", ".jpg", ".jpeg")}
+FILES = {
+    "file": (".obj", ".stl", ".ply", ".off", ".glb", ".gltf", ".dae"),
+    "image": (".png", ".jpg", ".jpeg"),
+}
 
 #: The endings of USD files, one mesh of which a property can name too: `thing.usda#/World/Cup`.
 STAGES = (".usda", ".usd", ".usdc", ".usdz")
@@ -139,7 +142,11 @@ _FORM: dict[str, Slot] = {
     "metallic": Slot((A_NUMBER,), "1 for bare metal; instead of its material's", optional=True, least=0, most=1),
 }
 _MESH: dict[str, Slot] = {
-    "file": Slot((TEXT,), "a mesh beside the spec (obj, stl, ply, glb), instead of a shape", optional=True),
+    "file": Slot(
+        (TEXT,),
+        "a mesh beside the spec, instead of a shape: obj, stl, ply, off, glb, gltf, dae, or `thing.usda#/PRIM`",
+        optional=True,
+    ),
     "scale": Slot(
         (A_NUMBER, TRIPLE),
         "of the mesh, whose lengths are metres, along all of its axes or each; below 0 it is mirrored",
@@ -160,7 +167,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
     "object": {
         **_FORM,
         **_MESH,
-        "file": Slot((TEXT,), "a mesh (obj, stl, ply, glb) or an asset (urdf, xml, usd) beside the spec, instead of a shape", optional=True),
+        "file": Slot((TEXT,), "a mesh (obj, stl, ply, off, glb, gltf, dae, or `thing.usda#/PRIM`) or an asset (urdf, xml, usd) beside the spec, instead of a shape", optional=True),
         "mass": Slot((Quantity(MASS),), "its mass, instead of its density", optional=True, above=0),
         "density": Slot((Quantity(DENSITY),), "its mass per volume", "600 kg/m^3", above=0),
         "centre": Slot((POINT3,), "its centre of mass, from its middle; instead of that of its form", optional=True),

@@ -106,15 +106,17 @@ def _of_file(path: str) -> Triangles:
 
     try:
         found: Any = trimesh.load(located(path), force="mesh", process=False, skip_materials=True)
+        if path.lower().endswith(".dae"):  # which says its unit; the others mean metres, or nothing
+            found.apply_scale(trimesh.units.unit_conversion(found.units, "m"))
     except Exception as error:  # noqa: BLE001  a parser of files of others can fail in any way
         raise WmsError(f"{path} is broken: {str(error) or type(error).__name__}") from None
     if not len(found.faces):
         raise WmsError(f"{path} is broken: it has no faces")
-    st = getattr(found.visual, "uv", None)
     with np.errstate(invalid="ignore"):  # of what is flat trimesh divides by 0
         inside_out = found.volume < 0
-    faces = np.asarray(found.faces)[:, :: -1 if inside_out else 1]
-    return Triangles(np.asarray(found.vertices, float), faces, None if st is None else np.asarray(st, float)[:, :2])
+    points, faces = np.asarray(found.vertices, float), np.asarray(found.faces)
+    st = getattr(found.visual, "uv", None)
+    return Triangles(points, faces[:, :: -1 if inside_out else 1], None if st is None else np.asarray(st, float)[:, :2])
 
 
 def _hull(path: str, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
