@@ -79,7 +79,7 @@ class _Usd:
 
     def _sized(self) -> None:
         """Complain about nothing, and about too much."""
-        if not self.bodies and not self.base.shapes:
+        if not (self.bodies or self.base.shapes or self.faults.found):
             raise self.faults.stop(self.prims.shown, "has no geometry", "is this the right file?")
         bodies = [self.base, *self.bodies.values()]
         if len(bodies) > MOST_LINKS or sum(len(body.shapes) for body in bodies) > MOST_SHAPES:
