@@ -105,7 +105,7 @@ class Assets:
         """What `part NAME { ... }` says of links and joints."""
         from wmspec.check.assets.blocks import OF_JOINT, OF_LINK, plain
 
-        links = {plain(placed.link.name) for placed in tree.links}
+        links = {plain(placed.link.name): placed.link for placed in tree.links}
         known = self._names(tree, named)
         found: dict[str, tuple[s.Property, ...]] = {}
         for part in block.parts:
@@ -122,4 +122,9 @@ class Assets:
                 if p.name.id not in allowed:
                     message = f"of a {what} of an asset, a spec cannot say `{p.name.id}`"
                     self.check.report.add("WMS203", message, p.name.span, f"it can say {', '.join(allowed)}")
+                elif p.name.id == "collision" and not any(
+                    shape.kind == "mesh" and shape.solid for shape in links[name].shapes
+                ):
+                    message = f"`collision` is for a mesh, and nothing that is touched of `{name}` is one"
+                    self.check.report.add("WMS203", message, p.name.span, "remove it")
         return found

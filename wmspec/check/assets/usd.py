@@ -25,7 +25,8 @@ MOST_PRIMS = 20_000
 _GEOMETRIES = ("Cube", "Sphere", "Cylinder", "Capsule", "Cone", "Mesh")
 _JOINTS = ("PhysicsRevoluteJoint", "PhysicsPrismaticJoint", "PhysicsSphericalJoint", "PhysicsFixedJoint")
 _PASSED = ("", "Xform", "Scope", "GeomSubset")
-_LEFT_OUT = ("Material", "PhysicsScene", "Camera", "DistantLight", "DomeLight", "SphereLight", "RectLight", "DiskLight")
+_LIGHTS = ("DistantLight", "DomeLight", "SphereLight", "RectLight", "DiskLight", "CylinderLight")
+_LEFT_OUT = ("Material", "PhysicsScene", "Camera", *_LIGHTS)
 _APIS = (
     "PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "PhysicsMassAPI", "PhysicsArticulationRootAPI", "PhysicsMaterialAPI",
     "PhysicsDriveAPI", "PhysicsMeshCollisionAPI",
