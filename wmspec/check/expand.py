@@ -17,7 +17,7 @@ from wmspec.parse.load import located
 
 if TYPE_CHECKING:  # most specs have no assets, and checking those should not wait for what reads them
     from wmspec.check.assets.blocks import Blocks
-    from wmspec.check.assets.model import Fault
+    from wmspec.check.assets.model import Fault, Refused
     from wmspec.check.assets.tree import Tree
 
 #: What an asset has from its links, each its own.
@@ -31,7 +31,7 @@ class Assets:
         self.check = check
         self.scope = check.scope
         self._substitute = substitute
-        self._known: dict[tuple[Path, str], Tree | tuple[Fault, ...]] = {}
+        self._known: dict[tuple[Path, str], Tree | Refused] = {}
 
     def expanded(self, block: s.Block) -> tuple[s.Block, ...]:
         """The links and joints of an asset, its base first; any other block as it is. Raises Failed."""
@@ -64,16 +64,19 @@ class Assets:
 
     def _blocks(self, block: s.Block, named: s.Text) -> Blocks:
         from wmspec.check.assets.blocks import Blocks, mattering
+        from wmspec.check.assets.model import Refused
         from wmspec.check.assets.read import read
         from wmspec.check.assets.write import Writer
 
         key = (located(named.span.source.name).parent, named.value)
         found = self._known[key] = self._known.get(key) or read(*key)
-        if isinstance(found, tuple):
-            self._report(found, named)
-        bare, said = s.Block("object", block.name, self._own(block), block.span), self._said(block, found, named)
-        if faults := mattering(found, said, {p.name.id for p in block.properties}):
+        whole = {p.name.id for p in block.properties}
+        if isinstance(found, Refused):
+            self._report(mattering(found, {p.name.id: p.properties for p in block.parts}, whole), named)
+        said = self._said(block, found, named)
+        if faults := mattering(found, said, whole):
             self._report(faults, named)
+        bare = s.Block("object", block.name, self._own(block), block.span)
         return Blocks(bare, found, said, Writer(named.span))
 
     def _own(self, block: s.Block) -> tuple[s.Property, ...]:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from wmspec.check.assets import frames, model
-from wmspec.check.assets.model import MOST_FAULTS, Fault, Joint, Link, Shape
+from wmspec.check.assets.model import MOST_FAULTS, Fault, Joint, Link, Refused, Shape
 from wmspec.check.assets.tree import Placed, Tree
 from wmspec.check.assets.write import Writer
 from wmspec.check.slots import LOOKS
@@ -29,10 +29,10 @@ def plain(name: str) -> str:
     return made if not made[:1].isdigit() else f"_{made}"
 
 
-def mattering(tree: Tree, said: Said, whole: Collection[str]) -> tuple[Fault, ...]:
+def mattering(of: Tree | Refused, said: Said, whole: Collection[str]) -> tuple[Fault, ...]:
     """The first faults that matter, with what a spec says of links and of the `whole`, each once."""
-    found: dict[Fault, None] = {}
-    for link in (placed.link for placed in tree.links):
+    found = dict.fromkeys(of.faults if isinstance(of, Refused) else ())
+    for link in of.links if isinstance(of, Refused) else (placed.link for placed in of.links):
         own = {p.name.id for p in said.get(plain(link.name), ())}
         doubts = (doubt for shape in link.shapes for doubt in shape.doubts)
         found |= {doubt.fault: None for doubt in doubts if not {*own, *whole}.intersection(doubt.unless)}

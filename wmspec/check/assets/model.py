@@ -123,6 +123,14 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Refused:
+    """What is wrong with an asset, and those of its links of which there may be doubts besides."""
+
+    faults: tuple[Fault, ...]
+    links: tuple[Link, ...]
+
+
+@dataclass(frozen=True)
 class Joint:
     """Holds `child` to `parent`. `place` is the child's frame in the parent's with the joint at 0.
 

@@ -9,20 +9,21 @@ from pathlib import Path, PurePosixPath
 from wmspec.check.assets.markup import Element
 from wmspec.check.assets.markup import read as read_xml
 from wmspec.check.assets.mjcf import mjcf
-from wmspec.check.assets.model import Asset, Broken, Fault, Faults
+from wmspec.check.assets.model import Asset, Broken, Faults, Refused
 from wmspec.check.assets.tree import Tree, tree
 from wmspec.check.assets.urdf import urdf
 from wmspec.check.vocabulary import FILES
 
 
-def read(folder: Path, name: str) -> Tree | tuple[Fault, ...]:
+def read(folder: Path, name: str) -> Tree | Refused:
     """The links and joints of the asset in the file `name` below the spec's folder, or all that is wrong with it."""
     faults = Faults()
+    asset = Asset({}, {})
     with suppress(Broken):
         asset = _asset(folder, name, faults)
         if not faults.found:
             made = tree(asset, name, faults)
-    return tuple(faults.found) or made
+    return Refused(tuple(faults.found), tuple(asset.links.values())) if faults.found else made
 
 
 def _asset(folder: Path, name: str, faults: Faults) -> Asset:
