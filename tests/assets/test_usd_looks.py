@@ -177,3 +177,25 @@ def test_what_cannot_be_drawn_is_refused_unless_the_spec_paints_it(
     (found,) = (d for d in checked(where / "spec.wms")[1].diagnostics if d.code == "WMS210")
     assert told in found.message
     assert drawn(where, "color: red")
+
+
+def test_numbers_of_a_surface_through_its_interface(tmp_path: Path) -> None:
+    """A material's own inputs stand for those of its surface; a spec may say some of it."""
+    where = folder(tmp_path)
+    stage = Usd.Stage.Open(str(where / "box.usda"))
+    material, surface = (UsdShade.ConnectableAPI(stage.GetPrimAtPath(f"/box/picture{x}")) for x in ("", "/surface"))
+    for name, value in (("diffuseColor", (0, 1, 0)), ("roughness", 0.25), ("metallic", 0.75)):
+        kind = getattr(Sdf.ValueTypeNames, "Color3f" if name == "diffuseColor" else "Float")
+        public = material.CreateInput(name, kind)
+        public.Set(value)
+        plug = surface.CreateInput(name, kind)
+        plug.ClearSources()
+        plug.ConnectToSource(public)
+    stage.Export(str(where / "box.usda"))
+    (found,) = drawn(where)
+    assert found.surface.color == pytest.approx((0, 1, 0), abs=1e-6)
+    assert (found.surface.roughness, found.surface.metallic) == pytest.approx((0.25, 0.75))
+    (found,) = drawn(where, "part box { metallic: 0 }")
+    assert (found.surface.roughness, found.surface.metallic) == pytest.approx((0.25, 0))
+    (found,) = drawn(where, "color: red")
+    assert found.surface.metallic == 0

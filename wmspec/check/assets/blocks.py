@@ -34,7 +34,7 @@ def mattering(of: Tree | Refused, said: Said, whole: Collection[str]) -> tuple[F
     found = dict.fromkeys(of.faults if isinstance(of, Refused) else ())
     for link in of.links if isinstance(of, Refused) else (placed.link for placed in of.links):
         own = {p.name.id for p in said.get(plain(link.name), ())}
-        doubts = (doubt for shape in link.shapes for doubt in shape.doubts)
+        doubts = (doubt for shape in link.shapes for doubt in (*shape.look.doubts, *shape.doubts))
         found |= {doubt.fault: None for doubt in doubts if not {*own, *whole}.intersection(doubt.unless)}
     return tuple(found)[:MOST_FAULTS]
 
@@ -109,27 +109,34 @@ class Blocks:
         return found
 
     def _parts(self, link: Link, said: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
-        colored = not {p.name.id for p in said}.intersection(model.LOOKS)
+        names = {p.name.id for p in said}
+        looks = set(LOOKS) - names if not names.intersection(model.LOOKS) else set()
         ways = (*self.said.get(plain(link.name), ()), *self.base.properties)
         touched = next((p.value for p in ways if p.name.id == "collision"), None)
-        return tuple(self._part(i, shape, colored, touched) for i, shape in enumerate(link.shapes))
+        return tuple(self._part(i, shape, looks, touched) for i, shape in enumerate(link.shapes))
 
-    def _part(self, i: int, shape: Shape, colored: bool, touched: s.Expr | None) -> s.Part:
+    def _part(self, i: int, shape: Shape, looks: Collection[str], touched: s.Expr | None) -> s.Part:
+        """A shape; `looks` are those that the file may say, `touched` is how the spec says that meshes are."""
         yaw, pitch, roll = frames.turn(shape.place[:3, :3])
         values = {
             **self._form(shape, touched),
             "at": self.write.numbers(frames.clean(shape.place[:3, 3]), "m"),
             **{n: self.write.number(a, "rad") for n, a in (("yaw", yaw), ("pitch", pitch), ("roll", roll)) if a},
         }
-        if colored and shape.color is not None:
-            values["color"] = self.write.color(shape.color)
-        if colored and shape.image:
-            values["image"] = self.write.text(shape.image)
+        values |= {name: made for name, made in self._look(shape).items() if name in looks}
         if not shape.solid:
             values["solid"] = self.write.truth(False)
         if not shape.drawn:
             values["drawn"] = self.write.truth(False)
         return s.Part(self.write.name(f"shape_{i}"), self.write.properties(values), self.write.span)
+
+    def _look(self, shape: Shape) -> dict[str, s.Expr]:
+        look = shape.look
+        found = {name: x for name, x in (("roughness", look.roughness), ("metallic", look.metallic)) if x is not None}
+        made: dict[str, s.Expr] = {name: self.write.number(x) for name, x in found.items()}
+        if look.color is not None:
+            made["color"] = self.write.color(look.color)
+        return made | ({"image": self.write.text(look.image)} if look.image else {})
 
     def _form(self, shape: Shape, touched: s.Expr | None) -> dict[str, s.Expr]:
         if shape.kind == "mesh":

@@ -11,7 +11,7 @@ import numpy as np
 from wmspec.check.assets.frames import point
 from wmspec.check.assets.markup import Element
 from wmspec.check.assets.mjcf_defaults import Defaults
-from wmspec.check.assets.model import LOOKS, Array, Color, Doubt, Link, Mass, Shape
+from wmspec.check.assets.model import LOOKS, Array, Color, Link, Look, Mass, Shape, doubts
 from wmspec.check.assets.solids import inertia, volume
 
 _GEOM = (
@@ -49,17 +49,17 @@ class Geoms:
         kind = e.attributes.get("type", "mesh" if "mesh" in e.attributes else "sphere")
         here = self.read.place(e)
         solid, drawn = self._touched(e), self.read.number(e, "group", 0.0) <= _DRAWN
-        color, doubts = self._looks(e) if drawn else (None, ())
+        look = self._look(e) if drawn else Look()
         if kind == "mesh":
             made = self._mesh(e, here)
-            return made and replace(made, color=color, solid=solid, drawn=drawn, doubts=doubts)
+            return made and replace(made, look=look, solid=solid, drawn=drawn)
         if kind not in _SIZES:
             known = ", ".join((*_SIZES, "mesh"))
             help = f"make it one of {known}" + ("; the ground is the spec's" if kind == "plane" else "")
             self.faults.add(e.where, f"geoms of type `{kind[:30]}` are not supported", help)
             return None
         here, size = self._sized(e, kind, here)
-        return Shape(kind, size, here, color=color, solid=solid, drawn=drawn, doubts=doubts)  # type: ignore[arg-type]
+        return Shape(kind, size, here, look=look, solid=solid, drawn=drawn)  # type: ignore[arg-type]
 
     def _sized(self, e: Element, kind: str, here: Array) -> tuple[Array, tuple[float, ...]]:
         """Its place and whole size, from half sizes and maybe from the two ends of its middle line."""
@@ -126,11 +126,11 @@ class Geoms:
         given = e.attributes.get("friction", "1").split()
         return self.read.numbers(e, "friction", max(1, len(given)), (1.0,))[0]
 
-    def _looks(self, e: Element) -> tuple[Color | None, tuple[Doubt, ...]]:
+    def _look(self, e: Element) -> Look:
         """The colour of a geom, and what is wrong with it."""
         with self.faults.apart() as found:
             color = self._color(e)
-        return color, tuple(Doubt(fault, LOOKS) for fault in found)
+        return Look(color, doubts=doubts(found, LOOKS))
 
     def _color(self, e: Element) -> Color | None:
         """The colour of a geom: its own, its material's, or none."""
@@ -152,7 +152,7 @@ class Geoms:
             self.faults.add(e.where, f"there is no material `{name[:60]}`", "add it to `asset`")
         if found is not None and "texture" in found.attributes:
             what = "textures of an asset are not supported"
-            self.faults.add(found.where, what, "remove it, or say `color` or `image` in the spec")
+            self.faults.add(found.where, what, "remove it")
         return found
 
     # ------------------------------------------------------------ masses

@@ -5,9 +5,9 @@ Lengths in m, angles in rad, masses in kg. Places are 4 × 4 matrices, from a fr
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -38,6 +38,11 @@ class Doubt:
 
     fault: Fault
     unless: tuple[str, ...]
+
+
+def doubts(found: Iterable[Fault], unless: tuple[str, ...]) -> tuple[Doubt, ...]:
+    """Faults as doubts, with this remedy too."""
+    return tuple(Doubt(replace(f, help=f"{f.help}, or say `{unless[0]}` in the spec"), unless) for f in found)
 
 
 class Broken(Exception):
@@ -76,10 +81,24 @@ class Faults:
 
 
 @dataclass(frozen=True)
+class Look:
+    """How a shape looks: a colour (sRGB), a picture on it, seen from the spec's folder, or both; how glossy it is.
+
+    What is None or empty is not said. `doubts` are what cannot be honoured.
+    """
+
+    color: Color | None = None
+    image: str = ""
+    roughness: float | None = None
+    metallic: float | None = None
+    doubts: tuple[Doubt, ...] = ()
+
+
+@dataclass(frozen=True)
 class Shape:
     """One geometry of a link: `size` are the edges of a box, (radius,) or (radius, height) along z; a mesh has `file`.
 
-    A capsule's height is the whole of it. `file` and `image` are seen from the spec's folder, `scale` is along
+    A capsule's height is the whole of it. `file` is seen from the spec's folder, `scale` is along
     each of a mesh's axes, and `collision` says how a mesh is touched.
     """
 
@@ -88,10 +107,9 @@ class Shape:
     place: Array
     file: str = ""
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)
-    color: Color | None = None
+    look: Look = field(default_factory=Look)
     solid: bool = True
     drawn: bool = True
-    image: str = ""
     collision: str = "hull"
     doubts: tuple[Doubt, ...] = ()
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from wmspec.check.assets.frames import place
 from wmspec.check.assets.markup import Element, Reader
-from wmspec.check.assets.model import LOOKS, Array, Color, Doubt, Link, Mass, Shape
+from wmspec.check.assets.model import LOOKS, Array, Color, Link, Look, Mass, Shape, doubts
 
 #: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
 Find = Callable[[Element, str], str]
@@ -70,8 +70,7 @@ class Links:
         made = self._form(geometry.children[0], origin(self.read, e))
         if made is None or not drawn:
             return made
-        color, doubts = self._looks(e)
-        return replace(made, color=color, doubts=doubts)
+        return replace(made, look=self._look(e))
 
     def _form(self, e: Element, here: Array) -> Shape | None:
         match e.tag:
@@ -97,12 +96,12 @@ class Links:
         file = self.find(e, self.read.text(e, "filename"))
         return Shape("mesh", (), here, file, scale) if file else None
 
-    def _looks(self, e: Element) -> tuple[Color | None, tuple[Doubt, ...]]:
+    def _look(self, e: Element) -> Look:
         """The colour of a `visual`, and what is wrong with it."""
         with self.read.faults.apart() as found:
             material = self.read.only(e, "material")
             color = self._color(self._meant(material)) if material is not None else None
-        return color, tuple(Doubt(fault, LOOKS) for fault in found)
+        return Look(color, doubts=doubts(found, LOOKS))
 
     def _meant(self, material: Element) -> Element:
         """What says how a `material` looks: itself, or the one that first said so under its name."""
@@ -116,7 +115,7 @@ class Links:
     def _color(self, e: Element) -> Color | None:
         self.read.known(e, ("name",), ("color", "texture"))
         for texture in e.all("texture"):
-            what, help = "textures of an asset are not supported", "remove it, or say `color` or `image` in the spec"
+            what, help = "textures of an asset are not supported", "remove it"
             self.read.faults.add(texture.where, what, help)
         color = self.read.only(e, "color")
         if color is None:

@@ -3,44 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdPhysics, UsdShade
 
-from wmspec.check.assets.model import LOOKS, Color, Doubt
+from wmspec.check.assets.model import LOOKS, Color, Look, doubts
 from wmspec.check.assets.triangles import Triangles
+from wmspec.check.assets.usd_plugs import source, value
 from wmspec.check.assets.usd_prims import Prims
 from wmspec.check.assets.usd_textures import texture
 
 
-def look(prims: Prims, prim: Usd.Prim, mesh: Triangles | None) -> tuple[Color | None, str, tuple[Doubt, ...]]:
-    """The colour (sRGB) of a prim or None, the picture on it or nothing, and what is wrong with them.
-
-    They are those of its preview surface, or else its `displayColor`; `mesh` are its triangles if it is one.
-    """
+def look(prims: Prims, prim: Usd.Prim, mesh: Triangles | None) -> Look:
+    """How a prim looks, by its preview surface, or else its `displayColor`; `mesh` are its triangles if it is one."""
     with prims.faults.apart() as found:
-        color, image = _look(prims, prim, mesh)
-    return color, image, tuple(Doubt(fault, LOOKS) for fault in found)
+        made = _look(prims, prim, mesh)
+    return replace(made, doubts=doubts(found, LOOKS))
 
 
-def _look(prims: Prims, prim: Usd.Prim, mesh: Triangles | None) -> tuple[Color | None, str]:
+def _look(prims: Prims, prim: Usd.Prim, mesh: Triangles | None) -> Look:
     material = _bound(prim, "preview")
     shader = material.ComputeSurfaceSource()[0] if material else None
     if not shader:
-        of = prim.GetParent() if prim.GetTypeName() == "GeomSubset" else prim
-        return _displayed(prims, of), ""
+        return Look(_displayed(prims, prim.GetParent() if prim.GetTypeName() == "GeomSubset" else prim))
     if shader.GetIdAttr().Get() != "UsdPreviewSurface":
         prims.faults.add(prims.where(prim), "its surface is no UsdPreviewSurface", "bind one, or none")
-        return None, ""
-    opacity, diffuse = (shader.GetInput(name) for name in ("opacity", "diffuseColor"))
-    if opacity and (opacity.HasConnectedSource() or opacity.Get() not in (None, 1.0)):
+        return Look()
+    if source(shader, "opacity")[0] or value(shader, "opacity", 1.0) != 1:
         prims.faults.add(prims.where(prim), "what is transparent is not supported", "author opacity = 1")
-    if diffuse and diffuse.HasConnectedSource():
-        image, tint = texture(prims, prim, diffuse, mesh)
-        return (None if (tint == 1).all() else _srgb(prims, prim, tint)), image
-    found = diffuse.Get() if diffuse else None
-    return (None if found is None else _srgb(prims, prim, found)), ""
+    image, tint = "", value(shader, "diffuseColor")
+    if source(shader, "diffuseColor")[0]:
+        image, tint = texture(prims, prim, shader, mesh)
+    color = None if tint is None or (image and tuple(tint) == (1, 1, 1)) else _srgb(prims, prim, tint)
+    return Look(color, image, _share(prims, prim, shader, "roughness", 0.5), _share(prims, prim, shader, "metallic", 0))
+
+
+def _share(prims: Prims, prim: Usd.Prim, shader: UsdShade.Shader, name: str, fallback: float) -> float | None:
+    """A number from 0 to 1; None if a picture says it, which is not read."""
+    if source(shader, name)[0]:
+        return None
+    found = float(value(shader, name, fallback))
+    if not 0 <= found <= 1:
+        prims.faults.add(prims.where(prim), f"its {name} is not from 0 to 1", "correct it")
+        return None
+    return found
 
 
 def _displayed(prims: Prims, prim: Usd.Prim) -> Color | None:

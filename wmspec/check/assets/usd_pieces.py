@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 
 from wmspec.check.assets import triangles, usd_looks, usd_meshes, usd_shapes
-from wmspec.check.assets.model import Array, Doubt, Shape
+from wmspec.check.assets.model import Array, Doubt, Look, Shape, doubts
 from wmspec.check.assets.triangles import Triangles
 from wmspec.check.assets.usd_prims import Prims
 
@@ -61,27 +61,25 @@ def _plain(prims: Prims, prim: Usd.Prim, frame: Array, *, solid: bool, drawn: bo
     shape = usd_shapes.shape(prims, prim, frame)
     if shape is None:
         return ()
-    color, image, doubts = usd_looks.look(prims, prim, None) if drawn else (None, "", ())
-    return (replace(shape, solid=solid, drawn=drawn, color=color, image=image, doubts=doubts),)
+    look = usd_looks.look(prims, prim, None) if drawn else Look()
+    return (replace(shape, solid=solid, drawn=drawn, look=look),)
 
 
 def _meshes(prims: Prims, prim: Usd.Prim, frame: Array, found: Triangles, touched: _Way | None) -> tuple[Shape, ...]:
     """A mesh; if parts of it look different, each of these, and the whole if it can be touched."""
     drawn, place = is_drawn(prim), np.linalg.inv(frame) @ prims.rigid(prim, skewed=True)[0]
-    way, doubts = touched or ("hull", ())
+    way, why = touched or ("hull", ())
     file, solid = f"{prims.shown}#{prim.GetPath()}", touched is not None
-    whole = Shape("mesh", (), place, file, solid=solid, drawn=drawn, collision=way, doubts=doubts)
+    whole = Shape("mesh", (), place, file, solid=solid, drawn=drawn, collision=way, doubts=why)
     subsets = _subsets(prims, prim) if drawn else []
     if not subsets:
-        return (_painted(prims, prim, found, whole) if drawn else whole,)
-    seen = (replace(whole, file=f"{prims.shown}#{s.GetPath()}", solid=False, doubts=()) for s in subsets)
-    parts = [_painted(prims, s, found, shape) for s, shape in zip(subsets, seen, strict=True)]
+        return (replace(whole, look=usd_looks.look(prims, prim, found)) if drawn else whole,)
+    seen = replace(whole, solid=False, doubts=())
+    parts = [
+        replace(seen, file=f"{prims.shown}#{some.GetPath()}", look=usd_looks.look(prims, some, found))
+        for some in subsets
+    ]
     return (*parts, replace(whole, drawn=False)) if solid else tuple(parts)
-
-
-def _painted(prims: Prims, prim: Usd.Prim, mesh: Triangles, shape: Shape) -> Shape:
-    color, image, doubts = usd_looks.look(prims, prim, mesh)
-    return replace(shape, color=color, image=image, doubts=(*shape.doubts, *doubts))
 
 
 def _subsets(prims: Prims, prim: Usd.Prim) -> list[Usd.Prim]:
@@ -106,10 +104,10 @@ def _touched(prims: Prims, prim: Usd.Prim, mesh: Triangles, still: bool) -> _Way
     way = str(prims.value(prim, "physics:approximation", "none"))
     if way in _WAYS or (way in _EXACT and (still or triangles.is_convex(mesh))):
         return _WAYS.get(way, "hull" if not still or triangles.is_convex(mesh) else "pieces"), ()
-    remedy = "author physics:approximation = convexHull or convexDecomposition, or say `collision` in the spec"
+    remedy = "author physics:approximation = convexHull or convexDecomposition"
     with prims.faults.apart() as found:
         what = f"physics:approximation = {way[:40]} is not supported"
         if way in _EXACT:
             what = "a mesh that can move and is not convex cannot be touched as it is"
         prims.faults.add(prims.where(prim), what, remedy)
-    return "hull", tuple(Doubt(fault, ("collision",)) for fault in found)
+    return "hull", doubts(found, ("collision",))

@@ -11,6 +11,7 @@ from pxr import Sdf, Usd, UsdShade
 from wmspec.check.assets.model import Array
 from wmspec.check.assets.triangles import Triangles
 from wmspec.check.assets.usd_meshes import coordinates
+from wmspec.check.assets.usd_plugs import source, value
 from wmspec.check.assets.usd_prims import Prims
 from wmspec.check.vocabulary import FILES
 
@@ -18,20 +19,20 @@ from wmspec.check.vocabulary import FILES
 _PLAIN: dict[str, Any] = {"rotation": 0.0, "translation": (0.0, 0.0), "scale": (1.0, 1.0)}
 
 
-def texture(prims: Prims, prim: Usd.Prim, plug: UsdShade.Input, mesh: Triangles | None) -> tuple[str, Array]:
+def texture(prims: Prims, prim: Usd.Prim, surface: UsdShade.Shader, mesh: Triangles | None) -> tuple[str, Array]:
     """The file of a picture that is a surface's colour, seen from the spec's folder, and the linear colour of its tint.
 
     Whatever else it does goes to the faults.
     """
     white = np.ones(3)
-    shader, output = _source(plug)
+    shader, output = source(surface, "diffuseColor")
     if shader is None or shader.GetIdAttr().Get() != "UsdUVTexture" or output != "rgb":
         what = "its colour is made by other shaders than the rgb of a UsdUVTexture"
-        prims.faults.add(prims.where(prim), what, "author a value, or say `color` or `image` in the spec")
+        prims.faults.add(prims.where(prim), what, "author a value")
         return "", white
     if mesh is None or mesh.st is None:
         what = "pictures are supported on meshes with texture coordinates only"
-        prims.faults.add(prims.where(prim), what, "give it some, or say `color` or `image` in the spec")
+        prims.faults.add(prims.where(prim), what, "give it some")
         return "", white
     _laid(prims, prim, shader, mesh.st)
     return _file(prims, shader), _tint(prims, shader)
@@ -40,20 +41,20 @@ def texture(prims: Prims, prim: Usd.Prim, plug: UsdShade.Input, mesh: Triangles 
 def _laid(prims: Prims, prim: Usd.Prim, shader: UsdShade.Shader, st: Array) -> None:
     """Complain about a picture that does not lie as its mesh's coordinates say, repeated beyond its edges."""
     where = prims.where(shader.GetPrim())
-    ways = {_value(shader, wrap) for wrap in ("wrapS", "wrapT")}
+    ways = {value(shader, wrap) for wrap in ("wrapS", "wrapT")}
     if ways - {None, "repeat", "useMetadata"} and (st.min() < -1e-6 or st.max() > 1 + 1e-6):
         prims.faults.add(
             where, "its picture does not repeat, and the mesh goes beyond it", "make wrapS and wrapT repeat"
         )
     mesh = prim.GetParent() if prim.GetTypeName() == "GeomSubset" else prim
-    reader, _ = _source(shader.GetInput("st"))
+    reader, _ = source(shader, "st")
     if reader is not None and reader.GetIdAttr().Get() == "UsdTransform2d":
-        moved = [n for n, plain in _PLAIN.items() if not np.allclose(_or(_value(reader, n), plain), plain)]
+        moved = [n for n, plain in _PLAIN.items() if not np.allclose(value(reader, n, plain), plain)]
         if moved:
             what = "it moves, turns or scales texture coordinates"
             prims.faults.add(prims.where(reader.GetPrim()), what, "bake that into them")
-        reader, _ = _source(reader.GetInput("in"))
-    name = _value(reader, "varname") if reader is not None else None
+        reader, _ = source(reader, "in")
+    name = value(reader, "varname") if reader is not None else None
     if reader is not None and (reader.GetIdAttr().Get() != "UsdPrimvarReader_float2" or name != coordinates(mesh)):
         what = f"its picture lies by `{name}`, and the texture coordinates of the mesh are `{coordinates(mesh)}`"
         prims.faults.add(where, what, "let a UsdPrimvarReader_float2 read these")
@@ -61,9 +62,9 @@ def _laid(prims: Prims, prim: Usd.Prim, shader: UsdShade.Shader, st: Array) -> N
 
 def _file(prims: Prims, shader: UsdShade.Shader) -> str:
     where = prims.where(shader.GetPrim())
-    if _value(shader, "sourceColorSpace") == "raw":
+    if value(shader, "sourceColorSpace") == "raw":
         prims.faults.add(where, "its picture is not in sRGB", "make sourceColorSpace sRGB")
-    found = _value(shader, "file")
+    found = value(shader, "file")
     named = str(found.path) if isinstance(found, Sdf.AssetPath) else ""
     if PurePosixPath(named).suffix.lower() not in FILES["image"]:
         prims.faults.add(
@@ -81,28 +82,9 @@ def _file(prims: Prims, shader: UsdShade.Shader) -> str:
 
 def _tint(prims: Prims, shader: UsdShade.Shader) -> Array:
     """What the picture is multiplied by, a linear colour."""
-    scale, bias = (np.asarray(_or(_value(shader, n), p), float) for n, p in (("scale", (1,) * 4), ("bias", (0,) * 4)))
+    scale, bias = (np.asarray(value(shader, n, p), float) for n, p in (("scale", (1,) * 4), ("bias", (0,) * 4)))
     if bias.any() or not ((scale[:3] >= 0) & (scale[:3] <= 1)).all():
         what = "its picture is made lighter"
         prims.faults.add(prims.where(shader.GetPrim()), what, "author a scale of 0 to 1 and no bias")
         return np.ones(3)
     return np.asarray(scale[:3])
-
-
-def _source(plug: UsdShade.Input | None) -> tuple[UsdShade.Shader | None, str]:
-    """The shader that makes an input, and by which of its outputs."""
-    for attribute in plug.GetValueProducingAttributes() if plug else ():
-        if UsdShade.Output.IsOutput(attribute):
-            return UsdShade.Shader(attribute.GetPrim()), UsdShade.Output(attribute).GetBaseName()
-    return None, ""
-
-
-def _value(shader: UsdShade.Shader, name: str) -> Any:
-    """The value of an input, through the interface of its material; None if it has none."""
-    plug = shader.GetInput(name)
-    found = plug.GetValueProducingAttributes() if plug else ()
-    return found[0].Get() if found and not UsdShade.Output.IsOutput(found[0]) else None
-
-
-def _or(value: Any, plain: Any) -> Any:
-    return plain if value is None else value
