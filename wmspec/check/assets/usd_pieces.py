@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 
 from wmspec.check.assets import triangles, usd_looks, usd_meshes, usd_shapes
-from wmspec.check.assets.model import Array, Doubt, Look, Shape, doubts
+from wmspec.check.assets.model import Array, Doubt, Fault, Look, Shape, doubts
 from wmspec.check.assets.triangles import Triangles
 from wmspec.check.assets.usd_prims import Prims
 
@@ -102,12 +102,13 @@ def _touched(prims: Prims, prim: Usd.Prim, mesh: Triangles, still: bool) -> _Way
         prims.faults.add(prims.where(prim), what, "make it a Cube, or give the mesh some thickness")
         return "hull", ()
     way = str(prims.value(prim, "physics:approximation", "none"))
-    if way in _WAYS or (way in _EXACT and (still or triangles.is_convex(mesh))):
-        return _WAYS.get(way, "hull" if not still or triangles.is_convex(mesh) else "pieces"), ()
+    if way in _WAYS:
+        return _WAYS[way], ()
+    convex = way in _EXACT and triangles.is_convex(mesh)
+    if convex or (still and way in _EXACT):
+        return "hull" if convex else "pieces", ()
+    what = f"physics:approximation = {way[:40]} is not supported"
+    if way in _EXACT:
+        what = "a mesh that can move and is not convex cannot be touched as it is"
     remedy = "author physics:approximation = convexHull or convexDecomposition"
-    with prims.faults.apart() as found:
-        what = f"physics:approximation = {way[:40]} is not supported"
-        if way in _EXACT:
-            what = "a mesh that can move and is not convex cannot be touched as it is"
-        prims.faults.add(prims.where(prim), what, remedy)
-    return "hull", doubts(found, ("collision",))
+    return "hull", doubts([Fault(prims.where(prim), what, remedy)], ("collision",))
