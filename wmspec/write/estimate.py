@@ -44,10 +44,10 @@ class Cost:
 def estimate(plan: Plan, effort: Effort, count: int, progress: Callable[[str, int], None]) -> tuple[Cost, ...]:
     """Make `count` instances of every task, spread over its indices, with all workers busy as they would be."""
     job = job_of(plan, effort)
-    pieces = [(job, task.spec.name, index) for task in plan.tasks for index in _spread(task, count)]
+    pieces = [(job, task.spec.name, index, other) for task in plan.tasks for index, other in _spread(task, count)]
     made: dict[str, list[tuple[float, Outcome] | Lost]] = {task.spec.name: [] for task in plan.tasks}
     with closing(in_order(timed, pieces, effort)) as outcomes:
-        for (_, name, _), outcome in zip(pieces, outcomes, strict=True):
+        for (_, name, *_), outcome in zip(pieces, outcomes, strict=True):
             made[name].append(outcome)
             progress(name, 1)
     return tuple(_cost(plan, task, effort, made[task.spec.name]) for task in plan.tasks)
@@ -57,19 +57,24 @@ def estimate(plan: Plan, effort: Effort, count: int, progress: Callable[[str, in
 _warm: set[str] = set()
 
 
-def timed(job: Job, task: str, index: int) -> tuple[float, Outcome]:
-    """Make an instance; the seconds it took, without what a worker needs once to get going."""
+def timed(job: Job, task: str, index: int, other: int) -> tuple[float, Outcome]:
+    """Make an instance; the seconds it took, without what a worker needs once to get going.
+
+    That is for making an `other` instance, because what the same one does would be known already.
+    """
     if task not in _warm:
-        work(job, task, index)
+        work(job, task, other)
         _warm.add(task)
     began = perf_counter()
     outcome = work(job, task, index)
     return perf_counter() - began, outcome
 
 
-def _spread(task: Task, count: int) -> Iterator[int]:
+def _spread(task: Task, count: int) -> Iterator[tuple[int, int]]:
+    """Instances of a task, each with the one before it."""
     tried = min(count, len(task.indices))
-    return (task.indices[(2 * i + 1) * len(task.indices) // (2 * tried)] for i in range(tried))
+    places = ((2 * i + 1) * len(task.indices) // (2 * tried) for i in range(tried))
+    return ((task.indices[place], task.indices[place - 1]) for place in places)
 
 
 def _cost(plan: Plan, task: Task, effort: Effort, made: list[tuple[float, Outcome] | Lost]) -> Cost:
