@@ -22,6 +22,7 @@ from pathlib import Path
 from statistics import median
 
 from wmspec.check.task import check
+from wmspec.cli.common import spec_files
 from wmspec.design.design import Design
 from wmspec.parse.diagnostics import Report
 from wmspec.parse.load import library_folder
@@ -83,8 +84,8 @@ def instances_per_second(path: Path) -> float:
 
 
 def specs() -> list[Path]:
-    """The specs named on the command line, or all that come with wmspec."""
-    named = [Path(argument) for argument in sys.argv[1:]]
+    """The specs named on the command line, those of folders too, or all that come with wmspec."""
+    named = spec_files(map(Path, sys.argv[1:]))
     return named or [p for p in sorted(library_folder().parent.rglob("*.wms")) if p.parent != library_folder()]
 
 

@@ -24,7 +24,7 @@ from wmspec.stage.point import Pointer
 from wmspec.stage.sight import blind
 
 #: How many instances are built, how many of them with every counterfactual, and of how many the options are compared.
-TRIED, TRIED_CHANGED, COMPARED = 16, 4, 100
+TRIED, TRIED_CHANGED, COMPARED = 12, 4, 100
 
 #: What follows from the place or the turn of something else, as it should.
 _FOLLOWS = ("pose", "way", "form", "there", "start")
