@@ -16,7 +16,7 @@ CONSTANTS = {
 }
 PARTS = (
     *(Piece, Rigid, Limb, Assembly),
-    *(shapes.shape, shapes.inside, shapes.xyzw, shapes.single, shapes.several),
+    *(shapes.shape, shapes.inside, shapes.xyzw, shapes.single, shapes.several, shapes.objects),
     *(trees.branches, trees.still, trees.put),
     world.World,
 )

@@ -72,23 +72,33 @@ def single(piece: Piece, pose: Vector) -> dict[str, Any]:
 
 
 def several(pieces: tuple[Piece, ...], poses: list[Vector], folder: str) -> dict[str, Any]:
-    """Pieces in the words of `createCollisionShapeArray`, which takes hulls from files only."""
-    names = ["" if piece.kind != "hull" else str(Path(folder) / f"{i}.obj") for i, piece in enumerate(pieces)]
-    for name, piece in zip(names, pieces, strict=True):
-        if name:
-            points = np.reshape(piece.size, (-1, 3)).tolist()
-            corners = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in points)
-            faces = "".join(
-                f"f 1 {i} {i + 1}\n" for i in range(2, len(points))
-            )  # any: the hull of the corners is taken
-            Path(name).write_text(corners + faces)
+    """Pieces in the words of `createCollisionShapeArray`, which takes hulls from files only.
+
+    It drops all shapes after the sixteenth without a word, so the hulls, which have one pose, come as one shape.
+    """
+    hulls = [piece for piece in pieces if piece.kind == "hull"]
+    if hulls:
+        Path(folder, "hulls.obj").write_text(objects(hulls))
+    rows = [(piece, poses[i]) for i, piece in enumerate(pieces) if piece.kind != "hull" or piece is hulls[0]]
     return {
-        "shapeTypes": [getattr(pybullet, KINDS[piece.kind]) for piece in pieces],
-        "halfExtents": [piece.size if piece.kind == "box" else (0.0, 0.0, 0.0) for piece in pieces],
-        "radii": [0.0 if piece.kind in ("box", "hull") else piece.size[0] for piece in pieces],
-        "lengths": [piece.size[1] if piece.kind in ("cylinder", "capsule") else 0.0 for piece in pieces],
-        "fileNames": names,
-        "meshScales": [(1.0, 1.0, 1.0)] * len(pieces),
-        "collisionFramePositions": [pose[:3] for pose in poses],
-        "collisionFrameOrientations": [xyzw(pose[3:]) for pose in poses],
+        "shapeTypes": [getattr(pybullet, KINDS[piece.kind]) for piece, _ in rows],
+        "halfExtents": [piece.size if piece.kind == "box" else (0.0, 0.0, 0.0) for piece, _ in rows],
+        "radii": [0.0 if piece.kind in ("box", "hull") else piece.size[0] for piece, _ in rows],
+        "lengths": [piece.size[1] if piece.kind in ("cylinder", "capsule") else 0.0 for piece, _ in rows],
+        "fileNames": [str(Path(folder, "hulls.obj")) if piece.kind == "hull" else "" for piece, _ in rows],
+        "meshScales": [(1.0, 1.0, 1.0)] * len(rows),
+        "collisionFramePositions": [pose[:3] for _, pose in rows],
+        "collisionFrameOrientations": [xyzw(pose[3:]) for _, pose in rows],
     }
+
+
+def objects(hulls: list[Piece]) -> str:
+    """Hulls as the objects of a Wavefront file. Any faces will do: of each object the hull is taken."""
+    lines, first = [], 1
+    for number, hull in enumerate(hulls):
+        points = np.reshape(hull.size, (-1, 3)).tolist()
+        corners = [f"v {x!r} {y!r} {z!r}" for x, y, z in points]
+        faces = [f"f {first} {first + i} {first + i + 1}" for i in range(1, len(points) - 1)]
+        lines += [f"o {number}", *corners, *faces]
+        first += len(points)
+    return "\n".join(lines) + "\n"

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from tests.physics.scenes import ENGINES
 from tests.stage.stages import stage
-from wmspec.errors import StageError
+from wmspec.errors import StageError, WmsError
 from wmspec.scene.inertia import volume
 from wmspec.scene.model import Body, Box, Mesh, Sphere
 from wmspec.scene.read import read
@@ -23,6 +23,7 @@ APPROXIMATED = """def Mesh "%s" (prepend apiSchemas = [%s"PhysicsCollisionAPI", 
     int[] faceVertexIndices = %s
     double3 xformOp:translate = %s
     uniform token[] xformOpOrder = ["xformOp:translate"] }"""
+EPISODE = 'def WmsEpisode "Episode" { uniform double wms:duration = 0.6 }'
 RING = trimesh.creation.annulus(0.1, 0.2, 0.08)
 
 
@@ -95,11 +96,11 @@ def test_bounds() -> None:
     assert body.inertia.mass == pytest.approx(4.0)
 
 
-def test_exact_meshes_are_taken_apart_if_they_stand_still_and_refused_if_they_fall() -> None:
-    assert len(only(prim(angle(), "none", dynamic=False)).geoms) == 3
-    assert len(only(prim(angle(), "meshSimplification", dynamic=False)).geoms) == 3
+@pytest.mark.parametrize("way", ["none", "meshSimplification"])
+def test_exact_meshes_collide_face_by_face_if_they_stand_still_and_are_refused_if_they_fall(way: str) -> None:
+    assert len(only(prim(angle(), way, dynamic=False)).geoms) == 1 + 6 + 2 * 4  # as drawn, its sides, its two caps
     with pytest.raises(StageError, match="/World/m: a dynamic mesh that is not convex"):
-        only(prim(angle(), "none"))
+        only(prim(angle(), way))
     with pytest.raises(StageError, match="'sdf' is not supported"):
         only(prim(angle(), "sdf"))
     box = trimesh.creation.box((0.1, 0.2, 0.3))
@@ -115,12 +116,44 @@ def test_a_ball_falls_through_a_ring_that_lies_on_the_floor(engine: str) -> None
     ball = """def Sphere "ball" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"]) {
         double radius = 0.05 double3 xformOp:translate = (%s, 0, 0.3)
         uniform token[] xformOpOrder = ["xformOp:translate"] }"""
-    episode = 'def WmsEpisode "Episode" { uniform double wms:duration = 0.6 }'
     for at, expected in ((0.0, 0.05), (0.15, 0.13)):
-        text = floor + prim(RING, "convexDecomposition", at=(0, 0, 0.041)) + ball % at + episode
+        text = floor + prim(RING, "convexDecomposition", at=(0, 0, 0.041)) + ball % at + EPISODE
         trace = import_module(f"wmspec.backends.{engine}").execute(read(stage(text)))
         index = trace.bodies.index("ball")
         if at == 0.0:
             assert trace.position[-1, index, 2] == pytest.approx(expected, abs=2e-3)
         assert trace.position[trace.sample(0.25), index, 2] > expected - 5e-3
         assert trace.position[-1, trace.bodies.index("m"), 2] == pytest.approx(0.04, abs=3e-3)
+
+
+BAR = """def Cube "%s" (prepend apiSchemas = ["PhysicsCollisionAPI"]) {
+    double size = 0.2
+    double3 xformOp:translate = (%s, 0, -0.1)
+    uniform token[] xformOpOrder = ["xformOp:translate"] }"""
+
+
+def row(kind: str) -> str:
+    """A bar of 20 cones or cubes in a row, which only its two ends rest on something."""
+    shape = {"Cone": "double radius = 0.04 double height = 0.08", "Cube": "double size = 0.08"}[kind]
+    pieces = "".join(
+        f"""def {kind} "p{i}" (prepend apiSchemas = ["PhysicsCollisionAPI"]) {{ {shape}
+        double3 xformOp:translate = ({i / 10}, 0, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"] }}\n"""
+        for i in range(20)
+    )
+    body = f"""def Xform "bar" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {{
+        double3 xformOp:translate = (0, 0, 0.04)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        {pieces} }}"""
+    return BAR % ("left", 0) + BAR % ("right", 1.9) + body + EPISODE
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_no_piece_of_a_body_is_dropped(engine: str) -> None:
+    pytest.importorskip(engine)
+    backend = import_module(f"wmspec.backends.{engine}")
+    trace = backend.execute(read(stage(row("Cone"))))
+    assert trace.position[-1, trace.bodies.index("bar"), 2] == pytest.approx(0.04, abs=2e-3)
+    if engine == "pybullet":
+        with pytest.raises(WmsError, match="/World/bar: a moving body of 20 pieces; PyBullet takes 16"):
+            backend.execute(read(stage(row("Cube"))))

@@ -1,4 +1,4 @@
-"""Flat meshes that never move collide as thin solids: their upper side, or the front of a wall, is where they are."""
+"""Meshes that are not convex collide as thin solids: their upper side, or the front of a wall, is where they are."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ import numpy as np
 import pytest
 import trimesh
 from numpy.testing import assert_allclose
+from numpy.typing import NDArray
 
 from tests.physics.scenes import ENGINES
 from tests.stage.stages import stage
+from tests.stage.test_meshes import RING, angle, prim
+from wmspec.errors import StageError
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Body, Mesh
 from wmspec.scene.read import read
-from wmspec.scene.read.sheets import THICKNESS
+from wmspec.scene.read.sheets import DEPTH, sheets
 
+Points = NDArray[np.float64]
 SHEET = """
 def Mesh "sheet" (prepend apiSchemas = ["PhysicsCollisionAPI"]) {
     point3f[] points = [%s]
@@ -37,6 +41,22 @@ def Sphere "ball" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisio
 """
 
 
+def stairs() -> trimesh.Trimesh:
+    """Two steps of 30 cm, the lower one 60 cm long, closed."""
+    made = angle().apply_scale(3)
+    made.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0)))
+    return made
+
+
+def inside(solid: trimesh.Trimesh, points: Points) -> NDArray[np.bool_]:
+    """Which points a closed mesh winds around: van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30 (1983)."""
+    a, b, c = (solid.triangles[None, :, i] - points[:, None] for i in range(3))
+    x, y, z = (np.linalg.norm(v, axis=2) for v in (a, b, c))
+    volume = (np.cross(a, b) * c).sum(axis=2)
+    below = x * y * z + (a * b).sum(axis=2) * z + (b * c).sum(axis=2) * x + (c * a).sum(axis=2) * y
+    return np.asarray(np.arctan2(volume, below).sum(axis=1) > np.pi)
+
+
 def square(faces: str = "0, 1, 2, 3", turn: float = 0) -> str:
     return SHEET % (SQUARE, 4, faces, turn)
 
@@ -50,7 +70,7 @@ def sheet(text: str) -> Body:
     return body
 
 
-def reach(body: Body) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def reach(body: Body) -> Points:
     """The corners (2, 3) of the upright box around what collides."""
     return upright([geom for geom in body.geoms if geom.collides], body.pose)
 
@@ -58,24 +78,49 @@ def reach(body: Body) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
 @pytest.mark.parametrize("faces", ["0, 1, 2, 3", "3, 2, 1, 0"])
 @pytest.mark.parametrize("turn", [0, 180])
 def test_a_ground_grows_downwards_however_it_is_turned(faces: str, turn: float) -> None:
-    assert_allclose(reach(sheet(square(faces, turn))), [(-1, -1, -THICKNESS), (1, 1, 0)], atol=1e-7)
+    assert_allclose(reach(sheet(square(faces, turn))), [(-1, -1, -DEPTH), (1, 1, 0)], atol=1e-7)
 
 
-@pytest.mark.parametrize(("faces", "back"), [("0, 1, 2, 3", (0, THICKNESS)), ("3, 2, 1, 0", (-THICKNESS, 0))])
+@pytest.mark.parametrize(("faces", "back"), [("0, 1, 2, 3", (0, DEPTH)), ("3, 2, 1, 0", (-DEPTH, 0))])
 def test_a_wall_grows_behind_its_front(faces: str, back: tuple[float, float]) -> None:
     assert_allclose(reach(sheet(square(faces, 90)))[:, 1], back, atol=1e-7)
 
 
-@pytest.mark.parametrize("text", [square(), SHEET % (ELL, "4, 4, 4", "0, 7, 3, 6, 7, 1, 2, 3, 6, 3, 4, 5", 0)])
-def test_the_solids_are_closed_and_as_large_as_the_sheet(text: str) -> None:
-    body = sheet(text)
-    solids = [g.shape for g in body.geoms if g.collides and isinstance(g.shape, Mesh)]
-    volume = 0.0
-    for shape in solids:
-        solid = trimesh.Trimesh(shape.points, shape.faces)
-        assert solid.is_watertight
-        volume += solid.volume
-    assert volume == pytest.approx((4 if len(solids) == 1 else 3) * THICKNESS, rel=0.02)
+@pytest.mark.parametrize(
+    ("text", "area"), [(square(), 4), (SHEET % (ELL, "4, 4, 4", "0, 7, 3, 6, 7, 1, 2, 3, 6, 3, 4, 5", 0), 3)]
+)
+def test_the_solids_are_closed_and_as_large_as_the_sheet(text: str, area: float) -> None:
+    solids = [
+        trimesh.Trimesh(g.shape.points, g.shape.faces)
+        for g in sheet(text).geoms
+        if g.collides and isinstance(g.shape, Mesh)
+    ]
+    assert all(solid.is_watertight for solid in solids)
+    assert sum(s.area_faces[s.face_normals[:, 2] > 0.999].sum() for s in solids) == pytest.approx(area)
+    assert sum(solid.volume for solid in solids) == pytest.approx(area * DEPTH, rel=0.05)
+
+
+THIN = trimesh.creation.box((1, 1, 0.004))
+
+
+@pytest.mark.parametrize("solid", [angle(), RING, stairs(), THIN], ids=["angle", "ring", "stairs", "thin"])
+def test_a_solid_keeps_its_surface(solid: trimesh.Trimesh) -> None:
+    """Just below it something collides everywhere, and nothing sticks out."""
+    made = [trimesh.Trimesh(s.points, s.faces) for s in sheets(Mesh(solid.vertices, solid.faces))]
+    on, faces = trimesh.sample.sample_surface(solid, 300, seed=0)
+    below = on - 1e-5 * solid.face_normals[faces]
+    assert np.mean(np.any([inside(m, below) for m in made], axis=0)) > 0.99  # but for the seams
+    corners = np.concatenate([m.vertices + 1e-4 * (m.vertices.mean(axis=0) - m.vertices) for m in made])
+    assert inside(solid, corners).all()
+
+
+def test_a_mesh_of_too_many_faces_is_refused() -> None:
+    ball = trimesh.creation.icosphere(4)
+    bowl = trimesh.Trimesh(ball.vertices, ball.faces[ball.triangles_center[:, 2] < 0])
+    with pytest.raises(
+        StageError, match=r"/World/m: it can't collide as it is: it has .* flat faces.* set physics:approx"
+    ):
+        read(stage(prim(bowl, "none", dynamic=False)))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -86,3 +131,25 @@ def test_a_ball_rests_on_a_ground_and_falls_beside_it(engine: str) -> None:
         found = replace(read(stage(square() + BALL % at)), duration=0.5)
         ball = [body.name for body in found.bodies].index("ball")
         assert execute(found).position[-1, ball, 2] == pytest.approx(end, abs=5e-4)
+
+
+ROOM = trimesh.creation.box((2, 2, 2), transform=trimesh.transformations.translation_matrix((0, 0, 1)))
+ROOM.invert()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    ("mesh", "at", "level"), [(ROOM, (0.3, 0.2), 0.0), (stairs(), (0.6, -0.15), 0.3)], ids=["room", "stairs"]
+)
+def test_a_ball_comes_to_rest_on_a_mesh_that_is_not_convex(
+    engine: str, mesh: trimesh.Trimesh, at: tuple[float, float], level: float
+) -> None:
+    pytest.importorskip(engine)
+    ball = BALL.replace("0.1)", f"{level + 0.2})") % at
+    found = replace(read(stage(prim(mesh, "none", dynamic=False) + ball)), duration=1.0)
+    last = (
+        import_module(f"wmspec.backends.{engine}")
+        .execute(found)
+        .position[-1, [b.name for b in found.bodies].index("ball")]
+    )
+    assert_allclose(last, (*at, level + 0.1), atol=1e-3)

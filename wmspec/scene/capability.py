@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from wmspec.errors import WmsError
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
-from wmspec.scene.model import Joint, Scene
+from wmspec.scene.model import Cone, Joint, Mesh, Scene
 
 RATES = {"mujoco": 3840, "pybullet": 1920}  # steps per second of engines that compute drives step by step
 MOST_FRICTION = 10.0  # of a pair: Bullet's own limit
+MOST_SHAPES = 16  # of a moving body: PyBullet's own limit; all hulls are one
 
 NAMES = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "sapien": "SAPIEN"}
 
@@ -61,6 +62,13 @@ def _materials(scene: Scene, _engine: str) -> Where:
             yield body.path, "a moving body with pieces of different friction or restitution"
 
 
+def _many(scene: Scene, _engine: str) -> Where:
+    for body in scene.bodies:
+        hulls = [isinstance(geom.shape, Cone | Mesh) for geom in colliders(body)]
+        if body.motion != "static" and hulls.count(False) + any(hulls) > MOST_SHAPES:
+            yield body.path, f"a moving body of {len(hulls)} pieces"
+
+
 def _rough(scene: Scene, _engine: str) -> Where:
     for body in scene.bodies:
         most = max((geom.friction.dynamic for geom in colliders(body)), default=0.0)
@@ -84,12 +92,17 @@ def _drive(joint: Joint) -> str:
 
 
 _ONE_MATERIAL = "PyBullet has one material a moving body; give its pieces the same friction and restitution"
+_FEW = f"PyBullet takes {MOST_SHAPES} pieces of a moving body, all hulls together counting as one; use fewer, or meshes"
 _CONE = "{} has no such limits; remove the cone angles, or use hinges"
 _STIFF = "{} computes drives step by step and would overshoot; make it softer or what it moves heavier"
 
 TABLE = (
     Capability("boxes, spheres, cylinders, cones, capsules", {}, _nowhere),
-    Capability("meshes as convex hulls, convex decompositions, bounding boxes and spheres", {}, _nowhere),
+    Capability(
+        "meshes as convex hulls, convex decompositions, bounding boxes and spheres; as they are, but not dynamic ones",
+        {},
+        _nowhere,
+    ),
     Capability("static, dynamic and kinematic bodies, all actions on them", {}, _nowhere),
     Capability("filtered pairs and collision groups", {}, _nowhere),
     Capability("fixed joints, hinges, sliders, ball joints; trees of them, held by the world or free", {}, _nowhere),
@@ -105,6 +118,7 @@ TABLE = (
     Capability("drives however stiff", {e: _STIFF.format(NAMES[e]) for e in RATES}, _stiff),
     Capability("drives however damped", {"pybullet": _STIFF.format("PyBullet")}, _damped),
     Capability("several materials in a moving body", {"pybullet": _ONE_MATERIAL}, _materials),
+    Capability(f"moving bodies of more than {MOST_SHAPES} pieces", {"pybullet": _FEW}, _many),
     Capability(
         f"friction above {MOST_FRICTION:g}",
         {"pybullet": f"Bullet's own limit is {MOST_FRICTION:g}; lower the friction"},

@@ -11,7 +11,7 @@ from wmspec.scene.model import Array, Box, Mesh, Motion, Pose, Shape, Sphere
 from wmspec.scene.read import meshes
 from wmspec.scene.read.prims import refuse, value
 from wmspec.scene.read.shapes import Placed
-from wmspec.scene.read.sheets import thickened
+from wmspec.scene.read.sheets import sheets
 from wmspec.scene.transform import apply, conjugate, rotate
 
 APART = ("convexDecomposition", "none", "meshSimplification")
@@ -33,29 +33,32 @@ def collider(here: Placed, motion: Motion, down: Array = DOWN) -> tuple[tuple[Sh
     way = value(prim, "physics:approximation", "none")
     if way not in WAYS:
         refuse(prim, f"the approximation '{way}' is not supported", f"set it to one of: {', '.join(WAYS)}")
-    if way != "boundingSphere" and meshes.is_flat(mesh):
-        mesh = _solid(here, mesh, motion, down)
-    if way.startswith("bounding"):
+    flat = meshes.is_flat(mesh)
+    if way == "boundingSphere" or (way == "boundingCube" and not flat):
         return (_bounds(mesh, here.pose, way),)
-    if as_hull(prim, mesh):
+    if not flat and as_hull(prim, mesh):
         return ((mesh, here.pose),)
-    if motion == "dynamic" and way != "convexDecomposition":
-        remedy = "set physics:approximation to convexDecomposition or convexHull"
-        refuse(prim, "a dynamic mesh that is not convex can't collide as it is", remedy)
+    if flat or way != "convexDecomposition":
+        return _surface(here, mesh, motion, down)
     try:
         return tuple((piece, here.pose) for piece in pieces(mesh))
     except WmsError as error:
         refuse(prim, str(error), "or split it into convex meshes")
 
 
-def _solid(here: Placed, sheet: Mesh, motion: Motion, down: Array) -> Mesh:
-    remedy = "use a Cube, a Plane or a mesh that is not flat"
-    if motion != "static":
-        refuse(here.prim, f"a {motion} mesh that collides has no volume", remedy)
+def _surface(here: Placed, mesh: Mesh, motion: Motion, down: Array) -> tuple[tuple[Shape, Pose], ...]:
+    remedy = "set physics:approximation to convexDecomposition or convexHull"
+    if motion == "dynamic" and meshes.is_flat(mesh):
+        refuse(
+            here.prim, "a dynamic mesh that collides has no volume", "use a Cube, a Plane or a mesh that is not flat"
+        )
+    if motion == "dynamic":
+        refuse(here.prim, "a dynamic mesh that is not convex can't collide as it is", remedy)
+    below = rotate(conjugate(here.pose.orientation), down) if motion == "static" else None
     try:
-        return thickened(sheet, rotate(conjugate(here.pose.orientation), down))
+        return tuple((sheet, here.pose) for sheet in sheets(mesh, below))
     except WmsError as error:
-        refuse(here.prim, f"a mesh that collides has no volume: {error}", remedy)
+        refuse(here.prim, f"it can't collide as it is: {error}", remedy)
 
 
 def as_hull(prim: Usd.Prim, mesh: Mesh) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, UsdShade
 
@@ -48,7 +49,9 @@ def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
 
 
 def is_convex(found: Mesh) -> bool:
-    """Whether no point is in front of any face, within 1e-5 of the mesh's size."""
+    """Whether it is closed and no point is in front of any face, within 1e-5 of the mesh's size."""
+    if not trimesh.Trimesh(found.points, found.faces).is_watertight:
+        return False
     a, b, c = (found.points[found.faces[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
