@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.scene.episode import MEET
 from wmspec.scene.rigid import Assembly
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import conjugate, rotate
@@ -29,7 +30,8 @@ class World:
         self.qpos = np.where(joints < 0, -1, model.jnt_qposadr[joints] if model.njnt else -1)
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
         self.warned = self.data.warning.number  # a view
-        self.pairs: dict[bytes, set[tuple[int, int]]] = {}
+        self.pairs: dict[bytes, tuple[list[tuple[int, int]], set[tuple[int, int]]]] = {}
+        self.met: set[tuple[int, int]] = set()
         self.held: set[int] = set()
         self.pushed, self.current = False, False
         self.start = self.data.qpos.copy()
@@ -144,12 +146,18 @@ class World:
         return np.concatenate([self.data.xpos[number], self.data.xquat[number], speeds[3:], speeds[:3]])
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies in contact in the last step; mostly the same geometries as in the step before."""
+        """The pairs of bodies that touched in the last step, mostly the same as in the step before."""
         if not self.data.ncon:
-            return set()
+            self.met = set()
+            return self.met
         geoms = self.data.contact.geom
         key = geoms.tobytes()
         if key not in self.pairs:
             bodies = np.sort(self.number[self.model.geom_bodyid[geoms]], axis=1)
-            self.pairs[key] = set(map(tuple, bodies.tolist()))
-        return self.pairs[key]
+            each = list(map(tuple, bodies.tolist()))
+            self.pairs[key] = each, set(each)
+        each, near = self.pairs[key]
+        if near != self.met:
+            gaps = self.data.contact.dist.tolist()
+            self.met = {pair for pair, gap in zip(each, gaps, strict=True) if gap < MEET or pair in self.met}
+        return self.met

@@ -9,7 +9,7 @@ import numpy as np
 
 from wmspec.backends.pybullet.shapes import HERE, shape, xyzw
 from wmspec.backends.pybullet.trees import branches, put
-from wmspec.scene.episode import TOUCH
+from wmspec.scene.episode import MEET, TOUCH
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.silence import silence
 from wmspec.scene.trees import Limb
@@ -58,6 +58,7 @@ class World:
         self.targets = {joint: limb.drive[2] for joint, limb in self.drives.items()}
         self.fresh = set(self.drives)
         self.held: set[int] = set()
+        self.met: set[tuple[int, int]] = set()
         for a, b in assembly.apart:
             for one, other in [(one, other) for one in self.parts[a] for other in self.parts[b]]:
                 pybullet.setCollisionFilterPair(one[0], other[0], one[1], other[1], 0, physicsClientId=self.client)
@@ -204,12 +205,15 @@ class World:
         return [*position, turn[3], *turn[:3], *linear, *angular]
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies less than `TOUCH` apart after the last step."""
-        points = pybullet.getContactPoints(physicsClientId=self.client)
-        pairs = {
-            (self.index[point[1], point[3]], self.index[point[2], point[4]]) for point in points if point[8] < TOUCH
-        }
-        return {(min(pair), max(pair)) for pair in pairs}
+        """The pairs of bodies that touched in the last step."""
+        met = set()
+        for point in pybullet.getContactPoints(physicsClientId=self.client):
+            one, other = self.index[point[1], point[3]], self.index[point[2], point[4]]
+            pair = (min(one, other), max(one, other))
+            if point[8] < (TOUCH if pair in self.met else MEET):
+                met.add(pair)
+        self.met = met
+        return met
 
     def close(self) -> None:
         """Free the client; there are only 1024 of them."""

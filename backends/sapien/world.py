@@ -8,7 +8,6 @@ import numpy as np
 
 from wmspec.backends.sapien.joints import HERE, ball, branches, connect, frame, ignored
 from wmspec.backends.sapien.shapes import groups, lanes, mean, shape
-from wmspec.scene.episode import TOUCH
 from wmspec.scene.rigid import Assembly, Rigid
 from wmspec.scene.silence import silence
 from wmspec.scene.trees import Limb
@@ -179,10 +178,10 @@ class World:
         return np.concatenate([place.p, place.q, part.linear_velocity, part.angular_velocity])
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies less than `TOUCH` apart in the last step."""
+        """The pairs of bodies that touched in the last step; PhysX tells of none that are further apart than `MEET`."""
         pairs = set()
         for contact in self.system.get_contacts():
-            if any(point.separation < TOUCH for point in contact.points):
+            if contact.points:
                 first, second = (int(part.entity.name) for part in contact.bodies)
                 pairs.add((min(first, second), max(first, second)))
         return pairs

@@ -151,6 +151,15 @@ def test_every_shape_rests_where_it_is_put(execute: Execute, shape: Shape, heigh
     assert trace.contacts[0].stop == pytest.approx(0.5)
 
 
+@pytest.mark.parametrize("shape", [cube(0.04), Sphere(0.04)], ids=lambda v: type(v).__name__)
+@pytest.mark.parametrize("gap", [0.0003, 0.001, 0.0019])
+def test_what_stands_close_by_does_not_touch(execute: Execute, shape: Shape, gap: float) -> None:
+    trace = execute(
+        scene(floor(), body("a", shape, (0, 0, 0.04)), body("b", shape, (0.08 + gap, 0, 0.04)), duration=0.5)
+    )
+    assert sorted((c.first, c.second) for c in trace.contacts) == [("floor", "a"), ("floor", "b")]
+
+
 def test_a_body_of_several_pieces_balances_on_its_centre_of_mass(execute: Execute) -> None:
     """A hammer, its head twice as heavy as its handle, lies on a narrow beam under its centre of mass."""
     head, handle = Box(np.array([0.03, 0.05, 0.03])), Box(np.array([0.15, 0.02, 0.03]))

@@ -95,7 +95,7 @@ FUNCTIONS: dict[str, Function] = {
     "displacement": Function("how far it is at the end from where it began", (OBJECT,), A_LENGTH, True),
     "distance": Function("between the middles of two objects, at the end", (OBJECT, OBJECT), A_LENGTH, True),
     "relation": Function("where the first is from the second when last seen", (OBJECT, OBJECT), RELATION, True),
-    "contact": Function("whether the two touch at any time", (OBJECT, OBJECT), TRUTH, True),
+    "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, True),
     "at_rest": Function("whether it stands still at the end", (OBJECT,), TRUTH, True),
     "toppled": Function("whether it ended more than half way tipped over", (OBJECT,), TRUTH, True),
     "height": Function("how high its middle is at the end", (OBJECT,), A_LENGTH, True),

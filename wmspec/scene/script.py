@@ -8,6 +8,7 @@ from pprint import pformat
 from typing import Any
 
 from wmspec.scene.episode import (
+    MEET,
     TOUCH,
     Aim,
     Drag,
@@ -96,7 +97,7 @@ def script(
 
     a `world` from them. `values` must contain the `EPISODE`; their `repr` must be their Python text.
     """
-    values = {"NAMES": [body.name for body in scene.bodies], "TOUCH": TOUCH, **values}
+    values = {"NAMES": [body.name for body in scene.bodies], "MEET": MEET, "TOUCH": TOUCH, **values}
     sections = [
         _HEAD.format(name=scene.name, engine=engine, module=module),
         *(inspect.getsource(part) for part in (*_COMMON, *parts)),
