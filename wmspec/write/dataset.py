@@ -19,10 +19,7 @@ from wmspec.write.plan import Plan, Shard, differences
 from wmspec.write.rows import Row
 from wmspec.write.shards import Record, read_record, sidecar, write_shard
 
-CARD = "README.md"
-CROISSANT = "croissant.json"
-MANIFEST = "manifest.json"
-
+_OURS = ("data", files.MANIFEST, files.CARD, files.CROISSANT)
 _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
 
 
@@ -93,9 +90,9 @@ class Dataset:
         if left:
             raise WmsError(f"{len(left)} shards of {self.folder} are still to be made; run the same command again")
         total = summary(self.plan, self._records)
-        self._put(CARD, card(self.plan, total).encode())
-        self._put(CROISSANT, files.text(croissant(self.plan, self._records)))
-        self._put(MANIFEST, files.text(manifest(self.plan, self._records, total)))
+        self._put(files.CARD, card(self.plan, total).encode())
+        self._put(files.CROISSANT, files.text(croissant(self.plan, self._records)))
+        self._put(files.MANIFEST, files.text(manifest(self.plan, self._records, total)))
         return total
 
     # ------------------------------------------------------------ beginning
@@ -104,7 +101,7 @@ class Dataset:
         for part in (self.folder / files.PROGRESS).glob("*.part"):
             part.unlink()  # left by a run that was killed
         there = self._plan()
-        if there is None and any((self.folder / name).exists() for name in ("data", MANIFEST, CARD, CROISSANT)):
+        if there is None and any((self.folder / name).exists() for name in _OURS):
             raise WmsError(f"{self.folder} holds files that are not a dataset of wmspec; choose another folder with -o")
         here = self.plan.record
         if there is not None and there != here:
@@ -130,7 +127,7 @@ class Dataset:
         return said if isinstance(said, dict) else {}
 
     def _clear(self) -> None:
-        (self.folder / MANIFEST).unlink(missing_ok=True)
+        (self.folder / files.MANIFEST).unlink(missing_ok=True)
         for task in sorted((self.folder / "data").glob("*/")):
             for shard in filter(lambda p: _SHARD.fullmatch(p.name), list(task.iterdir())):
                 shard.unlink()
@@ -152,7 +149,7 @@ class Dataset:
             else:
                 self._records[shard.path] = record
         if self.pending():
-            (self.folder / MANIFEST).unlink(missing_ok=True)
+            (self.folder / files.MANIFEST).unlink(missing_ok=True)
 
     def _again(self, shard: Shard, why: str) -> None:
         self.notices.append(f"{shard.path} {why}; it is made again")
