@@ -11,13 +11,14 @@ from typing import Any
 
 from wmspec.ask.model import Rejected
 from wmspec.errors import WmsError
-from wmspec.write import files
+from wmspec.write import files, unfinished
 from wmspec.write.card import card
 from wmspec.write.croissant import croissant
 from wmspec.write.manifest import Summary, manifest, summary
 from wmspec.write.plan import Plan, Shard, differences
 from wmspec.write.rows import Row
 from wmspec.write.shards import Record, read_record, sidecar, write_shard
+from wmspec.write.work import Outcome
 
 _OURS = ("data", files.MANIFEST, files.CARD, files.CROISSANT)
 _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
@@ -71,14 +72,23 @@ class Dataset:
         """The shards that are still to be made."""
         return tuple(s for s in self.plan.shards() if s.path not in self._records)
 
+    def keep(self, shard: Shard, index: int, outcome: Outcome) -> None:
+        """Write down what came of an instance until its shard is whole. Raises WmsError if it cannot be written."""
+        unfinished.keep(self.folder, self.plan, shard, index, outcome)
+
+    def kept(self, shard: Shard) -> dict[int, Outcome]:
+        """What a run that was stopped kept of a pending shard, by the instances' indices."""
+        return unfinished.kept(self.folder, self.plan, shard)
+
     def write(self, shard: Shard, rows: Iterable[Row], rejected: Iterable[Rejected]) -> None:
-        """Write a shard, whole or not at all. `rows` come from `rows.encode`, in any order.
+        """Write a shard, whole or not at all, in place of what was kept. `rows` come from `rows.encode`, in any order.
 
         Raises:
             WmsError: it cannot be written.
             ValueError: a question of the shard is missing, foreign or there twice.
         """
         self._records[shard.path] = write_shard(self.folder, self.plan, shard, rows=rows, rejected=rejected)
+        unfinished.discard(self.folder, shard)
 
     def finish(self) -> Summary:
         """Write the card, the Croissant metadata, and last the manifest, which says that the dataset is whole.
@@ -135,6 +145,7 @@ class Dataset:
                 task.rmdir()
         for record in (self.folder / files.PROGRESS).glob("*/*.json"):
             record.unlink()
+        unfinished.discard_all(self.folder)
 
     def _verify(self) -> None:
         """Keep the shards whose files are what their records say; the others are made again."""
@@ -148,6 +159,7 @@ class Dataset:
                 self._again(shard, "is not as it was written")
             else:
                 self._records[shard.path] = record
+                unfinished.discard(self.folder, shard)  # a run was killed between the shard and this
         if self.pending():
             (self.folder / files.MANIFEST).unlink(missing_ok=True)
 
