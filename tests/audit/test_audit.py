@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from tests.audit.made import Ask, make, picture, race, roll
+from tests.dataset.made import make as pictured
+from tests.dataset.made import plan
 from wmspec.ask.model import Asked, Number, Picture, Strength
 from wmspec.audit.audit import audit
 from wmspec.audit.model import Audit, Finding
 from wmspec.errors import WmsError
+from wmspec.write.files import digest
 
 Make = Callable[..., Audit]
 
@@ -230,17 +233,58 @@ def shard(folder: Path) -> Path:
     return next((folder / "data").rglob("*.parquet"))
 
 
-def test_a_file_that_was_changed_or_is_gone_is_named(tmp_path: Path) -> None:
+def forge(folder: Path, table: pa.Table) -> None:
+    """Write another shard, and the manifest as if it had always been so."""
+    path = shard(folder)
+    before = digest(path)
+    pq.write_table(table, path)
+    manifest = folder / "manifest.json"
+    manifest.write_text(manifest.read_text().replace(before, digest(path)))
+
+
+def flip(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [(flip, "not as it was written"), (cut, "not as it was written"), (Path.unlink, "gone")],
+)
+def test_every_damaged_file_is_named_and_what_is_whole_is_looked_at(
+    damage: Callable[[Path], None], said: str, tmp_path: Path
+) -> None:
+    pictured(tmp_path, plan(count=11))
+    wrong = sorted((tmp_path / "data/collide").iterdir())
+    for path in wrong:
+        damage(path)
+    found = look(tmp_path)
+    (files,) = failing(found, "files")
+    assert files.task == "collide"
+    assert all(f"{path.relative_to(tmp_path)} is {said}" in files.what for path in wrong)
+    assert "wmspec generate" in files.what
+    assert [f.check for f in found.findings if f.task == "collide"] == ["files"]
+    assert any(f.task == "motion_speed" and f.check == "counts" for f in found.findings)
+
+
+@pytest.mark.parametrize("name", ["README.md", "croissant.json"])
+def test_a_document_that_is_gone_is_named_and_everything_else_looked_at(name: str, tmp_path: Path) -> None:
     folder = make(tmp_path, "race", race(), 30)
-    table = pq.read_table(shard(folder))
-    pq.write_table(table.slice(1), shard(folder))
+    (folder / name).unlink()
     found = look(folder)
-    assert "is not as it was written" in failing(found, "files")[0].what
-    assert "29 of 29 rows, 30 in the manifest" not in failing(found, "counts")[0].what
-    assert "29 rows" in failing(found, "counts")[0].what
-    shard(folder).unlink()
-    with pytest.raises(WmsError, match="cannot be read"):
-        look(folder)
+    assert [f.what.partition(" is gone")[0] for f in failing(found)] == [name]
+    assert found.tests
+
+
+def test_rows_that_the_manifest_does_not_count_fail(tmp_path: Path) -> None:
+    folder = make(tmp_path, "race", race(), 30)
+    forge(folder, pq.read_table(shard(folder)).slice(1))
+    assert "29 rows, 30 in the manifest" in failing(look(folder), "counts")[0].what
 
 
 def test_an_answer_that_points_at_a_false_option_fails(tmp_path: Path) -> None:
@@ -248,13 +292,21 @@ def test_an_answer_that_points_at_a_false_option_fails(tmp_path: Path) -> None:
     table = pq.read_table(shard(folder))
     wrong = [1 - a for a in table["answer"].to_pylist()[:1]] + table["answer"].to_pylist()[1:]
     place = table.schema.get_field_index("answer")
-    pq.write_table(table.set_column(place, table.schema.field(place), [wrong]), shard(folder))
+    forge(folder, table.set_column(place, table.schema.field(place), [wrong]))
     assert any("no or another true option" in f.what for f in failing(look(folder), "counts"))
 
 
 def test_what_is_not_a_dataset_is_told(tmp_path: Path) -> None:
     with pytest.raises(WmsError, match="no finished dataset"):
         look(tmp_path)
-    (tmp_path / "manifest.json").write_text(json.dumps({"tasks": {}}))
-    with pytest.raises(WmsError, match="not one that `wmspec generate` writes"):
-        look(tmp_path)
+
+
+@pytest.mark.parametrize("key", ["", "{", '"shards"', '"dimension"', '"sha256": "'])
+def test_a_damaged_manifest_is_told(key: str, tmp_path: Path) -> None:
+    """It is cut off at the beginning or after the key, or lacks it."""
+    manifest = make(tmp_path, "race", race(), 30) / "manifest.json"
+    text = manifest.read_text()
+    for damaged in (text.partition(key)[0] if key else "", text.replace(key, '"x' + key[1:]), "{}", "[]"):
+        manifest.write_text(damaged)
+        with pytest.raises(WmsError, match="not one that `wmspec generate` writes"):
+            look(tmp_path)

@@ -58,5 +58,20 @@ def test_the_same_bytes_again_and_json_for_machines(tmp_path: Path) -> None:
     assert json.loads(said)["passed"]
 
 
+def test_a_damaged_dataset_fails_and_is_not_shown(tmp_path: Path) -> None:
+    make(tmp_path / "made", "race", race(), 60)
+    (shard,) = (tmp_path / "made/data/race").iterdir()
+    content = bytearray(shard.read_bytes())
+    content[len(content) // 2] ^= 1
+    shard.write_bytes(content)
+    found = json.loads(wmspec("audit", "made", "-o", "report", "--json", folder=tmp_path, code=1).stdout)
+    assert [(f["check"], f["verdict"]) for f in found["findings"]] == [("files", "fails")]
+    assert shard.name in (tmp_path / "report/audit.html").read_text()
+    for output in ("page.html", "folder", "sheet.png"):
+        told = wmspec("view", "made", "-o", output, folder=tmp_path, code=2).stderr
+        assert f"{shard.name} is not as it was written; give the command that made the dataset again" in told
+        assert not (tmp_path / output).exists()
+
+
 def test_what_cannot_be_audited_is_told(tmp_path: Path) -> None:
     assert "no finished dataset" in wmspec("audit", "nowhere", folder=tmp_path, code=2).stderr

@@ -2,11 +2,15 @@
 
 import hashlib
 import json
+import os
+import signal
+import subprocess
+import time
 from pathlib import Path
 
 import pytest
 
-from tests.endtoend.test_commands import COLLIDE, SPEED, wmspec
+from tests.endtoend.test_commands import COLLIDE, SPEED, WMSPEC, wmspec
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -44,6 +48,24 @@ def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
     assert digests(tmp_path / "one") == digests(tmp_path / "two"), "asking again changes nothing"
     wmspec("view", "one", "-o", "sheet.png", folder=tmp_path)
     assert (tmp_path / "sheet.png").stat().st_size > 10_000
+
+
+def test_a_killed_run_goes_on_with_the_next_instance(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    args = ["generate", SPEED, "-b", "mujoco", "--per-task", 8, "--size", 64, "-j", 1]
+    command = [str(WMSPEC), *map(str, args), "-o", "killed"]
+    run = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.DEVNULL, start_new_session=True)
+    kept: list[Path] = []
+    while len(kept) < 3 and run.poll() is None:
+        time.sleep(0.01)
+        kept = list((tmp_path / "killed/.progress").rglob("*.instance"))
+    os.killpg(run.pid, signal.SIGKILL)
+    run.wait()
+    assert not (tmp_path / "killed/data").exists()
+    told = wmspec(*args, "-o", "killed", folder=tmp_path).stderr
+    assert int(told.partition(" of 8 instances")[0]) >= len(kept) >= 3, "the first that is told"
+    wmspec(*args, "-o", "whole", folder=tmp_path)
+    assert digests(tmp_path / "killed") == digests(tmp_path / "whole")
 
 
 def test_shares_of_two_machines_come_together(tmp_path: Path) -> None:

@@ -33,13 +33,17 @@ class _Gathered:
 def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audit:
     """Look at everything in a finished dataset, at the pictures of at most `most` instances of each task.
 
-    `progress` is told of every task that is done. Raises WmsError if there is no finished dataset in the folder, or
-    if a file of it cannot be read.
+    Of a task that has a damaged file nothing else is looked at. `progress` is told of every task that is done. Raises
+    WmsError if there is no finished dataset in the folder, or if a file of it may not be read.
     """
     dataset = Finished.open(folder)
-    found = _Gathered([whole(dataset)])
+    found = _Gathered(whole(dataset))
+    damaged = {finding.task for finding in found.findings if finding.verdict == "fails"}
     for task in dataset.tasks:
-        _task(dataset, task, most, found)
+        counted = counts(dataset, task)
+        found.counts.append(counted)
+        if task not in damaged:
+            _task(dataset, counted, most, found)
         progress(task, 1)
     tests, probed = balance.corrected(found.tests), probes.intervals(found.probes)
     found.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
@@ -56,10 +60,8 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
     )
 
 
-def _task(dataset: Finished, task: str, most: int, found: _Gathered) -> None:
-    said = counts(dataset, task)
-    found.counts.append(said)
-    parts = list(units(dataset, task, most))
+def _task(dataset: Finished, said: Counts, most: int, found: _Gathered) -> None:
+    parts = list(units(dataset, said.task, most))
     found.findings += accounted(dataset, said, parts)
     for unit in parts:
         _unit(unit, found)

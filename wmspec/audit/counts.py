@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 
 from wmspec.audit.cases import Case, Unit
-from wmspec.audit.duplicates import MOST_NAMED
 from wmspec.audit.model import Counts, Finding
 from wmspec.write import files
-from wmspec.write.finished import Finished
+from wmspec.write.finished import MENDED, Finished
 
 #: Reasons that are no property of the design: something broke.
 BROKEN = ("crashed", "timeout", "unstable")
@@ -22,18 +22,23 @@ def counts(dataset: Finished, task: str) -> Counts:
     return Counts(task, said["dimension"], said["instances"], kept + sum(rejected.values()), kept, rejected)
 
 
-def whole(dataset: Finished) -> Finding:
-    """Whether every file is there as it was written."""
-    wrong = []
-    for path, said in dataset.manifest["shards"].items():
-        file = dataset.folder / path
-        if not file.is_file():
-            wrong.append(f"{path} is gone")
-        elif files.digest(file) != said["sha256"]:
-            wrong.append(f"{path} is not as it was written")
-    if wrong:
-        return Finding("files", "", "fails", "; ".join(wrong[:MOST_NAMED]) + (" …" if len(wrong) > MOST_NAMED else ""))
-    return Finding("files", "", "holds", f"{len(dataset.manifest['shards']):,} files are as they were written")
+def whole(dataset: Finished) -> list[Finding]:
+    """Whether every file is there as it was written: a failure of each task with a damaged one, which names them all.
+
+    Shards are held against the hashes in the manifest. The card and the Croissant metadata have to be there.
+    """
+    wrong: dict[str, list[str]] = {}
+    for path, why in dataset.damaged().items():
+        wrong.setdefault(Path(path).parent.name, []).append(f"{path} {why}")
+    found = [
+        Finding("files", task, "fails", f"{'; '.join(those)}. Nothing else of the task was looked at; {MENDED}")
+        for task, those in wrong.items()
+    ]
+    gone = [name for name in (files.CARD, files.CROISSANT) if not (dataset.folder / name).is_file()]
+    found += [Finding("files", "", "fails", f"{name} is gone; {MENDED}") for name in gone]
+    return found or [
+        Finding("files", "", "holds", f"{len(dataset.manifest['shards']):,} files are as they were written")
+    ]
 
 
 def accounted(dataset: Finished, said: Counts, units: list[Unit]) -> Iterator[Finding]:

@@ -90,7 +90,8 @@ def generate_command(
 ) -> None:
     """Make a dataset of the tasks in SPECS: Parquet with pictures, a manifest and a card.
 
-    A run that was stopped goes on where it was when the same command is given again.
+    A run that was stopped, or killed, goes on where it was when the same command is given again: every finished
+    instance is kept, and only those that were under way (some five for each worker) are made again.
 
     Many machines: each makes its own share into its own folder, a dataset by itself (-o part-2 --shard 2/8). The same
     command without --shard makes one of them (-o whole --reuse part-1 --reuse part-2 ...), as if there had been one.

@@ -22,7 +22,7 @@ QUALITY = 88
 def page(dataset: Finished, per_task: int, path: Path) -> int:
     """Write one page, its pictures compressed inside it. Returns the number of questions.
 
-    Raises WmsError if there is no such file to be written, or if the dataset cannot be read.
+    Raises WmsError if there is no such file to be written, or if the dataset is damaged.
     """
 
     def inside(task: str, png: bytes) -> str:  # noqa: ARG001  as `Put` has it
@@ -36,7 +36,7 @@ def page(dataset: Finished, per_task: int, path: Path) -> int:
 def folder(dataset: Finished, per_task: int, path: Path) -> int:
     """Write a folder with `index.html` and the dataset's own pictures. Returns the number of questions.
 
-    Raises WmsError if it cannot be written, or if the dataset cannot be read.
+    Raises WmsError if it cannot be written, or if the dataset is damaged.
     """
 
     def beside(task: str, png: bytes) -> str:
@@ -51,6 +51,7 @@ def folder(dataset: Finished, per_task: int, path: Path) -> int:
 
 
 def _write(dataset: Finished, per_task: int, path: Path, put: Put) -> int:
+    dataset.intact()
     with explained(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         said = about(dataset) | {"questions": list(records(dataset, per_task, put))}

@@ -11,18 +11,16 @@ from typing import Any
 
 from wmspec.ask.model import Rejected
 from wmspec.errors import WmsError
-from wmspec.write import files
+from wmspec.write import files, unfinished
 from wmspec.write.card import card
 from wmspec.write.croissant import croissant
 from wmspec.write.manifest import Summary, manifest, summary
 from wmspec.write.plan import Plan, Shard, differences
 from wmspec.write.rows import Row
 from wmspec.write.shards import Record, read_record, sidecar, write_shard
+from wmspec.write.work import Outcome
 
-CARD = "README.md"
-CROISSANT = "croissant.json"
-MANIFEST = "manifest.json"
-
+_OURS = ("data", files.MANIFEST, files.CARD, files.CROISSANT)
 _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
 
 
@@ -74,14 +72,23 @@ class Dataset:
         """The shards that are still to be made."""
         return tuple(s for s in self.plan.shards() if s.path not in self._records)
 
+    def keep(self, shard: Shard, index: int, outcome: Outcome) -> None:
+        """Write down what came of an instance until its shard is whole. Raises WmsError if it cannot be written."""
+        unfinished.keep(self.folder, self.plan, shard, index, outcome)
+
+    def kept(self, shard: Shard) -> dict[int, Outcome]:
+        """What a run that was stopped kept of a pending shard, by the instances' indices."""
+        return unfinished.kept(self.folder, self.plan, shard)
+
     def write(self, shard: Shard, rows: Iterable[Row], rejected: Iterable[Rejected]) -> None:
-        """Write a shard, whole or not at all. `rows` come from `rows.encode`, in any order.
+        """Write a shard, whole or not at all, in place of what was kept. `rows` come from `rows.encode`, in any order.
 
         Raises:
             WmsError: it cannot be written.
             ValueError: a question of the shard is missing, foreign or there twice.
         """
         self._records[shard.path] = write_shard(self.folder, self.plan, shard, rows=rows, rejected=rejected)
+        unfinished.discard(self.folder, shard)
 
     def finish(self) -> Summary:
         """Write the card, the Croissant metadata, and last the manifest, which says that the dataset is whole.
@@ -93,9 +100,9 @@ class Dataset:
         if left:
             raise WmsError(f"{len(left)} shards of {self.folder} are still to be made; run the same command again")
         total = summary(self.plan, self._records)
-        self._put(CARD, card(self.plan, total).encode())
-        self._put(CROISSANT, files.text(croissant(self.plan, self._records)))
-        self._put(MANIFEST, files.text(manifest(self.plan, self._records, total)))
+        self._put(files.CARD, card(self.plan, total).encode())
+        self._put(files.CROISSANT, files.text(croissant(self.plan, self._records)))
+        self._put(files.MANIFEST, files.text(manifest(self.plan, self._records, total)))
         return total
 
     # ------------------------------------------------------------ beginning
@@ -104,7 +111,7 @@ class Dataset:
         for part in (self.folder / files.PROGRESS).glob("*.part"):
             part.unlink()  # left by a run that was killed
         there = self._plan()
-        if there is None and any((self.folder / name).exists() for name in ("data", MANIFEST, CARD, CROISSANT)):
+        if there is None and any((self.folder / name).exists() for name in _OURS):
             raise WmsError(f"{self.folder} holds files that are not a dataset of wmspec; choose another folder with -o")
         here = self.plan.record
         if there is not None and there != here:
@@ -130,7 +137,7 @@ class Dataset:
         return said if isinstance(said, dict) else {}
 
     def _clear(self) -> None:
-        (self.folder / MANIFEST).unlink(missing_ok=True)
+        (self.folder / files.MANIFEST).unlink(missing_ok=True)
         for task in sorted((self.folder / "data").glob("*/")):
             for shard in filter(lambda p: _SHARD.fullmatch(p.name), list(task.iterdir())):
                 shard.unlink()
@@ -138,6 +145,7 @@ class Dataset:
                 task.rmdir()
         for record in (self.folder / files.PROGRESS).glob("*/*.json"):
             record.unlink()
+        unfinished.discard_all(self.folder)
 
     def _verify(self) -> None:
         """Keep the shards whose files are what their records say; the others are made again."""
@@ -151,8 +159,9 @@ class Dataset:
                 self._again(shard, "is not as it was written")
             else:
                 self._records[shard.path] = record
+                unfinished.discard(self.folder, shard)  # a run was killed between the shard and this
         if self.pending():
-            (self.folder / MANIFEST).unlink(missing_ok=True)
+            (self.folder / files.MANIFEST).unlink(missing_ok=True)
 
     def _again(self, shard: Shard, why: str) -> None:
         self.notices.append(f"{shard.path} {why}; it is made again")

@@ -18,6 +18,10 @@ from wmspec.errors import WmsError
 PROGRESS = ".progress"
 #: Its file that says what the folder is to hold.
 PLAN = "plan.json"
+#: The files that a finished dataset has beside its data; the last says that it is whole.
+CARD = "README.md"
+CROISSANT = "croissant.json"
+MANIFEST = "manifest.json"
 
 _FULL = "{} cannot be written, {}; free some space or choose another folder with -o, then run the same command again"
 _DENIED = "{} cannot be written, {}; choose another folder with -o, or ask for the right to write there"

@@ -12,12 +12,21 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.errors import WmsError
+from wmspec.write import files
 from wmspec.write.rows import Row
 
 #: The columns that hold pictures to be looked at, as a list of {bytes, path}.
 PICTURES = ("context", "option_image")
 #: Columns for programs, which are large.
 CHANNELS = ("context_depth", "context_ids")
+
+#: What mends a dataset.
+MENDED = "give the command that made the dataset again (`wmspec generate ... -o FOLDER`), it is mended then"
+
+#: What the manifest says of the whole, of a task and of a shard.
+_WHOLE = {"tasks", "shards", "engines", "rows", "seed", "size", "versions", "consensus"}
+_TASK = {"dimension", "title", "description", "instances", "rows", "rejected"}
+_SHARD = {"sha256", "rows"}
 
 
 @dataclass(frozen=True)
@@ -29,14 +38,38 @@ class Finished:
 
     @classmethod
     def open(cls, folder: Path) -> Finished:
-        """Raises WmsError if there is no finished dataset in the folder."""
+        """Raises WmsError if there is no finished dataset in the folder, or if its manifest is damaged."""
+        place = folder / files.MANIFEST
         try:
-            said = json.loads((folder / "manifest.json").read_bytes())
-        except (OSError, ValueError):
+            said = json.loads(place.read_bytes())
+        except OSError:
             raise WmsError(f"{folder} holds no finished dataset; make one with `wmspec generate`") from None
-        if not isinstance(said, dict) or not {"tasks", "shards", "engines"} <= said.keys():
-            raise WmsError(f"{folder}/manifest.json is not one that `wmspec generate` writes; make the dataset again")
+        except ValueError:
+            said = None
+        if not _as_written(said):
+            raise WmsError(f"{place} is not one that `wmspec generate` writes; {MENDED}")
         return cls(folder, said)
+
+    def damaged(self) -> dict[str, str]:
+        """The shards that are not what the manifest says, by path, each with what is wrong with it. Reads all of them.
+
+        Raises WmsError if a file may not be read.
+        """
+        wrong = {}
+        for path, said in self.manifest["shards"].items():
+            file = self.folder / path
+            if not file.is_file():
+                wrong[path] = "is gone"
+            elif _digest(file) != said["sha256"]:
+                wrong[path] = "is not as it was written"
+        return wrong
+
+    def intact(self) -> None:
+        """Raises WmsError, which names the first shards that are damaged, if some are."""
+        wrong = [f"{self.folder / path} {why}" for path, why in self.damaged().items()]
+        if wrong:
+            more = f", and {len(wrong) - 3:,} more are damaged" if len(wrong) > 3 else ""
+            raise WmsError(f"{', '.join(wrong[:3])}{more}; {MENDED}")
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -78,6 +111,25 @@ class Finished:
                 raise _unreadable(self.folder / path, error) from None
 
 
+def _as_written(said: Any) -> bool:
+    """Whether a manifest has what one has that we write."""
+    return _has(said, _WHOLE) and all(
+        isinstance(said[name], dict) and all(_has(each, keys) for each in said[name].values())
+        for name, keys in (("tasks", _TASK), ("shards", _SHARD))
+    )
+
+
+def _has(said: Any, keys: set[str]) -> bool:
+    return isinstance(said, dict) and keys <= said.keys()
+
+
+def _digest(path: Path) -> str:
+    try:
+        return files.digest(path)
+    except OSError as error:
+        raise _unreadable(path, error) from None
+
+
 def _group(file: pq.ParquetFile, group: int, columns: Sequence[str], only: Collection[int] | None) -> Iterator[Row]:
     if only is not None and not set(file.read_row_group(group, ["index"])["index"].to_pylist()) & set(only):
         return
@@ -95,4 +147,4 @@ def _opened(path: Path) -> pq.ParquetFile:
 
 def _unreadable(path: Path, error: Exception) -> WmsError:
     said = str(error).splitlines()[0]
-    return WmsError(f"{path}: cannot be read ({said}); give the command that made the dataset again, it is mended then")
+    return WmsError(f"{path}: cannot be read ({said}); {MENDED}")

@@ -1,4 +1,4 @@
-"""Making a dataset: instances go to worker processes, shards are written as soon as they are whole.
+"""Making a dataset: instances go to worker processes and are kept one by one until their shard is whole and written.
 
 A worker that crashes or hangs costs the instance it was at, which is tried once more and then recorded as failed.
 """
@@ -20,7 +20,7 @@ from wmspec.write.work import Job, Outcome, work
 
 
 def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> None:
-    """Make every pending shard, but for what was made `before`.
+    """Make every pending shard, but for what was made `before`, or was kept by a run that was stopped.
 
     `progress` is told the task and the number of its instances that were finished.
     """
@@ -29,13 +29,17 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
     if not pending:
         return
     job = job_of(plan, effort)
-    pieces = ((job, shard.task.spec.name, i) for shard in pending for i in before.missing(shard))
+    kept = {shard.path: dataset.kept(shard) for shard in pending}
+    missing = {s.path: [i for i in before.missing(s) if i not in kept[s.path]] for s in pending}
+    pieces = ((job, shard.task.spec.name, i) for shard in pending for i in missing[shard.path])
     with closing(in_order(work, pieces, effort)) as outcomes:
         for shard in pending:
-            gathered, missing = list(before.outcomes(shard).values()), before.missing(shard)
+            gathered, new = list((kept.pop(shard.path) | before.outcomes(shard)).values()), missing[shard.path]
             progress(shard.task.spec.name, len(gathered))
-            for index, outcome in zip(missing, islice(outcomes, len(missing)), strict=True):
-                gathered.append(_lost(plan, shard, index, outcome) if isinstance(outcome, Lost) else outcome)
+            for index, outcome in zip(new, islice(outcomes, len(new)), strict=True):
+                made = _lost(plan, shard, index, outcome) if isinstance(outcome, Lost) else outcome
+                gathered.append(made)
+                dataset.keep(shard, index, made)
                 progress(shard.task.spec.name, 1)
             rows = [row for outcome in gathered for row in outcome.rows]
             dataset.write(shard, rows, [r for outcome in gathered for r in outcome.rejected])

@@ -38,13 +38,15 @@ NAME, TRUE = Style(20, bold=True), Style(20, GREEN, bold=True)
 def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = None) -> Picture:
     """A sheet, 2000 px wide, with `count` instances of each task (or of the named ones) of a finished dataset.
 
-    Raises WmsError if there is no finished dataset in the folder, or no such task in it.
+    Raises WmsError if there is no finished dataset in the folder, if it is damaged, or has no such task.
     """
-    said = Finished.open(folder).manifest
+    dataset = Finished.open(folder)
+    said = dataset.manifest
     chosen = list(said["tasks"]) if tasks is None else list(tasks)
     for name in chosen:
         if name not in said["tasks"]:
             raise WmsError(f"{folder} has no task `{name}`; it has {', '.join(said['tasks'])}")
+    dataset.intact()
     parts = [_title(said)]
     parts += [_task(folder, said, name, count) for name in chosen]
     return ink.padded(ink.above(parts, 70), MARGIN)

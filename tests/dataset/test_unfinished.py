@@ -1,0 +1,137 @@
+"""A run that is stopped loses no finished instance, and leaves no trace in what comes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.dataset.made import filling, make, plan
+from tests.dataset.test_dataset import contents, largest_file
+from wmspec.errors import WmsError
+from wmspec.execute.pool import Effort
+from wmspec.write.dataset import Dataset
+from wmspec.write.generate import generate
+from wmspec.write.plan import Shard
+from wmspec.write.reuse import Before
+from wmspec.write.work import Outcome
+
+Made = list[tuple[str, int]]
+Run = Callable[..., Made]
+
+PLAN = plan(count=11, shard=4)
+ALL = [(shard.task.spec.name, index) for shard in PLAN.shards() for index in shard.indices]
+
+
+class Stopped(Exception):
+    """The run is over before its work is done."""
+
+
+def outcome(shard: Shard, index: int) -> Outcome:
+    rows, rejected = filling(PLAN, replace(shard, indices=(index,)))
+    return Outcome(tuple(rows), tuple(rejected))
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Make a dataset with drawn pictures, `most` instances of it, and say which."""
+
+    def made_by(most: int = len(ALL), before: Iterable[Path] = ()) -> Made:
+        made: Made = []
+
+        def in_order(work: Any, pieces: Iterable[tuple[Any, str, int]], effort: Effort) -> Iterator[Outcome]:
+            for _, task, index in pieces:
+                if len(made) == most:
+                    raise Stopped
+                made.append((task, index))
+                yield outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index)
+
+        monkeypatch.setattr("wmspec.write.generate.in_order", in_order)
+        with Dataset.open(tmp_path / "out", PLAN) as dataset:
+            generate(dataset, Effort(1, 1), lambda task, count: None, Before(before, PLAN))
+            dataset.finish()
+        return made
+
+    return made_by
+
+
+def left(folder: Path) -> list[Path]:
+    return sorted((folder / ".progress").rglob("*.instance"))
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("whole")
+    make(folder, PLAN)
+    return contents(folder)
+
+
+@pytest.mark.parametrize("most", [1, 3, 4, 7])
+def test_no_instance_is_made_twice_however_often_it_is_stopped(
+    tmp_path: Path, whole: dict[str, bytes], run: Run, most: int
+) -> None:
+    for done in range(most, len(ALL), most):
+        with pytest.raises(Stopped):
+            run(most)
+        assert len(left(tmp_path / "out")) == (done % 11) % 4, "of the shard that is not whole, and no other"
+    assert run() == ALL[len(ALL) - 1 - (len(ALL) - 1) % most :]
+    assert contents(tmp_path / "out") == whole
+    assert not [p for p in (tmp_path / "out").rglob("*") if p.is_dir() and not any(p.iterdir())]
+
+
+def test_what_was_kept_goes_together_with_what_is_reused(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
+    with pytest.raises(Stopped):
+        run(2)
+    few = replace(PLAN, tasks=tuple(replace(t, indices=t.indices[:3]) for t in PLAN.tasks))
+    make(tmp_path / "few", few)
+    reused = [(t.spec.name, i) for t in few.tasks for i in t.indices]
+    assert run(before=[tmp_path / "few"]) == [piece for piece in ALL if piece not in reused]
+    assert contents(tmp_path / "out") == whole
+
+
+@pytest.mark.parametrize("damage", [lambda b: b[:-1], lambda b: b[:-50] + bytes([b[-50] ^ 1]) + b[-49:], lambda b: b""])
+def test_what_was_kept_and_damaged_is_made_again(
+    tmp_path: Path, whole: dict[str, bytes], run: Run, damage: Callable[[bytes], bytes]
+) -> None:
+    with pytest.raises(Stopped):
+        run(3)
+    damaged = next(p for p in left(tmp_path / "out") if p.name.startswith(f"{ALL[1][1]}-"))
+    damaged.write_bytes(damage(damaged.read_bytes()))
+    assert run() == [ALL[1], *ALL[3:]]
+    assert contents(tmp_path / "out") == whole
+
+
+def test_what_was_kept_of_a_shard_that_is_whole_is_cleared_away(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    make(tmp_path, PLAN)
+    with Dataset.open(tmp_path, PLAN) as dataset:
+        shard = next(PLAN.shards())
+        dataset.keep(shard, shard.indices[0], outcome(shard, shard.indices[0]))
+    assert left(tmp_path)
+    make(tmp_path, PLAN)
+    assert contents(tmp_path) == whole
+
+
+def test_what_was_kept_for_another_plan_is_not_taken(tmp_path: Path, run: Run) -> None:
+    with pytest.raises(Stopped):
+        run(3)
+    other = replace(PLAN, seed=8, tasks=PLAN.tasks[1:])
+    with Dataset.open(tmp_path / "out", other, force=True) as dataset:
+        assert not left(tmp_path / "out")
+        shard = dataset.pending()[0]
+        dataset.keep(shard, shard.indices[0], outcome(shard, shard.indices[0]))
+        assert list(dataset.kept(shard)) == [shard.indices[0]]
+        dataset.plan = PLAN
+        assert not dataset.kept(shard)
+
+
+def test_a_full_disk_is_told_when_an_instance_is_kept(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
+    with pytest.raises(Stopped):
+        run(2)
+    with largest_file(3000), pytest.raises(WmsError, match=r"\.instance cannot be written.*free some space.*again"):
+        run()
+    assert len(left(tmp_path / "out")) == 2
+    assert run() == ALL[2:]
+    assert contents(tmp_path / "out") == whole
