@@ -88,7 +88,7 @@ FUNCTIONS: dict[str, Function] = {
     "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, True),
     "first": Function("the one that moved first", (_OBJECTS,), OBJECT, True, {"tie": A_TIME}),
     "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, True, _TIE),
-    "heading": Function("where it went: the heading from where it was first seen to where it was last", (OBJECT,), AN_ANGLE, True),
+    "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it", (OBJECT,), AN_ANGLE, True),
     "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, True),
     "trajectory": Function("the form of its path", (OBJECT,), PATH, True),
     # how it was and how it ended

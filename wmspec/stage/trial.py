@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Question, TaskSpec
+from wmspec.check.kinds import AN_ANGLE
 from wmspec.check.measured import measured
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design, Instance
@@ -149,7 +151,9 @@ def _compare(question: Question, design: Design, pointer: Pointer, report: Repor
     for index in design.sample(COMPARED if varying else 1):
         instance = design[index]
         values = Values(design.spec, instance.values, None, instance.key)
-        same = [a for a, b in combinations(evaluate(question.options, values), 2) if _same(a, b)]
+        directions = question.sort == str(AN_ANGLE) and measured(design.spec, question.answer)
+        options = evaluate(question.options, values)
+        same = [a for a, b in combinations(options, 2) if _same(a, b, directions)]
         if same and _asked(question, values):
             what = f"two options of this question are the same, {_shown(same[0])}, {_in(design, instance)}"
             report.add("WMS507", what, pointer.span(question.place), "keep them apart with `require`")
@@ -162,9 +166,10 @@ def _asked(question: Question, values: Values) -> bool:
     return all(evaluate(condition, values) for condition in known)
 
 
-def _same(a: object, b: object) -> bool:
+def _same(a: object, b: object, directions: bool) -> bool:
     if isinstance(a, float) and isinstance(b, float):
-        return abs(a - b) <= 1e-9 * max(1.0, abs(a))
+        apart = math.remainder(a - b, 2 * math.pi) if directions else a - b
+        return abs(apart) <= 1e-9 * max(1.0, abs(a))
     return a == b
 
 
