@@ -134,6 +134,17 @@ def test_an_option_that_changes_nothing_that_can_be_seen_is_alike() -> None:
     assert refused(body).startswith("alike: truth and heavy")
 
 
+def test_a_picture_after_the_end_is_not_asked_for() -> None:
+    late = NEXT.replace("end)", "onset(ball) + 3 s)") % ("25 cm", "counterfactual slow { action go.speed: 1 cm/s }")
+    assert refused(late).startswith("invalid: 3.1")
+    assert "is outside the episode, which lasts 1 s" in refused(late)
+    shorter = NEXT.replace("horizon 1 s", "horizon if go.speed > 0.5 m/s then 1 s else 0.5 s") % (
+        "25 cm",
+        "counterfactual slow { action go.speed: 10 cm/s }",
+    )
+    assert refused(shorter) == "invalid: slow: 1 s is outside the episode, which lasts 0.5 s"
+
+
 def test_a_color_can_be_an_option() -> None:
     question = one(NEXT % ("25 cm", "counterfactual other { state post.color: yellow }"))
     assert {o.name for o in question.options} == {"truth", "other"}

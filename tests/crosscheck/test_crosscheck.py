@@ -99,6 +99,14 @@ def test_pictures_are_compared_with_the_counterfactuals_of_the_other_engine() ->
     assert found.passes(strict=True)
 
 
+def test_a_picture_after_the_end_is_no_answer() -> None:
+    text = (HERE / "race.wms").read_text()
+    asked = """question "Then?" {
+      answer frame(front, onset(near) + 60 s)  counterfactual slower { action go_near.speed: 0.2 m/s } }\n}\n"""
+    (found,) = checked(text[: text.index("question")] + asked)
+    assert all(r and "s is outside the episode" in r for r in found.verdicts[0].rejected)
+
+
 def test_what_cannot_be_executed_fails_with_its_reason() -> None:
     text = (HERE / "race.wms").read_text().replace("size: 10 cm  color: red", "size: (ratio - 1.5) * 10 cm  color: red")
     (found,) = checked(text)

@@ -104,5 +104,5 @@ FUNCTIONS: dict[str, Function] = {
     "visible": Function("the share of the picture that shows it, least over the looks of a camera", (OBJECT, CAMERA), _FRACTION, True),
     "occluded": Function("the share of it that others hide, most over the looks of a camera", (OBJECT, CAMERA), _FRACTION, True),
     "contrast": Function("how much its colour differs from what is around it (CIEDE2000), least over the looks", (OBJECT, CAMERA), A_NUMBER, True),
-    "frame": Function("the picture from a camera at a time", (CAMERA, A_TIME), PICTURE, True),
+    "frame": Function("the picture from a camera at a time of the episode", (CAMERA, A_TIME), PICTURE, True),
 }  # fmt: skip

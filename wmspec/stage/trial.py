@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from itertools import combinations
 
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Counterfactual, Question, TaskSpec
+from wmspec.check.ir import Counterfactual, Place, Question, TaskSpec
 from wmspec.check.kinds import AN_ANGLE
 from wmspec.check.measured import measured
 from wmspec.design.depend import Dependencies
@@ -22,6 +22,7 @@ from wmspec.stage.document import Document
 from wmspec.stage.doubts import Doubt, doubts, idle_requires
 from wmspec.stage.episode import built
 from wmspec.stage.overlap import overlaps
+from wmspec.stage.pictured import pictured
 from wmspec.stage.point import Pointer
 from wmspec.stage.sight import blind
 
@@ -82,9 +83,14 @@ class _Trial:
         self.overlapping(values, instance)
         self.blind(values)
         for question in self.spec.questions:
+            time = pictured(question, values) if _asked(question, values) else None
+            if time is not None and self.outside(time, values, question.place):
+                time = None
             for change in question.counterfactuals if changed else ():
                 if change.owner in self.things:
                     otherwise = Values(self.spec, instance.values, change, instance.key)
+                    if time is not None:
+                        self.outside(time, otherwise, change.place)
                     self.changes(change, truth, built(otherwise), instance)
                     if change.change == "state":
                         self.overlapping(otherwise, instance)
@@ -105,6 +111,17 @@ class _Trial:
                 span = self.pointer.span(values.place(pair.second))
                 remedy = "move them apart, make one smaller, or exclude this with `require`"
                 self.report.add("WMS601", f"{what} {_in(self.design, instance)}", span, remedy, (note,))
+
+    def outside(self, time: float, values: Values, place: Place) -> bool:
+        """Whether an option is a picture (s) of what is not executed, which is told."""
+        end = values.ref("end")
+        within = -1e-9 <= time <= end + 1e-9
+        if not within and self.new("outside", place):
+            what = f"a picture at {time:g} s is outside the episode, which lasts {end:g} s"
+            self.report.add(
+                "WMS304", what, self.pointer.span(place), "ask for an earlier one, or set a later `horizon`"
+            )
+        return not within
 
     def blind(self, values: Values) -> None:
         """Cameras that look at nothing that matters."""
