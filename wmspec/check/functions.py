@@ -94,7 +94,7 @@ FUNCTIONS: dict[str, Function] = {
     # how it was and how it ended
     "displacement": Function("how far it is at the end from where it began", (OBJECT,), A_LENGTH, True),
     "distance": Function("between the middles of two objects, at the end", (OBJECT, OBJECT), A_LENGTH, True),
-    "relation": Function("where the first is from the second when last seen", (OBJECT, OBJECT), RELATION, True),
+    "relation": Function("where the first is from the second when last seen, as the pictures show it", (OBJECT, OBJECT), RELATION, True),
     "contact": Function("whether the two touch at any time", (OBJECT, OBJECT), TRUTH, True),
     "at_rest": Function("whether it stands still at the end", (OBJECT,), TRUTH, True),
     "toppled": Function("whether it ended more than half way tipped over", (OBJECT,), TRUTH, True),

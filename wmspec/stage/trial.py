@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Counterfactual, Place, Question, TaskSpec
+from wmspec.check.evaluate import evaluate, parts
+from wmspec.check.ir import Call, Counterfactual, Place, Question, TaskSpec
 from wmspec.check.kinds import AN_ANGLE
 from wmspec.check.measured import measured
 from wmspec.design.depend import Dependencies
@@ -15,6 +15,7 @@ from wmspec.design.design import Design, Instance
 from wmspec.design.fault import Fault
 from wmspec.design.told import told
 from wmspec.design.values import Values
+from wmspec.design.view import facing, front
 from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Note, Report
 from wmspec.stage.agents import without
@@ -82,6 +83,7 @@ class _Trial:
         truth = built(values)
         self.overlapping(values, instance)
         self.blind(values)
+        self.turned(values)
         for question in self.spec.questions:
             time = pictured(question, values) if _asked(question, values) else None
             if time is not None and self.outside(time, values, question.place):
@@ -131,6 +133,18 @@ class _Trial:
                 seen = next(o.place for o in self.spec.observations if o.camera == camera)
                 remedy = "turn it with `look_at:`, widen its `fov:`, or leave it out"
                 self.report.add("WMS602", what, self.pointer.span(seen), remedy, severity="warning")
+
+    def turned(self, values: Values) -> None:
+        """Cameras that have on their left what `relation` does not call so."""
+        answers = (part for question in self.spec.questions for part in parts(question.answer))
+        if not any(isinstance(part, Call) and part.function == "relation" for part in answers):
+            return
+        for observation in self.spec.observations:
+            camera = observation.camera
+            if facing(values, camera) != front(values) and self.new("turned", camera):
+                what = f"`{camera}` looks another way than `relation`, which goes by the world's front"
+                remedy = "observe only from one side, or say in the question that it is meant as seen from the front"
+                self.report.add("WMS603", what, self.pointer.span(observation.place), remedy, severity="warning")
 
     def changes(self, change: Counterfactual, truth: Document, altered: Document, instance: Instance) -> None:
         """A counterfactual that changes nothing, or more than it says."""
