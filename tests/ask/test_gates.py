@@ -134,6 +134,30 @@ def test_an_option_that_changes_nothing_that_can_be_seen_is_alike() -> None:
     assert refused(body).startswith("alike: truth and heavy")
 
 
+def test_a_picture_after_the_end_is_not_asked_for() -> None:
+    late = NEXT.replace("end)", "onset(ball) + 3 s)") % ("25 cm", "counterfactual slow { action go.speed: 1 cm/s }")
+    assert refused(late).startswith("invalid: 3.1")
+    assert "is outside the episode, which lasts 1 s" in refused(late)
+    shorter = NEXT.replace("horizon 1 s", "horizon if go.speed > 0.5 m/s then 1 s else 0.5 s") % (
+        "25 cm",
+        "counterfactual slow { action go.speed: 10 cm/s }",
+    )
+    assert refused(shorter) == "invalid: slow: 1 s is outside the episode, which lasts 0.5 s"
+
+
+@pytest.mark.parametrize(
+    ("camera", "said"), [("front", "to the left of it"), ("side", "behind it"), ("other", "to the right of it")]
+)
+def test_relations_are_those_of_the_pictures(camera: str, said: str) -> None:
+    question = one(f"""
+      object a {{ shape: sphere  size: 8 cm  color: red   on: table at (-20 cm, 0) }}
+      object b {{ shape: cube    size: 8 cm  color: blue  on: table at (0, 0) }}
+      camera other {{ at: (0, 105 cm, 92 cm)  look_at: (0, 3 cm, 0) }}
+      observe {camera} at [0 s]
+      question "Where?" {{ answer relation(a, b)  options [left_of, right_of, in_front_of, behind] }}""")
+    assert question.value == said
+
+
 def test_a_color_can_be_an_option() -> None:
     question = one(NEXT % ("25 cm", "counterfactual other { state post.color: yellow }"))
     assert {o.name for o in question.options} == {"truth", "other"}

@@ -41,6 +41,25 @@ def test_what_tells_two_objects_apart(first: str, second: str, a: str, b: str) -
     assert (described("a", both), described("b", both)) == (a, b)
 
 
+@pytest.mark.parametrize(
+    ("cameras", "said"),
+    [
+        (("front",), "on the left"),
+        (("oblique", "top"), "on the left"),
+        (("side",), "at the back"),
+        (("other",), "on the right"),
+        (("front", "other"), "on the left"),
+        (("rider",), "on the left"),
+    ],
+)
+def test_what_is_on_the_left_is_so_in_the_pictures(cameras: tuple[str, ...], said: str) -> None:
+    body = """object a { color: red  at: (-9 cm, 0, 0) }  object b { color: red  at: (9 cm, 0, 0) }
+      camera other { at: (5 cm, 1 m, 50 cm)  look_at: (0, 0, 0) }
+      camera rider { ride: b  at: (0, 0, 10 cm)  look_at: (-1 m, 0, 0) }
+      """ + " ".join(f"observe {camera} at [0 s]" for camera in cameras)
+    assert described("a", Values(task_from(SCENE.format(body=body)), {})) == f"the red cube {said}"
+
+
 def test_what_is_not_there_needs_no_telling_apart() -> None:
     assert described("b", two("present: false", "")) == "the red cube"
 

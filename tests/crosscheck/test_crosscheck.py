@@ -11,7 +11,8 @@ import pytest
 
 from tests.language.specs import task_from
 from wmspec.crosscheck.check import check
-from wmspec.crosscheck.model import Checked
+from wmspec.crosscheck.model import Checked, Verdict
+from wmspec.crosscheck.say import dispute
 from wmspec.crosscheck.summary import Share, lines, suspects
 from wmspec.crosscheck.tolerance import Tolerances
 from wmspec.design.design import Design
@@ -99,11 +100,35 @@ def test_pictures_are_compared_with_the_counterfactuals_of_the_other_engine() ->
     assert found.passes(strict=True)
 
 
+def test_a_picture_after_the_end_is_no_answer() -> None:
+    text = (HERE / "race.wms").read_text()
+    asked = """question "Then?" {
+      answer frame(front, onset(near) + 60 s)  counterfactual slower { action go_near.speed: 0.2 m/s } }\n}\n"""
+    (found,) = checked(text[: text.index("question")] + asked)
+    assert all(r and "s is outside the episode" in r for r in found.verdicts[0].rejected)
+
+
 def test_what_cannot_be_executed_fails_with_its_reason() -> None:
     text = (HERE / "race.wms").read_text().replace("size: 10 cm  color: red", "size: (ratio - 1.5) * 10 cm  color: red")
     (found,) = checked(text)
     assert not found.passes(strict=False)
     assert "`size` of `near` is 0 here" in found.failures[0].reason
+
+
+@pytest.mark.parametrize(
+    ("sort", "remedy"),
+    [
+        ("truth value", "on the brink"),
+        ("relation", "on the brink"),
+        ("object", "a larger margin"),
+        ("speed", "a larger margin"),
+        ("picture", "`distinct by`"),
+    ],
+)
+def test_without_a_cause_the_remedy_suits_the_answer(sort: str, remedy: str) -> None:
+    said = dispute(Verdict(0, sort, PAIR, ("yes", "no"), (None, None), False, "yes in one, no in the other", None))
+    assert remedy in said
+    assert ("ask for a larger margin" in said) == (remedy == "a larger margin")
 
 
 def test_the_factor_at_fault_is_named() -> None:

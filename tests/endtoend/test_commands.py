@@ -96,6 +96,23 @@ def test_a_stage_on_disk_runs_like_its_spec(tmp_path: Path) -> None:
     assert json.loads(there) == json.loads(wmspec(*run, COLLIDE, "-i", 7, folder=tmp_path).stdout)
 
 
+WALL = "object wall { shape: cube  size: 20 cm  color: green  on: floor at (40 cm, 0)  fixed: true }"
+BALL = "object ball { shape: sphere  size: 10 cm  color: red  on: floor at (0, 0) }"
+
+
+@pytest.mark.parametrize("objects", [(WALL, BALL), (BALL, WALL)])
+def test_a_touch_of_what_is_fixed_is_told_whichever_comes_first(objects: tuple[str, str], tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    push = "action push = launch(ball, direction: right, speed: 1 m/s)  horizon 0.5 s  observe front at [0 s]"
+    (tmp_path / "t.wms").write_text("\n".join(("use room", "task t : custom {", *objects, push, "}")))
+    run = ["run", "t.wms", "-b", "pybullet"]
+    said = wmspec(*run, folder=tmp_path).stdout
+    contacts = json.loads(wmspec(*run, "--json", folder=tmp_path).stdout)[0]["contacts"]
+    assert "ball touches wall from 0.3" in said
+    assert {c["first"] for c in contacts} == {"ball"}
+    assert said.count(" touches ") == len(contacts)
+
+
 def test_pictures_are_written(tmp_path: Path) -> None:
     pytest.importorskip("pybullet")
     from PIL import Image

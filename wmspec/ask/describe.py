@@ -9,6 +9,7 @@ from wmspec.check.vocabulary import COLORS
 from wmspec.design.colors import rgb
 from wmspec.design.forms import volume
 from wmspec.design.values import Values
+from wmspec.design.view import front, seen
 from wmspec.errors import WmsError
 from wmspec.looks import SHADES
 
@@ -100,8 +101,9 @@ def _depth(name: str, rivals: list[str], values: Values) -> Iterator[str]:
 
 
 def _placed(name: str, rivals: list[str], values: Values, axis: int, words: tuple[str, str]) -> Iterator[str]:
-    there = [values.pose(r).position[axis] for r in rivals]
-    for word in _extreme(values.pose(name).position[axis], there, words, lambda a, b: a > b + ASIDE):
+    way = front(values)
+    here, *there = (seen(way, *values.pose(n).position[:2])[axis] for n in (name, *rivals))
+    for word in _extreme(here, there, words, lambda a, b: a > b + ASIDE):
         yield f"{_plain(name, values)} {word}"
 
 

@@ -11,6 +11,7 @@ from wmspec.ask.observed import Observed
 from wmspec.check.functions import FUNCTIONS
 from wmspec.design.functions import extreme
 from wmspec.design.values import Values
+from wmspec.design.view import front
 from wmspec.errors import WmsError
 
 #: What an option can say where two are too near to one another to choose.
@@ -64,7 +65,6 @@ MEASURES: dict[str, Callable[..., Any]] = {
     "trajectory": motion.trajectory,
     "displacement": outcome.displacement,
     "distance": outcome.distance,
-    "relation": outcome.relation,
     "contact": outcome.contact,
     "at_rest": outcome.at_rest,
     "toppled": outcome.toppled,
@@ -108,10 +108,16 @@ def _first(measured: Measured, names: tuple[str, ...], tie: float | None = None)
     return onsets[0][0]
 
 
+def _relation(measured: Measured, a: str, b: str) -> str:
+    """As the cameras show it."""
+    return outcome.relation(measured.observed, a, b, front(measured.values))
+
+
 CHOICES: dict[str, Callable[..., str]] = {
     "fastest": _fastest,
     "slowest": _slowest,
     "longest": _longest,
     "mover": _mover,
     "first": _first,
+    "relation": _relation,
 }

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from wmspec.ask.bearing import Bearing
 from wmspec.ask.observed import MOVED, STILL, Observed
 from wmspec.ask.trajectory import form
 from wmspec.errors import WmsError
@@ -40,8 +41,8 @@ def moving_time(observed: Observed, name: str) -> float:
     return float(observed.times[last] - observed.times[first])
 
 
-def heading(observed: Observed, name: str) -> float:
-    """The direction (rad, anticlockwise from +x) from where it was first to where it was last.
+def heading(observed: Observed, name: str) -> Bearing:
+    """The direction (rad, anticlockwise from +x, in (-pi, pi]) from where it was first to where it was last.
 
     Raises WmsError if it ends within 2 mm of where it began.
     """
@@ -49,7 +50,7 @@ def heading(observed: Observed, name: str) -> float:
     x, y, _ = path[-1] - path[0]
     if math.hypot(x, y) <= MOVED:
         raise WmsError(f"`{name}` ends where it began, so it has no heading")
-    return math.atan2(y, x)
+    return Bearing(math.atan2(y, x))
 
 
 def heads_to(observed: Observed, name: str, others: Sequence[str]) -> str:
@@ -58,7 +59,7 @@ def heads_to(observed: Observed, name: str, others: Sequence[str]) -> str:
 
     def off(other: str) -> float:
         x, y, _ = observed.path(other)[0] - start
-        return abs(math.remainder(math.atan2(y, x) - angle, 2 * math.pi))
+        return abs(math.atan2(y, x) - angle)
 
     return min(others, key=off)
 

@@ -55,9 +55,9 @@ def labelled(question: Question, answer: Any, values: Values, seat: Seat) -> tup
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two values are one answer; numbers that differ by rounding alone are."""
+    """Whether two values are one answer; numbers that differ by rounding alone are, and directions by whole turns."""
     if isinstance(a, float) and isinstance(b, float):
-        return bool(np.isclose(a, b, rtol=1e-9, atol=1e-12))
+        return abs(a - b) <= 1e-12 + 1e-9 * abs(b)
     return bool(a == b)
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from wmspec.ask.observed import REST, STILL, Observed
+from wmspec.design.view import seen
 from wmspec.errors import WmsError
 from wmspec.scene.model import Array
 from wmspec.scene.transform import conjugate, rotate
@@ -59,8 +60,8 @@ def contains(observed: Observed, outer: str, inner: str) -> bool:
     return bool((low <= middle).all() and (middle <= high).all())
 
 
-def relation(observed: Observed, a: str, b: str) -> str:
-    """Where `a` was from `b` at the last look, a word of the vocabulary `relation`, as seen from the front.
+def relation(observed: Observed, a: str, b: str, way: int) -> str:
+    """Where `a` was from `b` at the last look, a word of the vocabulary `relation`, for who looks that `way` (`front`).
 
     `above` and `below` hold where their upright boxes share ground and one's middle is beyond the other's box. Raises
     WmsError where it lies diagonally, so that two words would fit.
@@ -73,7 +74,7 @@ def relation(observed: Observed, a: str, b: str) -> str:
             return "above"
         if middle < there[0, 2] or other > here[1, 2]:
             return "below"
-    x, y, _ = here.mean(axis=0) - there.mean(axis=0)
+    x, y = seen(way, *(here.mean(axis=0) - there.mean(axis=0))[:2])
     if abs(x) < DIAGONAL * abs(y) and abs(y) < DIAGONAL * abs(x):
         raise WmsError(f"`{a}` lies diagonally from `{b}`, so two relations would fit; place it more to one side")
     if x == y == 0:

@@ -60,8 +60,12 @@ class Run:
     def poses(self, names: Sequence[str], time: float) -> NDArray[np.float64]:
         """Where the middles of bodies are, and how they are turned (n, 7) at a time (s), NaN for one that is not there.
 
-        A door that turns about the origin of its frame is elsewhere, though its frame is not.
+        A door that turns about the origin of its frame is elsewhere, though its frame is not. Raises WmsError if the
+        time is outside the episode.
         """
+        if not -1e-9 <= time <= self.scene.duration + 1e-9:
+            label = f"{self.values.change.name}: " if self.values.change else ""
+            raise WmsError(f"{label}{time:g} s is outside the episode, which lasts {self.scene.duration:g} s")
         i, index = self.trace.sample(time), {name: k for k, name in enumerate(self.trace.bodies)}
         rows = np.full((len(names), 7), np.nan)
         for row, name in zip(rows, names, strict=True):

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from wmspec.ask.bearing import Bearing
 from wmspec.ask.describe import color_word, described
 from wmspec.check import ir, units
 from wmspec.check.evaluate import Environment, evaluate
@@ -45,6 +46,8 @@ def say(value: Any, sort: str, values: Values) -> str:
     if isinstance(value, float):
         unit, scale = _UNITS.get(sort, (si_unit(sort), 1.0))
         number = f"{value * scale + 0.0:.4g}"  # -0.0 + 0.0 is 0.0
+        if isinstance(value, Bearing) and number == "-180":
+            number = "180"
         return f"{number}{'' if unit.startswith('°') else ' '}{unit}".strip()
     if isinstance(value, tuple):
         return listed([say(v, sort, values) for v in value])

@@ -12,6 +12,7 @@ from wmspec.ask.gates import apart
 from wmspec.ask.looks import Look
 from wmspec.ask.measure import Measured
 from wmspec.ask.model import Reject
+from wmspec.ask.options import same
 from wmspec.ask.runs import Crew, Run, free, nudged
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Question
@@ -76,6 +77,4 @@ def _nudges(question: Question, run: Run, key: tuple[object, ...], crew: Crew) -
 def _same(question: Question, before: Any, after: Any, run: Run) -> bool:
     if isinstance(before, float) and question.within is not None:
         return bool(abs(before - after) <= evaluate(question.within, run.values))
-    if isinstance(before, float):
-        return bool(np.isclose(before, after, rtol=1e-9, atol=1e-12))
-    return bool(before == after)
+    return same(before, after)

@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.ask.bearing import Bearing
 from wmspec.audit.cases import SIDE, Case, Small, Unit
 from wmspec.audit.model import Finding
 
@@ -140,7 +141,8 @@ def _same_answer(a: Case, b: Case) -> bool:
     within: float | None = a.row.get("answer_within")  # of an open question about a number
     if within is None:
         return _true(a) == _true(b)
-    return bool(abs(a.row["answer_number"] - b.row["answer_number"]) <= within)
+    apart = a.row["answer_number"] - b.row["answer_number"]
+    return bool(abs(Bearing(apart) if a.row["answer_unit"] == "rad" else apart) <= within)
 
 
 def _denies(a: Case, b: Case) -> bool:

@@ -88,13 +88,13 @@ FUNCTIONS: dict[str, Function] = {
     "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, True),
     "first": Function("the one that moved first", (_OBJECTS,), OBJECT, True, {"tie": A_TIME}),
     "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, True, _TIE),
-    "heading": Function("where it went: the heading from where it was first seen to where it was last", (OBJECT,), AN_ANGLE, True),
+    "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it", (OBJECT,), AN_ANGLE, True),
     "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, True),
     "trajectory": Function("the form of its path", (OBJECT,), PATH, True),
     # how it was and how it ended
     "displacement": Function("how far it is at the end from where it began", (OBJECT,), A_LENGTH, True),
     "distance": Function("between the middles of two objects, at the end", (OBJECT, OBJECT), A_LENGTH, True),
-    "relation": Function("where the first is from the second when last seen", (OBJECT, OBJECT), RELATION, True),
+    "relation": Function("where the first is from the second when last seen, as the pictures show it", (OBJECT, OBJECT), RELATION, True),
     "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, True),
     "at_rest": Function("whether it stands still at the end", (OBJECT,), TRUTH, True),
     "toppled": Function("whether it ended more than half way tipped over", (OBJECT,), TRUTH, True),
@@ -104,5 +104,5 @@ FUNCTIONS: dict[str, Function] = {
     "visible": Function("the share of the picture that shows it, least over the looks of a camera", (OBJECT, CAMERA), _FRACTION, True),
     "occluded": Function("the share of it that others hide, most over the looks of a camera", (OBJECT, CAMERA), _FRACTION, True),
     "contrast": Function("how much its colour differs from what is around it (CIEDE2000), least over the looks", (OBJECT, CAMERA), A_NUMBER, True),
-    "frame": Function("the picture from a camera at a time", (CAMERA, A_TIME), PICTURE, True),
+    "frame": Function("the picture from a camera at a time of the episode", (CAMERA, A_TIME), PICTURE, True),
 }  # fmt: skip

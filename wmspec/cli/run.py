@@ -99,6 +99,7 @@ def _seconds(text: str) -> float:
 
 
 def _summary(trace: Any, scene: Any) -> dict[str, Any]:
+    """Of what can move: where it ends, and its touches, in which it comes first."""
     bodies = {}
     for i, body in enumerate(scene.bodies):
         if body.motion != "static":
@@ -107,7 +108,11 @@ def _summary(trace: Any, scene: Any) -> dict[str, Any]:
                 "orientation": trace.orientation[-1, i].tolist(),
                 "velocity": trace.linear_velocity[-1, i].tolist(),
             }
-    contacts = [{"first": c.first, "second": c.second, "start": c.start, "stop": c.stop} for c in trace.contacts]
+    contacts = []
+    for c in trace.contacts:
+        first, second = (c.first, c.second) if c.first in bodies else (c.second, c.first)
+        if first in bodies:
+            contacts.append({"first": first, "second": second, "start": c.start, "stop": c.stop})
     return {"engine": trace.engine, "duration": float(trace.time[-1]), "bodies": bodies, "contacts": contacts}
 
 
@@ -120,8 +125,6 @@ def _print(trace: Any, scene: Any) -> None:
         click.echo(
             f"  {name:<16} ends at ({x:7.1f}, {y:7.1f}, {z:6.1f}) cm, moving at ({vx:6.1f}, {vy:6.1f}, {vz:6.1f}) cm/s"
         )
-    static = {b.name for b in scene.bodies if b.motion == "static"}
     for contact in summary["contacts"]:
-        if contact["first"] not in static:
-            when = f"from {contact['start']:.3f} s to {contact['stop']:.3f} s"
-            click.echo(f"  {contact['first']} touches {contact['second']} {when}")
+        when = f"from {contact['start']:.3f} s to {contact['stop']:.3f} s"
+        click.echo(f"  {contact['first']} touches {contact['second']} {when}")

@@ -47,16 +47,19 @@ def answer(question: Question, runs: Mapping[str, Run], crew: Crew) -> Answer:
     try:
         value = evaluate(question.answer, measured)
         said = TRUTH if question.sort == "picture" else said_answer(question, value, truth.values)
+        outcome = _outcome(runs, value[1]) if question.sort == "picture" else None
     except WmsError as error:
         reason = "alike" if isinstance(error, Ambiguous) else "invalid"
         return Answer(None, "nothing", measured.readings, None, f"{reason}: {error}")
-    outcome = None
-    if question.sort == "picture":
-        names = list(dict.fromkeys(name for run in runs.values() for name in run.movable()))
-        outcome = {name: run.poses(names, value[1]) for name, run in runs.items()}
     rejected = _rejected(question, value, measured, outcome)
     within = None if question.within is None else evaluate(question.within, truth.values)
     return Answer(value, said, dict(sorted(measured.readings.items())), outcome, rejected, within)
+
+
+def _outcome(runs: Mapping[str, Run], time: float) -> dict[str, NDArray[np.float64]]:
+    """Where the bodies that can move are in each run's picture. Raises WmsError if that is taken after its end."""
+    names = list(dict.fromkeys(name for run in runs.values() for name in run.movable()))
+    return {name: run.poses(names, time) for name, run in runs.items()}
 
 
 def _rejected(

@@ -101,7 +101,8 @@ class _Asking:
             agreed = agree(a, b)
             why = None if agreed else _cause([c for c in comparisons if c.engines == pair and c.run in runs.values()])
             rejected = (a.rejected, b.rejected)
-            found.append(Verdict(q, pair, (a.said, b.said), rejected, agreed, told(a, b, pair), why))
+            said = (a.said, b.said)
+            found.append(Verdict(q, question.sort, pair, said, rejected, agreed, told(a, b, pair), why))
         return found
 
     def _answer(self, question: Question, engine: str, runs: Mapping[str, str]) -> Answer | None:

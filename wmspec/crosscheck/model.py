@@ -87,11 +87,13 @@ class Comparison:
 class Verdict:
     """One question in two engines.
 
-    `answers` are what each engine says, in words. `rejected` is why an engine would not ask it (None if it would).
-    `agree` holds if each engine's outcome picks the other's answer, whether or not it would be asked.
+    `sort` is the kind of its answer, as the language names it. `answers` are what each engine says, in words.
+    `rejected` is why an engine would not ask it (None if it would). `agree` holds if each engine's outcome picks the
+    other's answer, whether or not it would be asked.
     """
 
     question: int
+    sort: str
     engines: Pair
     answers: tuple[str, str]
     rejected: tuple[str | None, str | None]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from math import degrees
 
+from wmspec.check.kinds import TRUTH
+from wmspec.check.vocabulary import WORDS
 from wmspec.crosscheck.model import Cause, Checked, Comparison, Failure, Gap, Verdict
 
 
@@ -14,9 +16,21 @@ def failure(found: Failure) -> str:
 
 def dispute(verdict: Verdict) -> str:
     """How and why an answer differs."""
-    why = cause(verdict.cause) if verdict.cause else "the trajectories agree within tolerance: ask for a larger margin"
+    why = cause(verdict.cause) if verdict.cause else f"the trajectories agree within tolerance: {_remedy(verdict.sort)}"
     gate = "".join(f"; {e} would not ask it ({r})" for e, r in zip(verdict.engines, verdict.rejected, strict=True) if r)
     return f"question {verdict.question + 1}, {' and '.join(verdict.engines)}: {verdict.detail}{gate}; {why}"
+
+
+def _remedy(sort: str) -> str:
+    """What to do about an answer that the least difference decides."""
+    if sort == "picture":
+        return "ask for options that are further apart, with `distinct by`"
+    if sort == str(TRUTH) or sort in WORDS:
+        return (
+            "it is on the brink of turning: let factors and places keep away from there, or ask for a `margin` "
+            "of a quantity that decides it, such as a distance"
+        )
+    return "ask for a larger margin"
 
 
 def parting(comparison: Comparison) -> str:

@@ -69,7 +69,7 @@ def _numbers(given: Iterable[Any]) -> list[float]:
 def _mod(_values: Values, a: float, b: float) -> float:
     if b == 0:
         raise NoValue("`mod` by 0")
-    return a - b * math.floor(a / b)
+    return float(a) - b * math.floor(a / b)  # also of a direction, which has no multiples
 
 
 def _sqrt(_values: Values, x: float) -> float:

@@ -49,6 +49,7 @@ CODES: dict[str, str] = {
     "WMS507": "options that coincide",
     "WMS601": "objects inside one another",
     "WMS602": "camera that misses the matter",
+    "WMS603": "camera that looks another way",
 }
 
 

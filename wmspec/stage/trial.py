@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Counterfactual, Question, TaskSpec
+from wmspec.check.evaluate import evaluate, parts
+from wmspec.check.ir import Call, Counterfactual, Place, Question, TaskSpec
+from wmspec.check.kinds import AN_ANGLE
 from wmspec.check.measured import measured
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design, Instance
 from wmspec.design.fault import Fault
 from wmspec.design.told import told
 from wmspec.design.values import Values
+from wmspec.design.view import facing, front
 from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Note, Report
 from wmspec.stage.agents import without
@@ -20,6 +23,7 @@ from wmspec.stage.document import Document
 from wmspec.stage.doubts import Doubt, doubts, idle_requires
 from wmspec.stage.episode import built
 from wmspec.stage.overlap import overlaps
+from wmspec.stage.pictured import pictured
 from wmspec.stage.point import Pointer
 from wmspec.stage.sight import blind
 
@@ -79,10 +83,16 @@ class _Trial:
         truth = built(values)
         self.overlapping(values, instance)
         self.blind(values)
+        self.turned(values)
         for question in self.spec.questions:
+            time = pictured(question, values) if _asked(question, values) else None
+            if time is not None and self.outside(time, values, question.place):
+                time = None
             for change in question.counterfactuals if changed else ():
                 if change.owner in self.things:
                     otherwise = Values(self.spec, instance.values, change, instance.key)
+                    if time is not None:
+                        self.outside(time, otherwise, change.place)
                     self.changes(change, truth, built(otherwise), instance)
                     if change.change == "state":
                         self.overlapping(otherwise, instance)
@@ -104,6 +114,17 @@ class _Trial:
                 remedy = "move them apart, make one smaller, or exclude this with `require`"
                 self.report.add("WMS601", f"{what} {_in(self.design, instance)}", span, remedy, (note,))
 
+    def outside(self, time: float, values: Values, place: Place) -> bool:
+        """Whether an option is a picture (s) of what is not executed, which is told."""
+        end = values.ref("end")
+        within = -1e-9 <= time <= end + 1e-9
+        if not within and self.new("outside", place):
+            what = f"a picture at {time:g} s is outside the episode, which lasts {end:g} s"
+            self.report.add(
+                "WMS304", what, self.pointer.span(place), "ask for an earlier one, or set a later `horizon`"
+            )
+        return not within
+
     def blind(self, values: Values) -> None:
         """Cameras that look at nothing that matters."""
         for camera in blind(values):
@@ -112,6 +133,18 @@ class _Trial:
                 seen = next(o.place for o in self.spec.observations if o.camera == camera)
                 remedy = "turn it with `look_at:`, widen its `fov:`, or leave it out"
                 self.report.add("WMS602", what, self.pointer.span(seen), remedy, severity="warning")
+
+    def turned(self, values: Values) -> None:
+        """Cameras that have on their left what `relation` does not call so."""
+        answers = (part for question in self.spec.questions for part in parts(question.answer))
+        if not any(isinstance(part, Call) and part.function == "relation" for part in answers):
+            return
+        for observation in self.spec.observations:
+            camera = observation.camera
+            if facing(values, camera) != front(values) and self.new("turned", camera):
+                what = f"`{camera}` looks another way than `relation`, which goes by the world's front"
+                remedy = "observe only from one side, or say in the question that it is meant as seen from the front"
+                self.report.add("WMS603", what, self.pointer.span(observation.place), remedy, severity="warning")
 
     def changes(self, change: Counterfactual, truth: Document, altered: Document, instance: Instance) -> None:
         """A counterfactual that changes nothing, or more than it says."""
@@ -149,7 +182,9 @@ def _compare(question: Question, design: Design, pointer: Pointer, report: Repor
     for index in design.sample(COMPARED if varying else 1):
         instance = design[index]
         values = Values(design.spec, instance.values, None, instance.key)
-        same = [a for a, b in combinations(evaluate(question.options, values), 2) if _same(a, b)]
+        directions = question.sort == str(AN_ANGLE) and measured(design.spec, question.answer)
+        options = evaluate(question.options, values)
+        same = [a for a, b in combinations(options, 2) if _same(a, b, directions)]
         if same and _asked(question, values):
             what = f"two options of this question are the same, {_shown(same[0])}, {_in(design, instance)}"
             report.add("WMS507", what, pointer.span(question.place), "keep them apart with `require`")
@@ -162,9 +197,10 @@ def _asked(question: Question, values: Values) -> bool:
     return all(evaluate(condition, values) for condition in known)
 
 
-def _same(a: object, b: object) -> bool:
+def _same(a: object, b: object, directions: bool) -> bool:
     if isinstance(a, float) and isinstance(b, float):
-        return abs(a - b) <= 1e-9 * max(1.0, abs(a))
+        apart = math.remainder(a - b, 2 * math.pi) if directions else a - b
+        return abs(apart) <= 1e-9 * max(1.0, abs(a))
     return a == b
 
 
