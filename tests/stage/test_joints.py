@@ -133,6 +133,9 @@ def test_generic_joints_that_are_one_of_ours() -> None:
     assert (slider.kind, slider.limits) == ("slider", (-2.0, 3.0))
 
 
+SLIDES = ("transX", "transY", "transZ")
+DRIVE_Y = "\n" + DRIVE.replace("%s", "rotY")
+
 REFUSED = {
     "distance": (JOINT % ("Distance", HARMLESS, FRAMES, ""), "distance joints"),
     "two ways": (JOINT % ("", HARMLESS, FRAMES, ""), "leaves transX, transY"),
@@ -150,6 +153,14 @@ REFUSED = {
     "strange drive": (
         JOINT % ("Revolute", '"PhysicsDriveAPI:linear"', FRAMES, DRIVE.replace("%s", "linear")),
         "drive 'linear' is of no axis",
+    ),
+    "drive of a ball": (
+        JOINT % ("Spherical", '"PhysicsDriveAPI:rotX"', FRAMES, DRIVE.replace("%s", "rotX")),
+        "drive 'rotX' is of a ball joint",
+    ),
+    "drive of a generic ball": (
+        JOINT % ("", locked(*SLIDES)[1] + ', "PhysicsDriveAPI:rotY"', FRAMES, locked(*SLIDES)[0] + DRIVE_Y),
+        "drive 'rotY' is of a ball joint",
     ),
     "acceleration": (
         JOINT

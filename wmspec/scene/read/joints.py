@@ -26,7 +26,7 @@ _SAME = 1e-9
 
 @dataclass(frozen=True)
 class _Way:
-    """What a joint leaves free: its kind, its axis, its limits (rad, m) and the name of its drive."""
+    """What a joint leaves free: its kind, its axis, its limits (rad, m) and the name of its drive, if it may have one."""
 
     kind: JointKind
     axis: str
@@ -71,7 +71,7 @@ def _joint(prim: Usd.Prim, name: str, bodies: Mapping[str, Body], world: World) 
         above,
         below,
         way.limits,
-        drive(prim, way.drive, world) if way.drive else None,
+        None if way.kind == "fixed" else drive(prim, way.drive, world),
         bool(value(prim, "physics:collisionEnabled", False)),
     )
 
