@@ -162,6 +162,20 @@ REFUSED = {
         JOINT % ("", locked(*SLIDES)[1] + ', "PhysicsDriveAPI:rotY"', FRAMES, locked(*SLIDES)[0] + DRIVE_Y),
         "drive 'rotY' is of a ball joint",
     ),
+    "animated drive": (
+        JOINT
+        % (
+            "Revolute",
+            '"PhysicsDriveAPI:angular"',
+            FRAMES,
+            "float drive:angular:physics:stiffness.timeSamples = {0: 1, 24: 2}",
+        ),
+        "drive:angular:physics:stiffness is animated",
+    ),
+    "animated enabling": (
+        JOINT % ("Fixed", HARMLESS, FRAMES, "bool physics:jointEnabled.timeSamples = {0: 1, 24: 0}"),
+        "physics:jointEnabled is animated",
+    ),
     "acceleration": (
         JOINT
         % (

@@ -414,6 +414,43 @@ REFUSED = {
         "a",
         "animated",
     ),
+    "animated size": (
+        BALL.replace("double radius = 0.1", "double radius.timeSamples = {0: 1, 9: 2}") % "",
+        "ball",
+        "radius is",
+    ),
+    "animated gravity": (
+        'def PhysicsScene "s" {float physics:gravityMagnitude.timeSamples = {0: 0, 24: 9.81}}',
+        "s",
+        "physics:gravityMagnitude is animated",
+    ),
+    "animated points": (
+        'def Mesh "a" {point3f[] points.timeSamples = {0: [(0, 0, 0)], 1: [(1, 0, 0)]}}',
+        "a",
+        "points is animated",
+    ),
+    "animated subset": (
+        f"""def Mesh "a" {{ {QUAD_BOX} def GeomSubset "lid" {{ uniform token familyName = "materialBind"
+        int[] indices.timeSamples = {{0: [0], 1: [1]}} }} }}""",
+        "a/lid",
+        "indices is animated",
+    ),
+    "animated texture coordinates": (
+        f"""def Mesh "a" {{ {QUAD_BOX}
+        texCoord2f[] primvars:st.timeSamples = {{0: [(0, 0)], 1: [(1, 0)]}} }}""",
+        "a",
+        "primvars:st is animated",
+    ),
+    "animated display colour": (
+        'def Cube "a" {color3f[] primvars:displayColor.timeSamples = {0: [(0, 0, 0)], 1: [(1, 0, 0)]}}',
+        "a",
+        "primvars:displayColor is animated",
+    ),
+    "animated colour": (
+        PREVIEW % ("UsdPreviewSurface", "color3f inputs:diffuseColor.timeSamples = {0: (0, 0, 0), 1: (1, 0, 0)}"),
+        "m/s",
+        "inputs:diffuseColor is animated",
+    ),
     "asleep": (BALL % "uniform bool physics:startsAsleep = 1", "ball", "asleep"),
     "no shape": (f'def Xform "a" {COLLIDER} {{}}', "a", "no shape"),
     "no mass": ('def Xform "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {}', "a", "no mass"),

@@ -40,8 +40,8 @@ def joints(prims: list[Usd.Prim], bodies: Mapping[str, Body], world: World, prob
     for body in bodies.values():
         names.give(body.name)
     for prim in prims:
-        if value(prim, "physics:jointEnabled", True):
-            with problems.gathered():
+        with problems.gathered():
+            if value(prim, "physics:jointEnabled", True):
                 joint = _joint(prim, names.give(prim.GetName(), str(prim.GetPath())), bodies, world)
                 if joint is not None:
                     found[joint.path] = joint

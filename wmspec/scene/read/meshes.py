@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, UsdShade
 
 from wmspec.scene.model import Array, Mesh
-from wmspec.scene.read.prims import NOW, refuse, value
+from wmspec.scene.read.prims import NOW, refuse, still, value
 
 _Indices = NDArray[np.int32]
 _CONVEX = 1e-5
@@ -41,7 +41,7 @@ def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
     subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.GetTypeName() == "Mesh" else []
     if not subsets:
         return []
-    found = [(s.GetPrim(), np.asarray(s.GetIndicesAttr().Get(NOW), np.int32)) for s in subsets]
+    found = [(s.GetPrim(), np.asarray(still(s.GetIndicesAttr()), np.int32)) for s in subsets]
     count = len(value(prim, "faceVertexCounts", []))
     rest = np.setdiff1d(np.arange(count, dtype=np.int32), np.concatenate([faces for _, faces in found]))
     return [(prim, rest)] * bool(len(rest)) + found
@@ -88,6 +88,8 @@ def _texture_coordinates(prim: Usd.Prim, vertices: _Indices) -> Array | None:
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("st")
     if not primvar or not primvar.HasValue():
         return None
+    for attribute in filter(None, (primvar.GetAttr(), primvar.GetIndicesAttr())):
+        still(attribute)
     st = np.asarray(primvar.ComputeFlattened(NOW), np.float64).reshape(-1, 2)
     interpolation = primvar.GetInterpolation()
     per_point = interpolation in (UsdGeom.Tokens.vertex, UsdGeom.Tokens.varying) and len(st) > vertices.max()

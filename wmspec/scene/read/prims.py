@@ -15,10 +15,21 @@ NOW = Usd.TimeCode.EarliestTime()
 """A value without time samples, or the only sample of one: anything else is refused as animated."""
 
 
+def still(attribute: Usd.Attribute) -> Any:
+    """The attribute's composed value (or the fallback of its schema), or None.
+
+    Raises:
+        StageError: if it changes in time.
+    """
+    if attribute.ValueMightBeTimeVarying():
+        refuse(attribute.GetPrim(), f"{attribute.GetName()} is animated", "author one value without time samples")
+    return attribute.Get(NOW)
+
+
 def value(prim: Usd.Prim, name: str, fallback: Any = None) -> Any:
-    """The attribute's composed value (or the fallback of its schema); `fallback` if it has none."""
+    """The attribute's value, as `still` says; `fallback` if it has none."""
     attribute = prim.GetAttribute(name)
-    found = attribute.Get(NOW) if attribute else None
+    found = still(attribute) if attribute else None
     return fallback if found is None else found
 
 
