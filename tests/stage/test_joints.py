@@ -176,6 +176,22 @@ REFUSED = {
         JOINT % ("Fixed", HARMLESS, FRAMES, "bool physics:jointEnabled.timeSamples = {0: 1, 24: 0}"),
         "physics:jointEnabled is animated",
     ),
+    "limit without number": (
+        JOINT % ("Revolute", HARMLESS, FRAMES, "float physics:lowerLimit = nan"),
+        "lowerLimit = nan",
+    ),
+    "limits without end": (
+        JOINT % ("Prismatic", HARMLESS, FRAMES, "float physics:lowerLimit = inf"),
+        "its limits are inf",
+    ),
+    "frame": (
+        JOINT % ("Fixed", HARMLESS, FRAMES.replace("(0.5, 0, 0)", "(nan, 0, 0)"), ""),
+        "localPos0 = .nan, 0, 0. is",
+    ),
+    "stiffness": (
+        JOINT % ("Revolute", '"PhysicsDriveAPI:angular"', FRAMES, "float drive:angular:physics:stiffness = inf"),
+        "stiffness = inf is not finite",
+    ),
     "acceleration": (
         JOINT
         % (

@@ -451,6 +451,46 @@ REFUSED = {
         "m/s",
         "inputs:diffuseColor is animated",
     ),
+    "velocity without end": (
+        BALL % "vector3f physics:velocity = (inf, 0, 0)",
+        "ball",
+        "physics:velocity = (inf, 0, 0) is",
+    ),
+    "centre of mass": (BALL % "point3f physics:centerOfMass = (nan, 0, 0)", "ball", "physics:centerOfMass = (nan"),
+    "half a centre of mass": (
+        BALL % "point3f physics:centerOfMass = (-inf, 0, 0)",
+        "ball",
+        "physics:centerOfMass = (-inf",
+    ),
+    "axes": (
+        BALL % "quatf physics:principalAxes = (nan, 0, 0, 0) float3 physics:diagonalInertia = (1, 1, 1)",
+        "ball",
+        "physics:principalAxes = (nan",
+    ),
+    "damping": (BALL % "float physxRigidBody:linearDamping = nan", "ball", "physxRigidBody:linearDamping = nan"),
+    "gravity's direction": (
+        'def PhysicsScene "s" {vector3f physics:gravityDirection = (nan, 0, -1)}',
+        "s",
+        "physics:gravityD",
+    ),
+    "gravity without end": (
+        'def PhysicsScene "s" {float physics:gravityMagnitude = inf}',
+        "s",
+        "physics:gravityMagnitude",
+    ),
+    "place": ((BALL % "").replace("(0, 0, 1)", "(nan, 0, 1)"), "ball", "xformOp:translate = (nan, 0, 1) is not finite"),
+    "place above": (
+        f"""def Xform "a" {{ float xformOp:rotateZ = inf uniform token[] xformOpOrder = ["xformOp:rotateZ"]
+        {BALL % ""} def Cube "c" {{}} }}""",
+        "a",
+        "xformOp:rotateZ = inf",
+    ),
+    "points without number": (
+        f'def Mesh "a" {{ {QUAD_BOX.replace("(9,9,9)", "(nan,9,9)")} }}',
+        "a",
+        "one of points is not finite",
+    ),
+    "far": ('def Camera "c" {float2 clippingRange = (1, inf)}', "c", "clippingRange = (1, inf)"),
     "asleep": (BALL % "uniform bool physics:startsAsleep = 1", "ball", "asleep"),
     "no shape": (f'def Xform "a" {COLLIDER} {{}}', "a", "no shape"),
     "no mass": ('def Xform "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {}', "a", "no mass"),
@@ -528,6 +568,23 @@ def test_what_is_not_supported_is_refused(case: str) -> None:
     ((where, why),) = problems(text).items()
     assert where == f"/World/{path}"
     assert reason in why
+
+
+@pytest.mark.parametrize("unit", ["meters", "kilograms"])
+@pytest.mark.parametrize("number", [0, -1, math.nan, math.inf])
+def test_units_are_above_0(unit: str, number: float) -> None:
+    with pytest.raises(StageError) as caught:
+        read(stage(BALL % "" + REFUSED["joint"][0], **{unit: number}))
+    told = [(problem.path, problem.reason) for problem in caught.value.problems]
+    assert told == [("/", f"{unit}PerUnit = {number:g}"), ("/World/j", "distance joints are not supported")]
+
+
+def test_what_may_be_endless_means_that_there_is_none() -> None:
+    ball = BALL % "point3f physics:centerOfMass = (-inf, -inf, -inf)"
+    scene = read(stage(ball + 'def PhysicsScene "s" {float physics:gravityMagnitude = -inf}'))
+    assert_allclose(scene.gravity, (0, 0, -9.81))
+    assert scene.bodies[0].inertia is not None
+    assert_allclose(scene.bodies[0].inertia.center, 0)
 
 
 def test_all_problems_are_told_at_once() -> None:

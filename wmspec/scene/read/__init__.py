@@ -27,7 +27,7 @@ def read(stage: Usd.Stage) -> Scene:
         StageError: with everything on the stage that is wrong or not supported, each with its prim and remedy.
     """
     problems = Problems()
-    found, world = Walk(stage, problems).found, World(stage)
+    found, world = Walk(stage, problems).found, World(stage, problems)
     everything = bodies(list(found.owners.values()), world, problems)
     known = {body.path: body for body in everything}
     cameras = _cameras(found, known, world, problems)

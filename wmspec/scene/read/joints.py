@@ -26,7 +26,7 @@ _SAME = 1e-9
 
 @dataclass(frozen=True)
 class _Way:
-    """What a joint leaves free: its kind, its axis, its limits (rad, m) and the name of its drive, if it may have one."""
+    """What a joint leaves free: its kind, its axis, its limits (rad, m) and the name of the drive that it may have."""
 
     kind: JointKind
     axis: str
@@ -87,8 +87,8 @@ def _end(prim: Usd.Prim, number: int, axis: str, bodies: Mapping[str, Body], wor
     place = world.matrix(at) if at else world.units
     spot = place.Transform(Gf.Vec3d(value(prim, f"physics:localPos{number}", Gf.Vec3f(0))))
     turn = value(prim, f"physics:localRot{number}", Gf.Quatf(1))
-    if not turn.GetLength() > 0 or not all(map(math.isfinite, spot)):
-        refuse(prim, f"its frame in body {number} is not finite", "author finite numbers and a unit quaternion")
+    if not turn.GetLength() > 0:
+        refuse(prim, f"physics:localRot{number} is no turn", "author a unit quaternion")
     orientation = quaternion(split(place, prim).rigid.ExtractRotationQuat() * Gf.Quatd(turn).GetNormalized())
     here = Pose(vector(spot), multiply(orientation, np.array(_TURNS[axis])))
     body = next((bodies[str(p)] for p in at.GetPath().GetAncestorsRange() if str(p) in bodies), None) if at else None
@@ -118,7 +118,7 @@ _ENDS = (("lower", -math.inf), ("upper", math.inf))
 
 
 def _limits(prim: Usd.Prim, low: float, high: float) -> tuple[float, float] | None:
-    if math.isnan(low) or math.isnan(high) or low > high:
+    if low > high or low == math.inf or high == -math.inf:
         refuse(prim, f"its limits are {low:g} and {high:g}", "author the lower limit below the upper one")
     if high - low < _SAME:
         refuse(prim, "its limits are equal", "use a PhysicsFixedJoint")

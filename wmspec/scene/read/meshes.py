@@ -67,12 +67,8 @@ def _triangulate(prim: Usd.Prim, points: Array, vertices: _Indices, faces: _Indi
     counts = np.asarray(value(prim, "faceVertexCounts", []), np.int32)
     if counts.sum() != len(vertices) or (counts < 3).any() or not len(counts):
         refuse(prim, "its faceVertexCounts and faceVertexIndices do not fit", "author polygons of 3 or more points")
-    if vertices.min() < 0 or vertices.max() >= len(points) or not np.isfinite(points).all():
-        refuse(
-            prim,
-            "its faceVertexIndices and points do not fit",
-            "author an index in 0 .. len(points) - 1, finite points",
-        )
+    if vertices.min() < 0 or vertices.max() >= len(points):
+        refuse(prim, "its faceVertexIndices and points do not fit", "author indices in 0 .. len(points) - 1")
     wanted = np.arange(len(counts)) if faces is None else faces
     wanted = np.setdiff1d(wanted, np.asarray(value(prim, "holeIndices", []), np.int32))
     if not len(wanted) or wanted.min() < 0 or wanted.max() >= len(counts):
