@@ -587,6 +587,26 @@ def test_what_may_be_endless_means_that_there_is_none() -> None:
     assert_allclose(scene.bodies[0].inertia.center, 0)
 
 
+SLIPPERY = """def Material "ice" (prepend apiSchemas = ["PhysicsMaterialAPI"]) { %s }
+    def Mesh "a" (prepend apiSchemas = ["PhysicsCollisionAPI", "MaterialBindingAPI"]) { %s %s
+        def GeomSubset "lid" (prepend apiSchemas = ["MaterialBindingAPI"]) { uniform token elementType = "face"
+            uniform token familyName = "materialBind"
+            int[] indices = [1]
+            rel material:binding:physics = </World/ice> } }"""
+ICE = "float physics:staticFriction = 0.1"
+
+
+def test_a_subset_rubs_as_its_mesh_does() -> None:
+    (found,) = problems(SLIPPERY % (ICE, "", QUAD_BOX)).items()
+    assert found[0] == "/World/a/lid"
+    assert "physics material /World/ice is not that of its mesh" in found[1]
+    assert "not that of its mesh" in problems(SLIPPERY % ("float physics:density = 9", "", QUAD_BOX))["/World/a/lid"]
+    same = only(SLIPPERY % (ICE, "rel material:binding:physics = </World/ice>", QUAD_BOX))
+    assert all(geom.friction.dynamic == pytest.approx(0.1) for geom in same.geoms)
+    only(SLIPPERY % (ICE, "bool physics:collisionEnabled = 0", QUAD_BOX))
+    only((SLIPPERY % (ICE, "", QUAD_BOX)).replace("binding:physics", "binding:preview"))
+
+
 def test_all_problems_are_told_at_once() -> None:
     cases = ("joint", "points", "animated", "transparent", "newer")
     texts = [f'def Scope "{case}" {{ {REFUSED[case][0]} }}' for case in cases]
