@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import pickle
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from pxr import Gf, Usd, UsdPhysics, UsdValidation
 
-from tests.stage.stages import DATA, assert_same, stage
+from tests.stage.stages import DATA, assert_same, lines, stage
 from wmspec.errors import StageError
 from wmspec.scene.inertia import volume
 from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Friction, Glide, Launch, Mesh, Sphere
@@ -491,6 +492,43 @@ REFUSED = {
         "one of points is not finite",
     ),
     "far": ('def Camera "c" {float2 clippingRange = (1, inf)}', "c", "clippingRange = (1, inf)"),
+    "reference": (
+        'def Xform "a" (prepend references = @none.usda@</T>) {} def Xform "b" {}',
+        "a",
+        "Could not open asset @none.usda@ for reference",
+    ),
+    "payload": (
+        'def Xform "a" (prepend payload = @none.usda@) {}',
+        "a",
+        "Could not open asset @none.usda@ for payload",
+    ),
+    "filtered pair": (
+        (BALL % "rel physics:filteredPairs = </World/bell>").replace('["', '["PhysicsFilteredPairsAPI", "', 1),
+        "ball",
+        "physics:filteredPairs -> /World/bell is not on the stage",
+    ),
+    "collision group": (
+        """def PhysicsCollisionGroup "g" (prepend apiSchemas = ["CollectionAPI:colliders"]) {
+        rel collection:colliders:includes = </World/bell> }""",
+        "g",
+        "collection:colliders:includes -> /World/bell",
+    ),
+    "filtered group": (
+        'def PhysicsCollisionGroup "g" {rel physics:filteredGroups = </World/h>}',
+        "g",
+        "physics:filteredGroups -> /World/h is not on the stage",
+    ),
+    "binding": (
+        'def Xform "a" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:binding:physics = </World/m> }',
+        "a",
+        "material:binding:physics -> /World/m is not on the stage",
+    ),
+    "binding of a subset": (
+        f"""def Mesh "a" {{ {QUAD_BOX}
+        def GeomSubset "lid" {{ int[] indices = [1] rel material:binding = </World/m> }} }}""",
+        "a/lid",
+        "material:binding -> /World/m is not on the stage",
+    ),
     "asleep": (BALL % "uniform bool physics:startsAsleep = 1", "ball", "asleep"),
     "no shape": (f'def Xform "a" {COLLIDER} {{}}', "a", "no shape"),
     "no mass": ('def Xform "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {}', "a", "no mass"),
@@ -568,6 +606,13 @@ def test_what_is_not_supported_is_refused(case: str) -> None:
     ((where, why),) = problems(text).items()
     assert where == f"/World/{path}"
     assert reason in why
+
+
+def test_layers_that_are_not_there(tmp_path: Path) -> None:
+    path = tmp_path / "a.usda"
+    path.write_text("#usda 1.0\n(\n    subLayers = [@none.usda@]\n)\n" + lines(BALL % ""))
+    with pytest.raises(StageError, match=r"/: Could not load sublayer .*none\.usda"):
+        read(Usd.Stage.Open(str(path)))
 
 
 @pytest.mark.parametrize("unit", ["meters", "kilograms"])

@@ -12,7 +12,7 @@ from pxr import Gf, Usd
 from wmspec.scene.model import Body, Joint, JointKind, Pose
 from wmspec.scene.read.drives import drive
 from wmspec.scene.read.frames import World, quaternion, split, vector
-from wmspec.scene.read.prims import Names, Problems, applied, refuse, targets, value
+from wmspec.scene.read.prims import Names, Problems, applied, present, refuse, value
 from wmspec.scene.transform import compose, inverse, multiply
 
 _HALF = math.sqrt(0.5)
@@ -78,12 +78,10 @@ def _joint(prim: Usd.Prim, name: str, bodies: Mapping[str, Body], world: World) 
 
 def _end(prim: Usd.Prim, number: int, axis: str, bodies: Mapping[str, Body], world: World) -> tuple[Body | None, Pose]:
     """The body at an end, or None for the world, and the joint's frame in it, its axis along x."""
-    paths = targets(prim, f"physics:body{number}")
+    paths = present(prim, f"physics:body{number}")
     if len(paths) > 1:
         refuse(prim, f"physics:body{number} has {len(paths)} targets", "target one prim, or none for the world")
     at = prim.GetStage().GetPrimAtPath(paths[0]) if paths else None
-    if paths and not at:
-        refuse(prim, f"physics:body{number} -> {paths[0]} is not on the stage", "target a prim that exists")
     place = world.matrix(at) if at else world.units
     spot = place.Transform(Gf.Vec3d(value(prim, f"physics:localPos{number}", Gf.Vec3f(0))))
     turn = value(prim, f"physics:localRot{number}", Gf.Quatf(1))

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import Any, NoReturn
 
 import numpy as np
-from pxr import Usd
+from pxr import Sdf, Usd
 
 from wmspec.errors import Problem, StageError
 from wmspec.scene.model import Array
@@ -58,6 +58,15 @@ def targets(prim: Usd.Prim, name: str) -> list[str]:
     """The paths that the relationship points to, forwarded; empty if there is no such relationship."""
     relationship = prim.GetRelationship(name)
     return [str(path) for path in relationship.GetForwardedTargets()] if relationship else []
+
+
+def present(prim: Usd.Prim, name: str) -> list[str]:
+    """The targets of the relationship, all of which must be on the stage."""
+    paths = targets(prim, name)
+    for path in paths:
+        if not prim.GetStage().GetPrimAtPath(Sdf.Path(path).GetPrimPath()):
+            refuse(prim, f"{name} -> {path} is not on the stage", "target a prim that exists")
+    return paths
 
 
 def applied(prim: Usd.Prim) -> list[str]:
