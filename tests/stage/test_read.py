@@ -486,6 +486,12 @@ REFUSED = {
         "a",
         "xformOp:rotateZ = inf",
     ),
+    "place that is not there": (
+        f"""def Xform "a" {{ uniform token[] xformOpOrder = ["xformOp:translate"]
+        {BALL % ""} def Cube "c" {{}} }}""",
+        "a",
+        "its xformOpOrder names xformOp:translate, which it has not",
+    ),
     "points without number": (
         f'def Mesh "a" {{ {QUAD_BOX.replace("(9,9,9)", "(nan,9,9)")} }}',
         "a",

@@ -64,5 +64,6 @@ def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) ->
 def complaint(error: Exception, path: Path, shown: str) -> str:
     """The first thing that pxr complains about a file, told as `shown`, without where in its own source."""
     said = str(error).partition(" : '")[2].partition("'\n")[0] or str(error) or type(error).__name__
-    said = said.replace(str(path.resolve()), shown)
+    for name in (f"<{path.resolve()}>", str(path.resolve())):
+        said = said.replace(name, shown)
     return " ".join(said.replace("</", "<").split())[: 120 + len(shown)]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from pxr import Usd, UsdGeom
 
+from wmspec.scene.read.frames import operations
 from wmspec.scene.read.prims import Problems, present, refuse
 
 _GEAR = ("gears, tendons and joints that mimic others are not supported", "remove it")
@@ -56,7 +57,7 @@ def incomplete(stage: Usd.Stage) -> None:
         StageError: naming the prims, and what USD says of them.
     """
     problems = Problems()
-    for error in stage.GetCompositionErrors():
+    for error in sorted(stage.GetCompositionErrors(), key=str):  # USD finds them in any order
         with problems.gathered():
             prim = stage.GetPrimAtPath(error.rootSite.path) or stage.GetPseudoRoot()
             refuse(prim, " ".join(str(error).split()).rstrip("."), "mend the path, or remove what is not there")
@@ -76,5 +77,6 @@ def examine(prim: Usd.Prim, apis: Sequence[str]) -> None:
             refuse(prim, *next(row for start, row in APIS.items() if api.startswith(start)))
     for binding in _BINDINGS:
         present(prim, binding)
+    operations(prim)
     if (place := UsdGeom.Xformable(prim)) and place.TransformMightBeTimeVarying():
         refuse(prim, "its transform is animated", "author one transform without time samples; move it by a WmsAction")
