@@ -13,6 +13,13 @@ from wmspec.parse.load import library_folder
 SPECS = library_folder().parent
 SPEED = SPECS / "perception/motion/speed_tabletop.wms"
 COLLIDE = SPECS / "prediction/mechanistic/collide.wms"
+STAGE = Path(__file__).parents[1] / "stage/data/collide.usda"
+BALL = """#usda 1.0
+def Sphere "ball" (
+    apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"]
+) {
+}
+"""
 WMSPEC = Path(sys.executable).with_name("wmspec")
 
 
@@ -63,6 +70,8 @@ def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
         (["run", COLLIDE, "-i", "99999"], "has instances 0 to"),
         (["run", COLLIDE, "-b", "mujocco"], "did you mean `mujoco`?"),
         (["run", "nowhere.usda"], "there is no such file"),
+        (["run", STAGE, "--for", "1ms"], "--for 1ms: shorter than one sample; ask for at least 4.17ms"),
+        (["run", STAGE, "--for", "soon"], "expected a time such as 2s"),
         (["render", COLLIDE, "--size", "7", "-o", "out"], "expected pixels such as 256"),
         (["generate", COLLIDE, "-o", "/proc/nowhere"], "/proc"),
         (["generate", COLLIDE, "-o", "out", "--shard", "3/2"], "shard `3/2`: expected one of so many, from 1/8"),
@@ -97,10 +106,10 @@ def test_a_stage_on_disk_runs_like_its_spec(tmp_path: Path) -> None:
 
 
 WALL = "object wall { shape: cube  size: 20 cm  color: green  on: floor at (40 cm, 0)  fixed: true }"
-BALL = "object ball { shape: sphere  size: 10 cm  color: red  on: floor at (0, 0) }"
+MARBLE = "object ball { shape: sphere  size: 10 cm  color: red  on: floor at (0, 0) }"
 
 
-@pytest.mark.parametrize("objects", [(WALL, BALL), (BALL, WALL)])
+@pytest.mark.parametrize("objects", [(WALL, MARBLE), (MARBLE, WALL)])
 def test_a_touch_of_what_is_fixed_is_told_whichever_comes_first(objects: tuple[str, str], tmp_path: Path) -> None:
     pytest.importorskip("pybullet")
     push = "action push = launch(ball, direction: right, speed: 1 m/s)  horizon 0.5 s  observe front at [0 s]"
@@ -111,6 +120,24 @@ def test_a_touch_of_what_is_fixed_is_told_whichever_comes_first(objects: tuple[s
     assert "ball touches wall from 0.3" in said
     assert {c["first"] for c in contacts} == {"ball"}
     assert said.count(" touches ") == len(contacts)
+
+
+def test_how_long_a_stage_really_ran_is_told(tmp_path: Path) -> None:
+    """10 ms are nearest to two samples of 1/240 s."""
+    pytest.importorskip("pybullet")
+    (tmp_path / "ball.usda").write_text(BALL)
+    told = wmspec("run", "-b", "pybullet", "ball.usda", "--for", "10ms", folder=tmp_path).stdout
+    assert "pybullet, 0.00833333 s" in told
+
+
+def test_where_a_stage_is_broken_is_told_once(tmp_path: Path) -> None:
+    (tmp_path / "broken.usda").write_text('#usda 1.0\ndef Xform "a" {\n    double x =\n}\n')
+    told = wmspec("run", "broken.usda", "--for", "1s", folder=tmp_path, code=2).stderr
+    assert "broken.usda: not a stage that USD can open: broken.usda:3:" in told
+    (tmp_path / "part.usda").write_text('#usda 1.0\ndef Xform "a" (\n    references = @none.usda@\n) {\n}\n')
+    told = wmspec("run", "part.usda", "--for", "1s", folder=tmp_path, code=2).stderr
+    assert told.startswith("error: /a: Could not open asset @")
+    assert len(told.splitlines()) == 1
 
 
 def test_pictures_are_written(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ def stage(body: str, *, meters: float = 1, kilograms: float = 1, up: str = "Z") 
     """A stage of prims under /World."""
     layer = Sdf.Layer.CreateAnonymous("inline.usda")
     header = HEADER.format(meters=meters, kilograms=kilograms, up=up)
-    assert layer.ImportFromString(header + _lines(f'def Xform "World" {{ {body} }}\n'))
+    assert layer.ImportFromString(header + lines(f'def Xform "World" {{ {body} }}\n'))
     return Usd.Stage.Open(layer)
 
 
@@ -31,7 +31,7 @@ _STATEMENT = re.compile(
 )
 
 
-def _lines(text: str) -> str:
+def lines(text: str) -> str:
     """Short tests put several statements on a line, which USD does not allow."""
     text = re.sub(r"\b(def|class|over|prepend) ", r"\n\1 ", text.replace("{", "{\n").replace("}", "\n}\n"))
     return _STATEMENT.sub("\n", text)

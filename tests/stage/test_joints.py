@@ -133,6 +133,9 @@ def test_generic_joints_that_are_one_of_ours() -> None:
     assert (slider.kind, slider.limits) == ("slider", (-2.0, 3.0))
 
 
+SLIDES = ("transX", "transY", "transZ")
+DRIVE_Y = "\n" + DRIVE.replace("%s", "rotY")
+
 REFUSED = {
     "distance": (JOINT % ("Distance", HARMLESS, FRAMES, ""), "distance joints"),
     "two ways": (JOINT % ("", HARMLESS, FRAMES, ""), "leaves transX, transY"),
@@ -150,6 +153,44 @@ REFUSED = {
     "strange drive": (
         JOINT % ("Revolute", '"PhysicsDriveAPI:linear"', FRAMES, DRIVE.replace("%s", "linear")),
         "drive 'linear' is of no axis",
+    ),
+    "drive of a ball": (
+        JOINT % ("Spherical", '"PhysicsDriveAPI:rotX"', FRAMES, DRIVE.replace("%s", "rotX")),
+        "drive 'rotX' is of a ball joint",
+    ),
+    "drive of a generic ball": (
+        JOINT % ("", locked(*SLIDES)[1] + ', "PhysicsDriveAPI:rotY"', FRAMES, locked(*SLIDES)[0] + DRIVE_Y),
+        "drive 'rotY' is of a ball joint",
+    ),
+    "animated drive": (
+        JOINT
+        % (
+            "Revolute",
+            '"PhysicsDriveAPI:angular"',
+            FRAMES,
+            "float drive:angular:physics:stiffness.timeSamples = {0: 1, 24: 2}",
+        ),
+        "drive:angular:physics:stiffness is animated",
+    ),
+    "animated enabling": (
+        JOINT % ("Fixed", HARMLESS, FRAMES, "bool physics:jointEnabled.timeSamples = {0: 1, 24: 0}"),
+        "physics:jointEnabled is animated",
+    ),
+    "limit without number": (
+        JOINT % ("Revolute", HARMLESS, FRAMES, "float physics:lowerLimit = nan"),
+        "lowerLimit = nan",
+    ),
+    "limits without end": (
+        JOINT % ("Prismatic", HARMLESS, FRAMES, "float physics:lowerLimit = inf"),
+        "its limits are inf",
+    ),
+    "frame": (
+        JOINT % ("Fixed", HARMLESS, FRAMES.replace("(0.5, 0, 0)", "(nan, 0, 0)"), ""),
+        "localPos0 = .nan, 0, 0. is",
+    ),
+    "stiffness": (
+        JOINT % ("Revolute", '"PhysicsDriveAPI:angular"', FRAMES, "float drive:angular:physics:stiffness = inf"),
+        "stiffness = inf is not finite",
     ),
     "acceleration": (
         JOINT

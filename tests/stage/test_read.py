@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import pickle
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from pxr import Gf, Usd, UsdPhysics, UsdValidation
 
-from tests.stage.stages import DATA, assert_same, stage
+from tests.stage.stages import DATA, assert_same, lines, stage
 from wmspec.errors import StageError
 from wmspec.scene.inertia import volume
 from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Friction, Glide, Launch, Mesh, Sphere
@@ -414,6 +415,126 @@ REFUSED = {
         "a",
         "animated",
     ),
+    "animated size": (
+        BALL.replace("double radius = 0.1", "double radius.timeSamples = {0: 1, 9: 2}") % "",
+        "ball",
+        "radius is",
+    ),
+    "animated gravity": (
+        'def PhysicsScene "s" {float physics:gravityMagnitude.timeSamples = {0: 0, 24: 9.81}}',
+        "s",
+        "physics:gravityMagnitude is animated",
+    ),
+    "animated points": (
+        'def Mesh "a" {point3f[] points.timeSamples = {0: [(0, 0, 0)], 1: [(1, 0, 0)]}}',
+        "a",
+        "points is animated",
+    ),
+    "animated subset": (
+        f"""def Mesh "a" {{ {QUAD_BOX} def GeomSubset "lid" {{ uniform token familyName = "materialBind"
+        int[] indices.timeSamples = {{0: [0], 1: [1]}} }} }}""",
+        "a/lid",
+        "indices is animated",
+    ),
+    "animated texture coordinates": (
+        f"""def Mesh "a" {{ {QUAD_BOX}
+        texCoord2f[] primvars:st.timeSamples = {{0: [(0, 0)], 1: [(1, 0)]}} }}""",
+        "a",
+        "primvars:st is animated",
+    ),
+    "animated display colour": (
+        'def Cube "a" {color3f[] primvars:displayColor.timeSamples = {0: [(0, 0, 0)], 1: [(1, 0, 0)]}}',
+        "a",
+        "primvars:displayColor is animated",
+    ),
+    "animated colour": (
+        PREVIEW % ("UsdPreviewSurface", "color3f inputs:diffuseColor.timeSamples = {0: (0, 0, 0), 1: (1, 0, 0)}"),
+        "m/s",
+        "inputs:diffuseColor is animated",
+    ),
+    "velocity without end": (
+        BALL % "vector3f physics:velocity = (inf, 0, 0)",
+        "ball",
+        "physics:velocity = (inf, 0, 0) is",
+    ),
+    "centre of mass": (BALL % "point3f physics:centerOfMass = (nan, 0, 0)", "ball", "physics:centerOfMass = (nan"),
+    "half a centre of mass": (
+        BALL % "point3f physics:centerOfMass = (-inf, 0, 0)",
+        "ball",
+        "physics:centerOfMass = (-inf",
+    ),
+    "axes": (
+        BALL % "quatf physics:principalAxes = (nan, 0, 0, 0) float3 physics:diagonalInertia = (1, 1, 1)",
+        "ball",
+        "physics:principalAxes = (nan",
+    ),
+    "damping": (BALL % "float physxRigidBody:linearDamping = nan", "ball", "physxRigidBody:linearDamping = nan"),
+    "gravity's direction": (
+        'def PhysicsScene "s" {vector3f physics:gravityDirection = (nan, 0, -1)}',
+        "s",
+        "physics:gravityD",
+    ),
+    "gravity without end": (
+        'def PhysicsScene "s" {float physics:gravityMagnitude = inf}',
+        "s",
+        "physics:gravityMagnitude",
+    ),
+    "place": ((BALL % "").replace("(0, 0, 1)", "(nan, 0, 1)"), "ball", "xformOp:translate = (nan, 0, 1) is not finite"),
+    "place above": (
+        f"""def Xform "a" {{ float xformOp:rotateZ = inf uniform token[] xformOpOrder = ["xformOp:rotateZ"]
+        {BALL % ""} def Cube "c" {{}} }}""",
+        "a",
+        "xformOp:rotateZ = inf",
+    ),
+    "place that is not there": (
+        f"""def Xform "a" {{ uniform token[] xformOpOrder = ["xformOp:translate"]
+        {BALL % ""} def Cube "c" {{}} }}""",
+        "a",
+        "its xformOpOrder names xformOp:translate, which it has not",
+    ),
+    "points without number": (
+        f'def Mesh "a" {{ {QUAD_BOX.replace("(9,9,9)", "(nan,9,9)")} }}',
+        "a",
+        "one of points is not finite",
+    ),
+    "far": ('def Camera "c" {float2 clippingRange = (1, inf)}', "c", "clippingRange = (1, inf)"),
+    "reference": (
+        'def Xform "a" (prepend references = @none.usda@</T>) {} def Xform "b" {}',
+        "a",
+        "Could not open asset @none.usda@ for reference",
+    ),
+    "payload": (
+        'def Xform "a" (prepend payload = @none.usda@) {}',
+        "a",
+        "Could not open asset @none.usda@ for payload",
+    ),
+    "filtered pair": (
+        (BALL % "rel physics:filteredPairs = </World/bell>").replace('["', '["PhysicsFilteredPairsAPI", "', 1),
+        "ball",
+        "physics:filteredPairs -> /World/bell is not on the stage",
+    ),
+    "collision group": (
+        """def PhysicsCollisionGroup "g" (prepend apiSchemas = ["CollectionAPI:colliders"]) {
+        rel collection:colliders:includes = </World/bell> }""",
+        "g",
+        "collection:colliders:includes -> /World/bell",
+    ),
+    "filtered group": (
+        'def PhysicsCollisionGroup "g" {rel physics:filteredGroups = </World/h>}',
+        "g",
+        "physics:filteredGroups -> /World/h is not on the stage",
+    ),
+    "binding": (
+        'def Xform "a" (prepend apiSchemas = ["MaterialBindingAPI"]) { rel material:binding:physics = </World/m> }',
+        "a",
+        "material:binding:physics -> /World/m is not on the stage",
+    ),
+    "binding of a subset": (
+        f"""def Mesh "a" {{ {QUAD_BOX}
+        def GeomSubset "lid" {{ int[] indices = [1] rel material:binding = </World/m> }} }}""",
+        "a/lid",
+        "material:binding -> /World/m is not on the stage",
+    ),
     "asleep": (BALL % "uniform bool physics:startsAsleep = 1", "ball", "asleep"),
     "no shape": (f'def Xform "a" {COLLIDER} {{}}', "a", "no shape"),
     "no mass": ('def Xform "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {}', "a", "no mass"),
@@ -491,6 +612,50 @@ def test_what_is_not_supported_is_refused(case: str) -> None:
     ((where, why),) = problems(text).items()
     assert where == f"/World/{path}"
     assert reason in why
+
+
+def test_layers_that_are_not_there(tmp_path: Path) -> None:
+    path = tmp_path / "a.usda"
+    path.write_text("#usda 1.0\n(\n    subLayers = [@none.usda@]\n)\n" + lines(BALL % ""))
+    with pytest.raises(StageError, match=r"/: Could not load sublayer .*none\.usda"):
+        read(Usd.Stage.Open(str(path)))
+
+
+@pytest.mark.parametrize("unit", ["meters", "kilograms"])
+@pytest.mark.parametrize("number", [0, -1, math.nan, math.inf])
+def test_units_are_above_0(unit: str, number: float) -> None:
+    with pytest.raises(StageError) as caught:
+        read(stage(BALL % "" + REFUSED["joint"][0], **{unit: number}))
+    told = [(problem.path, problem.reason) for problem in caught.value.problems]
+    assert told == [("/", f"{unit}PerUnit = {number:g}"), ("/World/j", "distance joints are not supported")]
+
+
+def test_what_may_be_endless_means_that_there_is_none() -> None:
+    ball = BALL % "point3f physics:centerOfMass = (-inf, -inf, -inf)"
+    scene = read(stage(ball + 'def PhysicsScene "s" {float physics:gravityMagnitude = -inf}'))
+    assert_allclose(scene.gravity, (0, 0, -9.81))
+    assert scene.bodies[0].inertia is not None
+    assert_allclose(scene.bodies[0].inertia.center, 0)
+
+
+SLIPPERY = """def Material "ice" (prepend apiSchemas = ["PhysicsMaterialAPI"]) { %s }
+    def Mesh "a" (prepend apiSchemas = ["PhysicsCollisionAPI", "MaterialBindingAPI"]) { %s %s
+        def GeomSubset "lid" (prepend apiSchemas = ["MaterialBindingAPI"]) { uniform token elementType = "face"
+            uniform token familyName = "materialBind"
+            int[] indices = [1]
+            rel material:binding:physics = </World/ice> } }"""
+ICE = "float physics:staticFriction = 0.1"
+
+
+def test_a_subset_rubs_as_its_mesh_does() -> None:
+    (found,) = problems(SLIPPERY % (ICE, "", QUAD_BOX)).items()
+    assert found[0] == "/World/a/lid"
+    assert "physics material /World/ice is not that of its mesh" in found[1]
+    assert "not that of its mesh" in problems(SLIPPERY % ("float physics:density = 9", "", QUAD_BOX))["/World/a/lid"]
+    same = only(SLIPPERY % (ICE, "rel material:binding:physics = </World/ice>", QUAD_BOX))
+    assert all(geom.friction.dynamic == pytest.approx(0.1) for geom in same.geoms)
+    only(SLIPPERY % (ICE, "bool physics:collisionEnabled = 0", QUAD_BOX))
+    only((SLIPPERY % (ICE, "", QUAD_BOX)).replace("binding:physics", "binding:preview"))
 
 
 def test_all_problems_are_told_at_once() -> None:

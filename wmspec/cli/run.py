@@ -21,7 +21,11 @@ STAGES = (".usd", ".usda", ".usdc", ".usdz")
 @instance_option
 @seed_option
 @click.option(
-    "--for", "duration", default="", metavar="TIME", help="How long, such as 2s; for stages without an episode."
+    "--for",
+    "duration",
+    default="",
+    metavar="TIME",
+    help="How long, such as 2s, to the nearest sample; for stages without an episode.",
 )
 @click.option(
     "--output",
@@ -42,7 +46,7 @@ def run_command(
     stage = load_stage(source, instance, seed)
     scene = read(stage)
     if duration:
-        scene = replace(scene, duration=_seconds(duration))
+        scene = replace(scene, duration=_seconds(duration, scene.rate))
     if scene.duration <= 0 and source.suffix != ".wms":  # a spec may well ask for a single moment
         raise WmsError(f"{source}: the stage does not say how long it lasts; add for instance `--for 2s`")
     engines = chosen(backend)
@@ -71,20 +75,25 @@ def load_stage(source: Path, instance: int, seed: int) -> Any:
 
 
 def _open(path: Path) -> Any:
-    from pxr import Tf, Usd
+    from pxr import Tf, Usd, UsdUtils
 
     import wmspec.scene.schema  # noqa: F401  importing it registers the schemas
+    from wmspec.check.assets.usd_open import complaint
 
     if not path.is_file():
         raise WmsError(f"{path}: there is no such file")
+    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us, here and by the reader
     try:
         return Usd.Stage.Open(str(path))
     except Tf.ErrorException as error:
-        reason = str(error).strip().splitlines()[-1].strip()
-        raise WmsError(f"{path}: not a stage that USD can open: {reason}") from None
+        what = complaint(error, path, str(path))
+        raise WmsError(f"{path}: not a stage that USD can open: {what}") from None
+    finally:
+        del quiet
 
 
-def _seconds(text: str) -> float:
+def _seconds(text: str, rate: int) -> float:
+    """The time (s) that is meant, rounded to samples of 1 / `rate` s, as episodes are."""
     from wmspec.check.units import TIME, UnknownUnit, parse_unit
 
     number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
@@ -95,7 +104,9 @@ def _seconds(text: str) -> float:
         dimension, seconds = TIME, 0.0
     if dimension != TIME or not 0 < seconds <= 3600:
         raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to an hour")
-    return seconds
+    if seconds * rate < 0.99:  # the time told is rounded
+        raise WmsError(f"--for {text}: shorter than one sample; ask for at least {1000 / rate:.3g}ms")
+    return round(seconds * rate) / rate
 
 
 def _summary(trace: Any, scene: Any) -> dict[str, Any]:

@@ -127,14 +127,22 @@ TABLE = (
 )
 """What stages may ask for, and who lacks it."""
 
-LOOPS = Capability(
-    "joints that close a loop, that break, gears, mimics, tendons, distance joints",
-    dict.fromkeys(NAMES, "the reader refuses them, as trees of joints are what all engines solve alike"),
-    _nowhere,
-)
-"""What no engine is given: refused before."""
+_NOBODY = {
+    "joints that close a loop, that break, gears, mimics, tendons, distance joints": (
+        "the reader refuses them, as trees of joints are what all engines solve alike"
+    ),
+    "static friction other than the dynamic one": "engines have one coefficient; make them equal, or author one",
+    "bodies with joints that start in motion": "give them an impulse or a drive instead of a velocity",
+    "kinematic bodies with a velocity": "move them by a WmsAction that glides",
+    "drives of ball joints": "use hinges",
+    "several PhysicsScenes": "all bodies are in one; deactivate the others",
+    "values and transforms that are animated": "author one value; move bodies by WmsActions",
+}
+
+NEVER = tuple(Capability(name, dict.fromkeys(NAMES, why), _nowhere) for name, why in _NOBODY.items())
+"""What no engine is given: refused before. docs/stage.md lists the rest of it."""
 
 
 def table() -> list[tuple[str, dict[str, str]]]:
     """What can be asked for, and for each engine why it lacks it, or nothing."""
-    return [(row.name, {engine: row.lacking.get(engine, "") for engine in NAMES}) for row in (*TABLE, LOOPS)]
+    return [(row.name, {engine: row.lacking.get(engine, "") for engine in NAMES}) for row in (*TABLE, *NEVER)]

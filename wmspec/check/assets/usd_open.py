@@ -33,7 +33,7 @@ def opened(path: Path, folder: Path | None, shown: str, faults: Faults) -> Itera
     except Broken:
         raise
     except Exception as error:  # noqa: BLE001  what others wrote may be of any type
-        what = _first(error).replace(str(path.resolve()), path.name)
+        what = complaint(error, path, path.name)
         raise faults.stop(shown, f"cannot be read: {what}", "mend it, or export it again") from None
     finally:
         del quiet
@@ -61,7 +61,9 @@ def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) ->
             raise faults.stop(shown, what, "put it beside the asset")
 
 
-def _first(error: Exception) -> str:
-    """The first thing that pxr complains about, without where in its own source."""
+def complaint(error: Exception, path: Path, shown: str) -> str:
+    """The first thing that pxr complains about a file, told as `shown`, without where in its own source."""
     said = str(error).partition(" : '")[2].partition("'\n")[0] or str(error) or type(error).__name__
-    return " ".join(said.replace("</", "<").split())[:120]
+    for name in (f"<{path.resolve()}>", str(path.resolve())):
+        said = said.replace(name, shown)
+    return " ".join(said.replace("</", "<").split())[: 120 + len(shown)]

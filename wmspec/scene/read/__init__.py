@@ -12,6 +12,7 @@ from wmspec.scene.read.bodies import bodies
 from wmspec.scene.read.filters import filtered
 from wmspec.scene.read.frames import World
 from wmspec.scene.read.prims import Names, Problems, targets
+from wmspec.scene.read.unsupported import incomplete
 from wmspec.scene.read.walk import Found, Walk
 
 __all__ = ["read"]
@@ -27,7 +28,9 @@ def read(stage: Usd.Stage) -> Scene:
         StageError: with everything on the stage that is wrong or not supported, each with its prim and remedy.
     """
     problems = Problems()
-    found, world = Walk(stage, problems).found, World(stage)
+    with problems.gathered():
+        incomplete(stage)
+    found, world = Walk(stage, problems).found, World(stage, problems)
     everything = bodies(list(found.owners.values()), world, problems)
     known = {body.path: body for body in everything}
     cameras = _cameras(found, known, world, problems)

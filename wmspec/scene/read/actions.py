@@ -81,29 +81,29 @@ def _follow(prim: Usd.Prim, body: str, world: World) -> Follow:
     if len(points) != len(times) or len(turns) not in (0, len(times)) or len(times) < 2:
         reason = f"it has {len(times)} wms:times, {len(points)} wms:points and {len(turns)} wms:orientations"
         refuse(prim, reason, "author at least 2 times, as many points, and as many orientations or none")
-    if times[0] != 0 or not (np.diff(times) > 0).all() or not math.isfinite(times[-1]):
+    if times[0] != 0 or not (np.diff(times) > 0).all():
         refuse(prim, f"wms:times = {times.tolist()}", "expected times (s) that grow from 0")
     if not math.isclose(seconds(prim, "wms:duration") or times[-1], times[-1], rel_tol=1e-9):
         refuse(prim, "wms:duration is not the last of wms:times", "author the same number for both")
-    at = np.array([_vector(prim, "wms:points", point, world) for point in points])
+    at = np.array([world.direction(point) for point in points])
     turned = np.array([_orientation(prim, turn, world) for turn in turns]) if len(turns) else None
     return Follow(prim.GetName(), body, seconds(prim, "wms:start"), times, at, turned)
 
 
 def _teleport(prim: Usd.Prim, body: str, world: World) -> Teleport:
-    at = _vector(prim, "wms:position", value(prim, "wms:position", Gf.Vec3d(0)), world)
+    at = world.direction(value(prim, "wms:position", Gf.Vec3d(0)))
     turn = _orientation(prim, value(prim, "wms:orientation", Gf.Quatd(1)), world)
     return Teleport(prim.GetName(), body, seconds(prim, "wms:start"), Pose(at, turn))
 
 
 def _impulse(prim: Usd.Prim, body: str, world: World) -> Impulse:
-    impulse = _vector(prim, "wms:impulse", value(prim, "wms:impulse", Gf.Vec3d(0)), world)
+    impulse = world.direction(value(prim, "wms:impulse", Gf.Vec3d(0)))
     return Impulse(prim.GetName(), body, seconds(prim, "wms:start"), impulse)
 
 
 def _force(prim: Usd.Prim, body: str, world: World) -> Force:
     start = seconds(prim, "wms:start")
-    force = _vector(prim, "wms:force", value(prim, "wms:force", Gf.Vec3d(0)), world)
+    force = world.direction(value(prim, "wms:force", Gf.Vec3d(0)))
     return Force(prim.GetName(), body, start, start + seconds(prim, "wms:duration"), force)
 
 
@@ -112,10 +112,7 @@ def _release(prim: Usd.Prim, body: str, _world: World) -> Release:
 
 
 def _steer(prim: Usd.Prim, joint: str, _world: World) -> Steer:
-    goal = float(value(prim, "wms:target", 0.0))
-    if not math.isfinite(goal):
-        refuse(prim, f"wms:target = {goal:g}", "author a finite target")
-    return Steer(prim.GetName(), joint, seconds(prim, "wms:start"), goal)
+    return Steer(prim.GetName(), joint, seconds(prim, "wms:start"), float(value(prim, "wms:target", 0.0)))
 
 
 VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, World], Action]]] = {
@@ -129,12 +126,6 @@ VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, World], Action]]] 
     "drive": (Steer, _steer),
 }
 """Verb -> the action, and what reads it, given the name of the body or joint that it is done to."""
-
-
-def _vector(prim: Usd.Prim, name: str, found: Gf.Vec3d, world: World) -> Array:
-    if not all(map(math.isfinite, found)):
-        refuse(prim, f"{name} has {tuple(found)}", "author finite numbers")
-    return world.direction(found)
 
 
 def _orientation(prim: Usd.Prim, found: Gf.Quatd, world: World) -> Array:

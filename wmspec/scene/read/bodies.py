@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -60,8 +59,6 @@ def _velocities(owner: Owner, world: World) -> tuple[Array, Array]:
         return np.zeros(3), np.zeros(3)
     if owner.motion == "kinematic":
         refuse(owner.prim, "a kinematic body with a velocity is not supported", "move it by a WmsAction that glides")
-    if not all(map(math.isfinite, (*linear, *angular))):
-        refuse(owner.prim, "its velocity is not finite", "author a finite velocity")
     parent = world.parent(owner.prim)
     turn = split(parent, owner.prim).rigid
     return vector(parent.TransformDir(linear)), np.radians(vector(turn.TransformDir(angular)))

@@ -14,14 +14,17 @@ DEGREES = math.radians(1)
 
 
 def drive(prim: Usd.Prim, name: str, world: World) -> Drive | None:
-    """The drive `name` (angular, linear, or a degree of freedom such as rotX), or None if it has none.
+    """The drive `name` (angular, linear, or a degree of freedom such as rotX), or None if it has none; of a ball joint,
+    whose drives have no name, there may be none.
 
     Raises:
-        StageError: if it drives something that the joint does not leave free, or by acceleration.
+        StageError: if it drives a ball joint or something that the joint does not leave free, or by acceleration.
     """
     found = [api.partition(":")[2] for api in applied(prim) if api.startswith("PhysicsDriveAPI:")]
     names = {name, {"rot": "angular", "tra": "linear"}.get(name[:3], name)}
     strange = [other for other in found if other not in names and _drives(prim, other)]
+    if strange and not name:
+        refuse(prim, f"its drive '{strange[0]}' is of a ball joint", "remove that PhysicsDriveAPI, or use hinges")
     if strange:
         refuse(prim, f"its drive '{strange[0]}' is of no axis that it leaves free", "remove that PhysicsDriveAPI")
     mine = next((other for other in found if other in names), None)

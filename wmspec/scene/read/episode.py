@@ -24,7 +24,7 @@ def gravity(scenes: Sequence[Usd.Prim], world: World) -> Array:
     """The acceleration of free fall (3,), m/s².
 
     Raises:
-        StageError: if there are several physics scenes.
+        StageError: if there are several physics scenes, or gravity is endless.
     """
     for extra in scenes[1:]:
         refuse(extra, "only one PhysicsScene is supported", "deactivate the others")
@@ -32,6 +32,8 @@ def gravity(scenes: Sequence[Usd.Prim], world: World) -> Array:
     if not scenes:
         return EARTH * down
     magnitude = float(value(scenes[0], "physics:gravityMagnitude", -math.inf))
+    if magnitude == math.inf:
+        refuse(scenes[0], "physics:gravityMagnitude = inf", "author a finite number, or a negative one for the Earth's")
     direction = Gf.Vec3d(value(scenes[0], "physics:gravityDirection", Gf.Vec3f(0)))
     size = EARTH if magnitude < 0 else magnitude * world.meters
     return size * (world.direction(direction.GetNormalized()) if direction.GetLength() > 0 else down)

@@ -8,7 +8,7 @@ from itertools import combinations, product
 from pxr import Sdf, Usd, UsdPhysics
 
 from wmspec.scene.model import Body, Joint
-from wmspec.scene.read.prims import applied, refuse, targets, value
+from wmspec.scene.read.prims import applied, present, refuse, value
 from wmspec.scene.read.walk import Owner
 
 Pair = tuple[str, str]
@@ -28,7 +28,7 @@ def filtered(
     articulations, `groups` are collision groups; the others are given by their paths.
 
     Raises:
-        StageError: where only some colliders of two bodies would.
+        StageError: where only some colliders of two bodies would, or what is named is not on the stage.
     """
     colliders = {path: [p.prim.GetPath() for p in owner.pieces if p.collides] for path, owner in owners.items()}
     blocked = {*_listed(prims, colliders), *_grouped(stage, groups, colliders)}
@@ -50,7 +50,7 @@ def _listed(prims: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path
     """The pairs of colliders at or below the two prims of every filtered pair."""
     everything = [path for all_ in colliders.values() for path in all_]
     for prim in prims:
-        for target in targets(prim, "physics:filteredPairs"):
+        for target in present(prim, "physics:filteredPairs"):
             mine = [path for path in everything if path.HasPrefix(prim.GetPath())]
             theirs = [path for path in everything if path.HasPrefix(Sdf.Path(target))]
             yield from ((str(a), str(b)) for a, b in product(mine, theirs))
@@ -66,6 +66,9 @@ def _grouped(
     everything = [path for all_ in colliders.values() for path in all_]
     members = {}
     for prim in groups:
+        present(prim, "physics:filteredGroups")
+        for which in ("includes", "excludes"):
+            present(prim, f"collection:colliders:{which}")
         query = UsdPhysics.CollisionGroup(prim).GetCollidersCollectionAPI().ComputeMembershipQuery()
         members[prim.GetPath()] = [path for path in everything if query.IsPathIncluded(path)]
     for a, b in product(members, repeat=2):

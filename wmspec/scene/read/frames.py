@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Tf, Usd, UsdGeom, UsdPhysics
 
 from wmspec.scene.model import Array, Pose
-from wmspec.scene.read.prims import NOW, refuse
+from wmspec.scene.read.prims import NOW, Problems, refuse, still, value
 
 _ORTHOGONAL = 1e-6
+_RESET = "!resetXformStack!"
 _UPRIGHT = {"Y": Gf.Rotation(Gf.Vec3d(1, 0, 0), 90), "X": Gf.Rotation(Gf.Vec3d(0, 1, 0), -90)}
 """Up axis -> the rotation that brings it to Z."""
 
@@ -33,6 +35,19 @@ def vector(v: Gf.Vec3d) -> Array:
     """A Gf vector as an array (3,)."""
     x, y, z = v
     return np.array((x, y, z), np.float64)
+
+
+def operations(prim: Usd.Prim) -> list[Usd.Attribute]:
+    """The operations of the prim's own transform.
+
+    Raises:
+        StageError: if it names one that it has not, which USD would leave out.
+    """
+    names = [name.removeprefix("!invert!") for name in value(prim, "xformOpOrder", ()) if name != _RESET]
+    for name in names:
+        if not name.startswith("xformOp:") or not prim.HasAttribute(name):
+            refuse(prim, f"its xformOpOrder names {name}, which it has not", "author it, or remove its name")
+    return [prim.GetAttribute(name) for name in names]
 
 
 def quaternion(q: Gf.Quatd) -> Array:
@@ -66,11 +81,14 @@ def split(matrix: Gf.Matrix4d, prim: Usd.Prim) -> Place:
 
 
 class World:
-    """The stage's coordinates turned into ours: metres, kilograms, Z up."""
+    """The stage's coordinates turned into ours: metres, kilograms, Z up; units that are none go to `problems`."""
 
-    def __init__(self, stage: Usd.Stage) -> None:
-        self.meters = UsdGeom.GetStageMetersPerUnit(stage)
-        self.kilograms = float(stage.GetMetadata("kilogramsPerUnit") or 1.0)
+    def __init__(self, stage: Usd.Stage, problems: Problems) -> None:
+        self.meters = self.kilograms = 1.0
+        with problems.gathered():
+            self.meters = _unit(stage, "metersPerUnit", UsdGeom.GetStageMetersPerUnit(stage))
+        with problems.gathered():
+            self.kilograms = _unit(stage, "kilogramsPerUnit", UsdPhysics.GetStageKilogramsPerUnit(stage))
         self.upright = Gf.Matrix4d(
             _UPRIGHT.get(UsdGeom.GetStageUpAxis(stage), Gf.Rotation(Gf.Vec3d(0, 0, 1), 0)), (0, 0, 0)
         )
@@ -79,14 +97,36 @@ class World:
 
     def matrix(self, prim: Usd.Prim) -> Gf.Matrix4d:
         """The prim's local coordinates -> our world."""
-        return self._cache.GetLocalToWorldTransform(prim) * self.units
+        return _placed(self._cache.GetLocalToWorldTransform, prim) * self.units
 
     def parent(self, prim: Usd.Prim) -> Gf.Matrix4d:
         """The coordinates in which the prim's transform is given -> our world."""
         if self._cache.GetLocalTransformation(prim)[1]:
             return self.units
-        return self._cache.GetParentToWorldTransform(prim) * self.units
+        return _placed(self._cache.GetParentToWorldTransform, prim) * self.units
 
     def direction(self, v: Gf.Vec3d) -> Array:
         """A vector (3,) in the stage's world axes, turned to ours and not scaled."""
         return vector(self.upright.TransformDir(Gf.Vec3d(v)))
+
+
+def _unit(stage: Usd.Stage, name: str, found: float) -> float:
+    if not 0 < found < math.inf:
+        refuse(stage.GetPseudoRoot(), f"{name} = {found:g}", "author a finite number above 0")
+    return found
+
+
+def _placed(compute: Callable[[Usd.Prim], Gf.Matrix4d], prim: Usd.Prim) -> Gf.Matrix4d:
+    """The transform of a prim, unless an operation of it, or of a prim above, is missing or not finite."""
+    try:
+        matrix = compute(prim)
+        if np.isfinite(np.asarray(matrix)).all():
+            return matrix
+    except Tf.ErrorException:  # which does not say of which prim
+        pass
+    above = prim
+    while above:
+        for operation in operations(above):
+            still(operation)
+        above = above.GetParent()
+    refuse(prim, "its transform is not finite", "author smaller numbers")

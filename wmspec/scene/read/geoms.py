@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdShade
 
 from wmspec.scene.model import Friction, Geom, Pose, Shape, Surface
 from wmspec.scene.read import looks, meshes
-from wmspec.scene.read.prims import Names
+from wmspec.scene.read.prims import Names, applied, refuse
 from wmspec.scene.read.shapes import Placed
 from wmspec.scene.read.walk import Piece
 
@@ -44,6 +44,16 @@ class Materials:
         """The density that the geometry's physics material gives it, or 0."""
         return looks.density(self._physics[prim.GetPath()])
 
+    def alike(self, prim: Usd.Prim) -> None:
+        """Refuse a subset with a physics material of its own that says something else than that of its mesh."""
+        for subset in _subsets(prim):
+            own = self._physics[subset.GetPath()]
+            if own is None or "PhysicsMaterialAPI" not in applied(own):
+                continue
+            if (self.friction(subset), self.density(subset)) != (self.friction(prim), self.density(prim)):
+                reason = f"its physics material {own.GetPath()} is not that of its mesh, which collides as a whole"
+                refuse(subset, reason, "bind one physics material to the mesh, or make two meshes of it")
+
 
 def geoms(
     piece: Piece,
@@ -56,10 +66,12 @@ def geoms(
     """The geometry `name`, with what collides for it; if its subsets look different, they are drawn instead of it.
 
     Raises:
-        StageError: if its collider or its look is not supported.
+        StageError: if its collider or its look is not supported, or its subsets rub in other ways.
     """
     prim = piece.prim
     friction = materials.friction(prim)
+    if piece.collides:
+        materials.alike(prim)
     drawn = []
     for part, faces in meshes.parts(prim) if piece.visible else []:
         shape, surface = meshes.mesh(prim, placed.place.stretch, faces), materials.surface(part)
@@ -83,4 +95,4 @@ def geoms(
 def _subsets(prim: Usd.Prim) -> list[Usd.Prim]:
     if prim.GetTypeName() != "Mesh":
         return []
-    return [child for child in prim.GetChildren() if child.GetTypeName() == "GeomSubset"]
+    return [subset.GetPrim() for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()]

@@ -12,7 +12,7 @@ from pxr import Gf, Usd
 from wmspec.scene.model import Body, Joint, JointKind, Pose
 from wmspec.scene.read.drives import drive
 from wmspec.scene.read.frames import World, quaternion, split, vector
-from wmspec.scene.read.prims import Names, Problems, applied, refuse, targets, value
+from wmspec.scene.read.prims import Names, Problems, applied, present, refuse, value
 from wmspec.scene.transform import compose, inverse, multiply
 
 _HALF = math.sqrt(0.5)
@@ -26,7 +26,7 @@ _SAME = 1e-9
 
 @dataclass(frozen=True)
 class _Way:
-    """What a joint leaves free: its kind, its axis, its limits (rad, m) and the name of its drive."""
+    """What a joint leaves free: its kind, its axis, its limits (rad, m) and the name of the drive that it may have."""
 
     kind: JointKind
     axis: str
@@ -40,8 +40,8 @@ def joints(prims: list[Usd.Prim], bodies: Mapping[str, Body], world: World, prob
     for body in bodies.values():
         names.give(body.name)
     for prim in prims:
-        if value(prim, "physics:jointEnabled", True):
-            with problems.gathered():
+        with problems.gathered():
+            if value(prim, "physics:jointEnabled", True):
                 joint = _joint(prim, names.give(prim.GetName(), str(prim.GetPath())), bodies, world)
                 if joint is not None:
                     found[joint.path] = joint
@@ -71,24 +71,22 @@ def _joint(prim: Usd.Prim, name: str, bodies: Mapping[str, Body], world: World) 
         above,
         below,
         way.limits,
-        drive(prim, way.drive, world) if way.drive else None,
+        None if way.kind == "fixed" else drive(prim, way.drive, world),
         bool(value(prim, "physics:collisionEnabled", False)),
     )
 
 
 def _end(prim: Usd.Prim, number: int, axis: str, bodies: Mapping[str, Body], world: World) -> tuple[Body | None, Pose]:
     """The body at an end, or None for the world, and the joint's frame in it, its axis along x."""
-    paths = targets(prim, f"physics:body{number}")
+    paths = present(prim, f"physics:body{number}")
     if len(paths) > 1:
         refuse(prim, f"physics:body{number} has {len(paths)} targets", "target one prim, or none for the world")
     at = prim.GetStage().GetPrimAtPath(paths[0]) if paths else None
-    if paths and not at:
-        refuse(prim, f"physics:body{number} -> {paths[0]} is not on the stage", "target a prim that exists")
     place = world.matrix(at) if at else world.units
     spot = place.Transform(Gf.Vec3d(value(prim, f"physics:localPos{number}", Gf.Vec3f(0))))
     turn = value(prim, f"physics:localRot{number}", Gf.Quatf(1))
-    if not turn.GetLength() > 0 or not all(map(math.isfinite, spot)):
-        refuse(prim, f"its frame in body {number} is not finite", "author finite numbers and a unit quaternion")
+    if not turn.GetLength() > 0:
+        refuse(prim, f"physics:localRot{number} is no turn", "author a unit quaternion")
     orientation = quaternion(split(place, prim).rigid.ExtractRotationQuat() * Gf.Quatd(turn).GetNormalized())
     here = Pose(vector(spot), multiply(orientation, np.array(_TURNS[axis])))
     body = next((bodies[str(p)] for p in at.GetPath().GetAncestorsRange() if str(p) in bodies), None) if at else None
@@ -118,7 +116,7 @@ _ENDS = (("lower", -math.inf), ("upper", math.inf))
 
 
 def _limits(prim: Usd.Prim, low: float, high: float) -> tuple[float, float] | None:
-    if math.isnan(low) or math.isnan(high) or low > high:
+    if low > high or low == math.inf or high == -math.inf:
         refuse(prim, f"its limits are {low:g} and {high:g}", "author the lower limit below the upper one")
     if high - low < _SAME:
         refuse(prim, "its limits are equal", "use a PhysicsFixedJoint")

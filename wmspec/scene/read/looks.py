@@ -9,7 +9,7 @@ from pxr import Gf, Usd, UsdGeom, UsdShade
 from wmspec.scene.model import Friction, Surface
 from wmspec.scene.read.images import image
 from wmspec.scene.read.plugs import source, srgb
-from wmspec.scene.read.prims import NOW, applied, refuse, value
+from wmspec.scene.read.prims import applied, refuse, still, value
 
 _PREVIEW = (0.18, 0.18, 0.18)
 """UsdPreviewSurface's own diffuseColor, linear."""
@@ -61,7 +61,7 @@ def surface(prim: Usd.Prim, material: Usd.Prim | None) -> Surface:
 
 def _displayed(prim: Usd.Prim) -> Surface:
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
-    colors = primvar.Get(NOW) if primvar and primvar.HasValue() else None
+    colors = still(primvar.GetAttr()) if primvar and primvar.HasValue() else None
     return Surface(srgb(colors[0])) if colors else Surface()
 
 

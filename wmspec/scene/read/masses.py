@@ -92,8 +92,10 @@ def _amount(prim: Usd.Prim, name: str) -> float:
 
 def _center(prim: Usd.Prim, place: Place) -> Array | None:
     found = value(prim, "physics:centerOfMass")
-    if found is None or not all(map(math.isfinite, found)):
+    if found is None or all(number == -math.inf for number in found):  # the fallback of the schema
         return None
+    if not all(map(math.isfinite, found)):
+        refuse(prim, f"physics:centerOfMass = {found} is not finite", "author finite numbers, or remove it")
     return vector((place.stretch * place.rigid).Transform(Gf.Vec3d(found)))
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, UsdShade
 
 from wmspec.scene.model import Array, Mesh
-from wmspec.scene.read.prims import NOW, refuse, value
+from wmspec.scene.read.prims import NOW, refuse, still, value
 
 _Indices = NDArray[np.int32]
 _CONVEX = 1e-5
@@ -42,7 +42,7 @@ def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
     subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.GetTypeName() == "Mesh" else []
     if not subsets:
         return []
-    found = [(s.GetPrim(), np.asarray(s.GetIndicesAttr().Get(NOW), np.int32)) for s in subsets]
+    found = [(s.GetPrim(), np.asarray(still(s.GetIndicesAttr()), np.int32)) for s in subsets]
     count = len(value(prim, "faceVertexCounts", []))
     rest = np.setdiff1d(np.arange(count, dtype=np.int32), np.concatenate([faces for _, faces in found]))
     return [(prim, rest)] * bool(len(rest)) + found
@@ -70,12 +70,8 @@ def _triangulate(prim: Usd.Prim, points: Array, vertices: _Indices, faces: _Indi
     counts = np.asarray(value(prim, "faceVertexCounts", []), np.int32)
     if counts.sum() != len(vertices) or (counts < 3).any() or not len(counts):
         refuse(prim, "its faceVertexCounts and faceVertexIndices do not fit", "author polygons of 3 or more points")
-    if vertices.min() < 0 or vertices.max() >= len(points) or not np.isfinite(points).all():
-        refuse(
-            prim,
-            "its faceVertexIndices and points do not fit",
-            "author an index in 0 .. len(points) - 1, finite points",
-        )
+    if vertices.min() < 0 or vertices.max() >= len(points):
+        refuse(prim, "its faceVertexIndices and points do not fit", "author indices in 0 .. len(points) - 1")
     wanted = np.arange(len(counts)) if faces is None else faces
     wanted = np.setdiff1d(wanted, np.asarray(value(prim, "holeIndices", []), np.int32))
     if not len(wanted) or wanted.min() < 0 or wanted.max() >= len(counts):
@@ -91,6 +87,8 @@ def _texture_coordinates(prim: Usd.Prim, vertices: _Indices) -> Array | None:
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("st")
     if not primvar or not primvar.HasValue():
         return None
+    for attribute in filter(None, (primvar.GetAttr(), primvar.GetIndicesAttr())):
+        still(attribute)
     st = np.asarray(primvar.ComputeFlattened(NOW), np.float64).reshape(-1, 2)
     interpolation = primvar.GetInterpolation()
     per_point = interpolation in (UsdGeom.Tokens.vertex, UsdGeom.Tokens.varying) and len(st) > vertices.max()

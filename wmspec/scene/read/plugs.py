@@ -8,7 +8,7 @@ from typing import Any
 from pxr import Gf, UsdShade
 
 from wmspec.scene.color import to_srgb
-from wmspec.scene.read.prims import NOW
+from wmspec.scene.read.prims import still
 
 
 def source(shader: UsdShade.Shader, name: str) -> Any:
@@ -17,7 +17,7 @@ def source(shader: UsdShade.Shader, name: str) -> Any:
     for attribute in plug.GetValueProducingAttributes() if plug else []:
         if UsdShade.Output.IsOutput(attribute):
             return UsdShade.Shader(attribute.GetPrim())
-        return attribute.Get(NOW)
+        return still(attribute)
     return None
 
 

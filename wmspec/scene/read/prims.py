@@ -7,25 +7,66 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
-from pxr import Usd
+import numpy as np
+from pxr import Sdf, Usd
 
 from wmspec.errors import Problem, StageError
+from wmspec.scene.model import Array
 
 NOW = Usd.TimeCode.EarliestTime()
 """A value without time samples, or the only sample of one: anything else is refused as animated."""
 
 
+_ENDLESS = ("physics:gravityMagnitude", "physics:centerOfMass", "Limit", ":low", ":high", "Force", "breakTorque")
+"""How the names end of what may be infinite: there UsdPhysics means by it that there is no bound, or no value."""
+_SHORT = 4  # how many numbers are told
+
+
+def still(attribute: Usd.Attribute) -> Any:
+    """The attribute's composed value (or the fallback of its schema), or None.
+
+    Raises:
+        StageError: if it changes in time, or holds a number that is not finite and does not mean that there is none.
+    """
+    name = attribute.GetName()
+    if attribute.ValueMightBeTimeVarying():
+        refuse(attribute.GetPrim(), f"{name} is animated", "author one value without time samples")
+    found = attribute.Get(NOW)
+    numbers = _numbers(found)
+    if np.isfinite(numbers).all() or (name.endswith(_ENDLESS) and not np.isnan(numbers).any()):
+        return found
+    said = f"{name} = {found}" if numbers.size <= _SHORT else f"one of {name}"
+    refuse(attribute.GetPrim(), f"{said} is not finite", "author finite numbers")
+
+
 def value(prim: Usd.Prim, name: str, fallback: Any = None) -> Any:
-    """The attribute's composed value (or the fallback of its schema); `fallback` if it has none."""
+    """The attribute's value, as `still` says; `fallback` if it has none."""
     attribute = prim.GetAttribute(name)
-    found = attribute.Get(NOW) if attribute else None
+    found = still(attribute) if attribute else None
     return fallback if found is None else found
+
+
+def _numbers(found: Any) -> Array:
+    """The floating-point numbers (n,) of a value of any type."""
+    if hasattr(found, "imaginary"):  # a quaternion, which numpy does not know
+        found = (found.real, *found.imaginary)
+    numbers = np.asarray(found)
+    return numbers.reshape(-1) if numbers.dtype.kind == "f" else np.empty(0)
 
 
 def targets(prim: Usd.Prim, name: str) -> list[str]:
     """The paths that the relationship points to, forwarded; empty if there is no such relationship."""
     relationship = prim.GetRelationship(name)
     return [str(path) for path in relationship.GetForwardedTargets()] if relationship else []
+
+
+def present(prim: Usd.Prim, name: str) -> list[str]:
+    """The targets of the relationship, all of which must be on the stage."""
+    paths = targets(prim, name)
+    for path in paths:
+        if not prim.GetStage().GetPrimAtPath(Sdf.Path(path).GetPrimPath()):
+            refuse(prim, f"{name} -> {path} is not on the stage", "target a prim that exists")
+    return paths
 
 
 def applied(prim: Usd.Prim) -> list[str]:

@@ -1,4 +1,4 @@
-"""What a stage may hold and the engines are not given: refused, never skipped."""
+"""What a stage may hold and the engines are not given, and what it lacks: refused, never skipped."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from pxr import Usd, UsdGeom
 
-from wmspec.scene.read.prims import refuse
+from wmspec.scene.read.frames import operations
+from wmspec.scene.read.prims import Problems, present, refuse
 
 _GEAR = ("gears, tendons and joints that mimic others are not supported", "remove it")
 _SOFT = ("particles and deformable bodies are not supported", "deactivate the prim")
@@ -46,10 +47,25 @@ APIS = {
 """Beginning of an applied API schema's name -> reason and remedy."""
 
 _STARTS = tuple(APIS)
+_BINDINGS = ("material:binding", "material:binding:preview", "material:binding:physics")
+
+
+def incomplete(stage: Usd.Stage) -> None:
+    """Refuse a stage whose references, payloads, layers and the like are not all found.
+
+    Raises:
+        StageError: naming the prims, and what USD says of them.
+    """
+    problems = Problems()
+    for error in sorted(stage.GetCompositionErrors(), key=str):  # USD finds them in any order
+        with problems.gathered():
+            prim = stage.GetPrimAtPath(error.rootSite.path) or stage.GetPseudoRoot()
+            refuse(prim, " ".join(str(error).split()).rstrip("."), "mend the path, or remove what is not there")
+    problems.report()
 
 
 def examine(prim: Usd.Prim, apis: Sequence[str]) -> None:
-    """Refuse a prim, with its applied schemas, that asks for something the engines are not given.
+    """Refuse a prim, with its applied schemas, that asks for something the engines are not given or that is not there.
 
     Raises:
         StageError: naming the prim, the reason and the remedy.
@@ -59,5 +75,8 @@ def examine(prim: Usd.Prim, apis: Sequence[str]) -> None:
     for api in apis:
         if api.startswith(_STARTS):
             refuse(prim, *next(row for start, row in APIS.items() if api.startswith(start)))
+    for binding in _BINDINGS:
+        present(prim, binding)
+    operations(prim)
     if (place := UsdGeom.Xformable(prim)) and place.TransformMightBeTimeVarying():
         refuse(prim, "its transform is animated", "author one transform without time samples; move it by a WmsAction")

@@ -12,7 +12,7 @@ from wmspec.scene.read.prims import Problems, applied, refuse, value
 from wmspec.scene.read.shapes import GEOMETRIES
 from wmspec.scene.read.unsupported import TYPES, examine
 
-_CLOSED = frozenset({"Material", "GeomSubset", "Shader", "NodeGraph"})
+_CLOSED = frozenset({"Material", "Shader", "NodeGraph"})
 _FILTERS = frozenset({"PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI"})
 _DRAWN = ("default", "render")
 
