@@ -32,6 +32,8 @@ def still(attribute: Usd.Attribute) -> Any:
     if attribute.ValueMightBeTimeVarying():
         refuse(attribute.GetPrim(), f"{name} is animated", "author one value without time samples")
     found = attribute.Get(NOW)
+    if found is None or isinstance(found, bool | int | str) or (isinstance(found, float) and math.isfinite(found)):
+        return found  # most are, and need no more than this
     numbers = _numbers(found)
     if np.isfinite(numbers).all() or (name.endswith(_ENDLESS) and not np.isnan(numbers).any()):
         return found
