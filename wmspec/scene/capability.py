@@ -99,6 +99,9 @@ _STIFF = "{} computes drives step by step and would overshoot; make it softer or
 TABLE = (
     Capability("boxes, spheres, cylinders, cones, capsules", {}, _nowhere),
     Capability(
+        "cylinders that roll on", {"sapien": "PhysX rolls polygons, which brake; use spheres or capsules"}, _nowhere
+    ),
+    Capability(
         "meshes as convex hulls, convex decompositions, bounding boxes and spheres; as they are, but not dynamic ones",
         {},
         _nowhere,
