@@ -91,9 +91,10 @@ def _within_limits(values: Values, thing: Thing, start: float) -> None:
             limit = values.property(joint, end)
             place = values.place(joint, "start" if values.has(joint, "start") else end)
             raise WmsError(
-                f"{place}: `{joint}` starts at {_told(start, model)}, beyond its limit of {_told(limit, model)}"
+                f"{place}: `{joint}` starts at {coordinate(start, model)}, beyond its limit of {coordinate(limit, model)}"
             )
 
 
-def _told(coordinate: float, model: str) -> str:
-    return f"{math.degrees(coordinate):.4g} deg" if model == "hinge" else f"{100 * coordinate:.4g} cm"
+def coordinate(value: float, model: str) -> str:
+    """The coordinate (rad or m) of a hinge or slider, as messages tell it."""
+    return f"{math.degrees(value):.4g} deg" if model == "hinge" else f"{100 * value:.4g} cm"

@@ -12,7 +12,7 @@ from wmspec.stage import agents
 from wmspec.stage.actions import add_action, carrier_sources, carriers
 from wmspec.stage.document import Document
 from wmspec.stage.eyes import add_camera, add_light, camera_path
-from wmspec.stage.joints import add_joint
+from wmspec.stage.joints import add_joint, no_loops
 from wmspec.stage.objects import add_object
 
 RATE = 240
@@ -47,6 +47,7 @@ def built(values: Values) -> Document:
                 add_camera(doc, thing.name, values)
             case "light":
                 add_light(doc, thing.name, values.world, values)
+    no_loops(values)
     _episode(doc, spec, values)
     for thing in spec.things:
         if thing.kind == "action" and values.there(thing.name):
