@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 from wmspec.check.ir import Thing
 from wmspec.design import assets, placement
-from wmspec.design.assets import coordinate
 from wmspec.design.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
@@ -150,7 +149,8 @@ def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
         if beyond and not joint.of:  # a joint of an asset may start elsewhere, which is looked at there
             raise WmsError(
                 f"{values.place(name, side)}: `{name}` starts at 0, beyond its limit of "
-                f"{coordinate(limits[side], joint.model)}; limits are counted from how its objects are placed, so 0 is between them"
+                f"{assets.told(limits[side], joint.model)}; limits are counted from how its objects are placed, "
+                "so 0 is between them"
             )
     for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):
         if side in limits:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
+from wmspec.check import units
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Question, TaskSpec
 from wmspec.check.measured import measured
@@ -173,7 +174,7 @@ def _shown(value: object) -> str:
 
 
 def _long(length: float) -> str:
-    return f"{100 * length:.2g} cm" if length >= 0.01 else f"{1000 * length:.2g} mm"
+    return units.told(float(f"{length:.2g}"), units.LENGTH)
 
 
 def _in(design: Design, instance: Instance) -> str:
