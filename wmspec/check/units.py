@@ -154,6 +154,11 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
     return scale, dimension
 
 
+def named(text: str) -> Dimension:
+    """The dimension that is called so, such as `length` or `kg/s`."""
+    return next((dimension for dimension, name in _NAMES.items() if name == text), None) or parse_unit(text)[1]
+
+
 def told(value: float, dimension: Dimension) -> str:
     """An SI value in the unit in which people say it, such as `-5 cm` or `30 deg`."""
     small = 0.1 if dimension == LENGTH else 0.0  # 0 is so many cm

@@ -73,8 +73,9 @@ class Values:
         setting = self._things[owner].properties.get(name)
         if setting is None or owner in self._changed or not isinstance(setting.value, Value):
             return self.once(key, lambda: self._value(owner, name))
-        constant = self._known[key] = setting.value.value  # most are, and need no more than this
+        constant = setting.value.value  # most are, and need no more than this
         self._check(self._things[owner], name, constant, setting.place)
+        self._known[key] = constant
         return constant
 
     def call(self, function: str, arguments: tuple[Any, ...]) -> Any:

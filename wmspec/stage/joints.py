@@ -43,7 +43,7 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
     if of == to:
         raise WmsError(f"{values.place(name, 'to')}: the joint `{name}` joins `{of}` to itself")
     for end in (of, to):
-        if end in carried:
+        if end and end in carried:
             raise WmsError(
                 f"{joint.place}: `{end}` is carried by `{carried[end]}`, so the joint `{name}` cannot hold it; "
                 "leave one of the two out, or let a joint to the world with a drive move it"

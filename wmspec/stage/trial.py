@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from itertools import combinations
 
 from wmspec.check import units
@@ -14,7 +15,7 @@ from wmspec.design.design import Design, Instance
 from wmspec.design.fault import Fault
 from wmspec.design.told import told
 from wmspec.design.values import Values
-from wmspec.errors import WmsError
+from wmspec.errors import Several, WmsError
 from wmspec.parse.diagnostics import Note, Report
 from wmspec.stage.agents import without
 from wmspec.stage.document import Document
@@ -43,9 +44,11 @@ def trial(spec: TaskSpec, report: Report) -> int:
         _doubt(idle_requires(spec, design.conditions), pointer, report)
         tried = _Trial(without(spec), design, pointer, report)
         for count, index in enumerate(design.sample(TRIED)):
-            tried.instance(design[index], count < TRIED_CHANGED)
+            with tried.telling():
+                tried.instance(design[index], count < TRIED_CHANGED)
         for question in spec.questions:
-            _compare(question, design, pointer, report)
+            with tried.telling():
+                _compare(question, design, pointer, report)
     except Fault as fault:
         notes = tuple(Note(note, pointer.span(place)) for note, place in fault.notes)
         report.add(fault.code, fault.message, pointer.span(fault.place), fault.help, notes)
@@ -83,10 +86,23 @@ class _Trial:
         for question in self.spec.questions:
             for change in question.counterfactuals if changed else ():
                 if change.owner in self.things:
-                    otherwise = Values(self.spec, instance.values, change, instance.key)
-                    self.changes(change, truth, built(otherwise), instance)
-                    if change.change == "state":
-                        self.overlapping(otherwise, instance)
+                    with self.telling():
+                        otherwise = Values(self.spec, instance.values, change, instance.key)
+                        self.changes(change, truth, built(otherwise), instance)
+                        if change.change == "state":
+                            self.overlapping(otherwise, instance)
+
+    @contextmanager
+    def telling(self) -> Iterator[None]:
+        """Report impossible values, but those at places where another instance had some, and go on."""
+        try:
+            yield
+        except WmsError as error:
+            said = [self.pointer.said(str(e)) for e in (error.errors if isinstance(error, Several) else (error,))]
+            fresh = [(message, span) for message, span in said if (span.source.name, span.start) not in self.told]
+            for message, span in fresh:
+                self.report.add("WMS304", message, span)
+                self.told.add((span.source.name, span.start))
 
     def new(self, *what: object) -> bool:
         """Whether this was not told yet."""
@@ -152,7 +168,7 @@ def _compare(question: Question, design: Design, pointer: Pointer, report: Repor
         values = Values(design.spec, instance.values, None, instance.key)
         same = [a for a, b in combinations(evaluate(question.options, values), 2) if _same(a, b)]
         if same and _asked(question, values):
-            what = f"two options of this question are the same, {_shown(same[0])}, {_in(design, instance)}"
+            what = f"two options of this question are the same, {_shown(same[0], question.sort)}, {_in(design, instance)}"
             report.add("WMS507", what, pointer.span(question.place), "keep them apart with `require`")
             return
 
@@ -169,8 +185,8 @@ def _same(a: object, b: object) -> bool:
     return a == b
 
 
-def _shown(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else f"`{value}`"
+def _shown(value: object, sort: str) -> str:
+    return units.told(value, units.named(sort)) if isinstance(value, float) else f"`{value}`"
 
 
 def _long(length: float) -> str:
