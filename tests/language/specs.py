@@ -119,7 +119,8 @@ DEEDS = (
   action on  = follow(which, zigzag, direction: away, length: place) for 0.5 s after go
   action far = teleport(a, to: spot, yaw: turn) at 0.9 s""",
     "action go = drop(which, half) at 0.2 s",
-    "action go = slide(a, direction: left, distance: place) at 0.2 s",
+    """object block { shape: cube  size: half  color: tone  on: table at (50 cm, 30 cm) }
+  action go = slide(block, direction: left, distance: place) at 0.2 s""",
     """action go = impulse(a, direction: nearer, impulse: 0.1 kg * pace)
   action on = force(which, direction: turn, force: 0.2 N, climb: lean) for 0.2 s after go""",
 )

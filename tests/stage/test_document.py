@@ -271,10 +271,37 @@ def test_impulses_and_forces_keep_their_size_and_direction() -> None:
 
 
 def test_what_slides_sets_off_as_friction_demands() -> None:
-    slide = deed(BALL, action("go", "slide", object="ball", direction="right", distance=0.5))
+    block = thing("object", "block", shape="cube", size=0.1, on="table", at=(0.2, 0.1), friction=0.9)
+    slide = deed(block, action("go", "slide", object="block", direction="right", distance=0.5))
     assert isinstance(slide, Launch)
     mu = math.sqrt(0.4 * 0.9)
     np.testing.assert_allclose(slide.linear, (math.sqrt(2 * mu * 9.81 * 0.5), 0, 0), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("form", "direction", "rolls"),
+    [
+        ({"shape": "sphere"}, "left", True),
+        ({"shape": "sphere", "pitch": 1.0}, "left", True),
+        ({"shape": "cylinder"}, "left", False),
+        ({"shape": "cylinder", "pitch": math.pi / 2}, "left", False),
+        ({"shape": "cylinder", "pitch": math.pi / 2}, "away", True),
+        ({"shape": "capsule", "roll": math.pi / 2, "yaw": 0.5}, 0.5, True),
+        ({"shape": "capsule", "roll": math.pi / 2, "yaw": 0.5}, 0.5 - math.pi / 2, False),
+        ({"shape": "cone"}, "left", False),
+        ({"shape": "box", "pitch": math.pi / 2}, "away", False),
+    ],
+)
+def test_what_is_round_where_it_rests_rolls_and_does_not_slide(form: Any, direction: Any, rolls: bool) -> None:
+    parts = (
+        thing("object", "it", size=0.1, on="table", **form),
+        action("go", "slide", object="it", direction=direction, distance=0.5),
+    )
+    if not rolls:
+        assert isinstance(deed(*parts), Launch)
+        return
+    with pytest.raises(WmsError, match="`it` is round and would roll on"):
+        built(*parts)
 
 
 @pytest.mark.parametrize(

@@ -168,7 +168,9 @@ def _compare(question: Question, design: Design, pointer: Pointer, report: Repor
         values = Values(design.spec, instance.values, None, instance.key)
         same = [a for a, b in combinations(evaluate(question.options, values), 2) if _same(a, b)]
         if same and _asked(question, values):
-            what = f"two options of this question are the same, {_shown(same[0], question.sort)}, {_in(design, instance)}"
+            what = (
+                f"two options of this question are the same, {_shown(same[0], question.sort)}, {_in(design, instance)}"
+            )
             report.add("WMS507", what, pointer.span(question.place), "keep them apart with `require`")
             return
 
