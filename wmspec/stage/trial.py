@@ -8,7 +8,7 @@ from itertools import combinations
 
 from wmspec.check import units
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Counterfactual, Question, TaskSpec
+from wmspec.check.ir import Call, Counterfactual, Question, TaskSpec
 from wmspec.check.measured import measured
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design, Instance
@@ -27,6 +27,9 @@ from wmspec.stage.sight import blind
 
 #: How many instances are built, how many of them with every counterfactual, and of how many the options are compared.
 TRIED, TRIED_CHANGED, COMPARED = 12, 4, 100
+
+#: Verbs that hold their object until they happen, which they do even if that is never.
+_HOLDING = ("drop", "release")
 
 #: What follows from the place or the turn of something else, as it should.
 _FOLLOWS = ("pose", "way", "form", "there", "start")
@@ -83,6 +86,7 @@ class _Trial:
         truth = built(values)
         self.overlapping(values, instance)
         self.blind(values)
+        self.late(values, instance)
         for question in self.spec.questions:
             for change in question.counterfactuals if changed else ():
                 if change.owner in self.things:
@@ -120,6 +124,32 @@ class _Trial:
                 span = self.pointer.span(values.place(pair.second))
                 remedy = "move them apart, make one smaller, or exclude this with `require`"
                 self.report.add("WMS601", f"{what} {_in(self.design, instance)}", span, remedy, (note,))
+
+    def late(self, values: Values, instance: Instance) -> None:
+        """Actions and pictures asked for that the episode does not last for."""
+        end: float = values.ref("end")
+        lasts = f"the episode lasts {units.told(end, units.TIME)} {_in(self.design, instance)}"
+        for action in self.spec.things:
+            name = action.name
+            if action.kind == "action" and action.verb not in _HOLDING and values.there(name):
+                start: float = values.property(name, "start")
+                if start > end - 1e-9 and self.new("late", name):
+                    what = f"`{name}` never happens: it begins at {units.told(start, units.TIME)}, and {lasts}"
+                    span = self.pointer.span(values.place(name, "start"))
+                    remedy = "let it begin earlier, or set a longer `horizon`"
+                    self.report.add("WMS304", what, span, remedy, severity="warning")
+        for question in self.spec.questions:
+            match question.answer:
+                case Call(function="frame", arguments=(_, moment)) if not measured(self.spec, moment):
+                    time: float = evaluate(moment, values)
+                    if not -1e-9 <= time <= end + 1e-9 and self.new("late", question.place):
+                        what = f"there is no picture at {units.told(time, units.TIME)}: {lasts}"
+                        self.report.add(
+                            "WMS304",
+                            what,
+                            self.pointer.span(question.place),
+                            "ask for an earlier one, or set a longer `horizon`",
+                        )
 
     def blind(self, values: Values) -> None:
         """Cameras that look at nothing that matters."""
