@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from itertools import combinations
 
 from wmspec.check import units
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Call, Counterfactual, Question, TaskSpec
+from wmspec.check.ir import Call, Counterfactual, TaskSpec
 from wmspec.check.measured import measured
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design, Instance
 from wmspec.design.fault import Fault
-from wmspec.design.told import told
 from wmspec.design.values import Values
 from wmspec.errors import Several, WmsError
 from wmspec.parse.diagnostics import Note, Report
@@ -21,12 +19,13 @@ from wmspec.stage.agents import without
 from wmspec.stage.document import Document
 from wmspec.stage.doubts import Doubt, doubts, idle_requires
 from wmspec.stage.episode import built
+from wmspec.stage.options import compare, told_of
 from wmspec.stage.overlap import overlaps
 from wmspec.stage.point import Pointer
 from wmspec.stage.sight import blind
 
-#: How many instances are built, how many of them with every counterfactual, and of how many the options are compared.
-TRIED, TRIED_CHANGED, COMPARED = 12, 4, 100
+#: How many instances are built, and how many of them with every counterfactual.
+TRIED, TRIED_CHANGED = 12, 4
 
 #: Verbs that hold their object until they happen, which they do even if that is never.
 _HOLDING = ("drop", "release")
@@ -51,7 +50,7 @@ def trial(spec: TaskSpec, report: Report) -> int:
                 tried.instance(design[index], count < TRIED_CHANGED)
         for question in spec.questions:
             with tried.telling():
-                _compare(question, design, pointer, report)
+                compare(question, design, pointer, report)
     except Fault as fault:
         notes = tuple(Note(note, pointer.span(place)) for note, place in fault.notes)
         report.add(fault.code, fault.message, pointer.span(fault.place), fault.help, notes)
@@ -123,12 +122,12 @@ class _Trial:
                 note = Note(f"`{pair.first}` is declared here", self.pointer.span(values.place(pair.first)))
                 span = self.pointer.span(values.place(pair.second))
                 remedy = "move them apart, make one smaller, or exclude this with `require`"
-                self.report.add("WMS601", f"{what} {_in(self.design, instance)}", span, remedy, (note,))
+                self.report.add("WMS601", f"{what} {told_of(self.design, instance)}", span, remedy, (note,))
 
     def late(self, values: Values, instance: Instance) -> None:
         """Actions and pictures asked for that the episode does not last for."""
         end: float = values.ref("end")
-        lasts = f"the episode lasts {units.told(end, units.TIME)} {_in(self.design, instance)}"
+        lasts = f"the episode lasts {units.told(end, units.TIME)} {told_of(self.design, instance)}"
         for action in self.spec.things:
             name = action.name
             if action.kind == "action" and action.verb not in _HOLDING and values.there(name):
@@ -164,7 +163,7 @@ class _Trial:
         """A counterfactual that changes nothing, or more than it says."""
         span, differing = self.pointer.span(change.place), truth.differing(altered)
         if not differing and self.new("idle", change.name):
-            self.report.add("WMS503", f"`{change.name}` changes nothing {_in(self.design, instance)}", span)
+            self.report.add("WMS503", f"`{change.name}` changes nothing {told_of(self.design, instance)}", span)
         more = sorted(set(self.more(change, differing)))
         if more and self.new("more", change.name):
             target = f"{change.owner}.{change.property}"
@@ -185,46 +184,5 @@ class _Trial:
                 yield from (source for source in found if target in self.depend.source(source))
 
 
-# ---------------------------------------------------------------- options
-
-
-def _compare(question: Question, design: Design, pointer: Pointer, report: Report) -> None:
-    """Report options of a question that are the same in one of the instances compared."""
-    if question.options is None:
-        return
-    varying = Dependencies(design.spec).expression(question.options) & {f.name for f in design.spec.factors}
-    for index in design.sample(COMPARED if varying else 1):
-        instance = design[index]
-        values = Values(design.spec, instance.values, None, instance.key)
-        same = [a for a, b in combinations(evaluate(question.options, values), 2) if _same(a, b)]
-        if same and _asked(question, values):
-            what = (
-                f"two options of this question are the same, {_shown(same[0], question.sort)}, {_in(design, instance)}"
-            )
-            report.add("WMS507", what, pointer.span(question.place), "keep them apart with `require`")
-            return
-
-
-def _asked(question: Question, values: Values) -> bool:
-    """Whether the conditions that can be looked at before the episode let the question be asked."""
-    known = (e.condition for e in question.ensures if not measured(values.spec, e.condition))
-    return all(evaluate(condition, values) for condition in known)
-
-
-def _same(a: object, b: object) -> bool:
-    if isinstance(a, float) and isinstance(b, float):
-        return abs(a - b) <= 1e-9 * max(1.0, abs(a))
-    return a == b
-
-
-def _shown(value: object, sort: str) -> str:
-    return units.told(value, units.named(sort)) if isinstance(value, float) else f"`{value}`"
-
-
 def _long(length: float) -> str:
     return units.told(float(f"{length:.2g}"), units.LENGTH)
-
-
-def _in(design: Design, instance: Instance) -> str:
-    where = told(design.factors, instance.factors)
-    return f"in instance {instance.index}" + (f" ({where})" if where and len(where) < 60 else "")
