@@ -68,6 +68,10 @@ WORDS: dict[str, tuple[str, ...]] = {
     "channel": ("rgb", "depth", "ids"),
 }
 
+#: Shapes that have a `radius`, and those that have a `height`.
+TALL = ("cylinder", "cone", "capsule")
+ROUND = ("sphere", *TALL)
+
 #: Headings (rad) that words stand for, as a viewer at the front sees them: +x is right, +y is away.
 HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
 

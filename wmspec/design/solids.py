@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from wmspec.check.vocabulary import ROUND
 from wmspec.design.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times, unit
 
 #: How thick (m) the slab below a plane is.
@@ -141,9 +142,6 @@ def surface(solid: Solid, pose: Pose, x: float, y: float) -> Face | None:
 
 
 # ---------------------------------------------------------------- support functions
-
-#: Shapes that are round about their own z axis.
-ROUND = ("sphere", "cylinder", "cone", "capsule")
 
 
 def _box(edges: Vector, d: Vector) -> float:

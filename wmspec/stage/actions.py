@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable
 
 from wmspec.check.ir import TaskSpec, Thing
+from wmspec.check.vocabulary import ROUND
 from wmspec.design import motion
 from wmspec.design.forms import pieces
-from wmspec.design.solids import ROUND
 from wmspec.design.space import UP, Vector, dot, heading, rotate, times
 from wmspec.design.surfaces import WORLD, holder, under
 from wmspec.design.values import Values

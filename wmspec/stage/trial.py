@@ -17,7 +17,7 @@ from wmspec.errors import Several, WmsError
 from wmspec.parse.diagnostics import Note, Report
 from wmspec.stage.agents import without
 from wmspec.stage.document import Document
-from wmspec.stage.doubts import Doubt, doubts, idle_requires
+from wmspec.stage.doubts import Doubt, doubts, idle_requires, short_sample
 from wmspec.stage.episode import built
 from wmspec.stage.options import compare, told_of
 from wmspec.stage.overlap import overlaps
@@ -44,6 +44,7 @@ def trial(spec: TaskSpec, report: Report) -> int:
         _doubt(doubts(spec), pointer, report)
         design = Design(spec)
         _doubt(idle_requires(spec, design.conditions), pointer, report)
+        _doubt(short_sample(spec, design.block_size), pointer, report)
         tried = _Trial(without(spec), design, pointer, report)
         for count, index in enumerate(design.sample(TRIED)):
             with tried.telling():
