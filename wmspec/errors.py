@@ -35,6 +35,41 @@ class StageError(WmsError):
         return StageError, (self.problems,)
 
 
+class Several(WmsError):
+    """Mistakes that have nothing to do with one another; `errors` are two or more."""
+
+    def __init__(self, errors: tuple[WmsError, ...]) -> None:
+        self.errors = errors
+        super().__init__("\n".join(map(str, errors)))
+
+    def __reduce__(self) -> tuple[type[Several], tuple[tuple[WmsError, ...]]]:
+        """Cross from a worker process to its parent whole."""
+        return Several, (self.errors,)
+
+
+class Gathered:
+    """Goes on after mistakes, so that all can be told: `with gathered: ...` for each step, then `gathered.stop()`."""
+
+    def __init__(self) -> None:
+        self._found: dict[str, WmsError] = {}
+
+    def __enter__(self) -> None:
+        """Begin a step."""
+
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> bool:
+        """End a step; a mistake that another step has found is the same one."""
+        if isinstance(error, WmsError):
+            self._found.setdefault(str(error), error)
+        return isinstance(error, WmsError)
+
+    def stop(self) -> None:
+        """Raise what was found, if anything was: the one WmsError, or `Several`."""
+        if len(self._found) > 1:
+            raise Several(tuple(self._found.values()))
+        for error in self._found.values():
+            raise error
+
+
 class EngineError(WmsError):
     """An engine gave up or returned nonsense for this episode (a diverged state, a warning that it hides)."""
 

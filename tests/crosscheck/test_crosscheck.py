@@ -112,7 +112,7 @@ def test_what_cannot_be_executed_fails_with_its_reason() -> None:
     text = (HERE / "race.wms").read_text().replace("size: 10 cm  color: red", "size: (ratio - 1.5) * 10 cm  color: red")
     (found,) = checked(text)
     assert not found.passes(strict=False)
-    assert "`size` of `near` is 0 here" in found.failures[0].reason
+    assert "`size` of `near` is 0 cm here" in found.failures[0].reason
 
 
 @pytest.mark.parametrize(

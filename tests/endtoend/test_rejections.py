@@ -12,7 +12,7 @@ use tabletop
 task still : custom {{
   factor pace in [0, 20] cm/s
   object a {{ shape: sphere  size: 8 cm  color: red  on: table at (-20 cm, 12 cm) }}
-  object b {{ shape: sphere  size: 8 cm  color: blue  on: table at ({where}, -12 cm) }}
+  object b {{ shape: sphere  size: 8 cm  color: blue  at: ({where}, -12 cm, 4 cm) }}
   action go_a = glide(a, direction: 0 deg, speed: 10 cm/s) for 1 s
   action go_b = glide(b, direction: 0 deg, speed: pace) for 1 s
   observe front at [0 s, 1 s]

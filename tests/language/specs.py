@@ -79,7 +79,7 @@ def _object(draw: st.DrawFn, names: list[str], i: int) -> str:
     color = one("color: tone", "color: purple", f"color: if which == {name} then red else tone", "")
     size, x = one("big", "6 cm", "half"), one("place", "10 cm", "big * 2")
     mass = one("mass: 100 g", f"mass: {before}.mass * 2" if i else "mass: 50 g")
-    at = f"table at ({x} - {30 * i} cm, {20 * i} cm)"
+    at = f"table at ({x} - {30 * i} cm, {15 * i} cm)"
     beside = (
         f"{before} at (0, 0)",
         *(f"table at {f}" for f in (f"left_of({before}, place)", f"polar({before}, place, turn)")),
@@ -99,13 +99,13 @@ OTHERS = (
   object ramp  { shape: wedge  size: (20 cm, 10 cm, big)  on: table at spot  fixed: true  yaw: lean }
   object rider { shape: cube  size: 3 cm  material: stuff  on: ramp at (-1 cm, 0) }""",
     """
-  objects dots[n] { shape: cube  size: 2 cm + index * 1 mm  on: table at (0, -25 cm)  scatter: (40 cm, place) }""",
+  objects dots[n] { shape: cube  size: 2 cm + index * 1 mm  on: table at (0, -20 cm)  scatter: (40 cm, place) }""",
     """
   object frame { shape: box  size: (2 cm, 2 cm, big)  at: (-40 cm, 20 cm, half)  fixed: true }
   object door  { shape: box  size: (8 cm, 1 cm, big)  at: (-34 cm, 20 cm, half)  color: tone }
   joint swing : hinge { of: door  to: frame  at: (-39 cm, 20 cm, half)  high: lean + 60 deg }""",
     """
-  object eyed { shape: sphere  size: half  on: table at right_of(a, 50 cm)  present: which == a }
+  object eyed { shape: sphere  size: half  on: table at left_of(a, 40 cm)  present: which == a }
   object next { shape: cube  size: 3 cm  on: table at polar(eyed, 10 cm, turn)  present: n > 1 }
   action roll = launch(next, direction: toward(eyed), speed: 0.1 m/s) at 0.7 s
   camera eye { ride: a  at: (0, 0, place)  look_at: (1 m, 0, big) }""",
@@ -119,7 +119,8 @@ DEEDS = (
   action on  = follow(which, zigzag, direction: away, length: place) for 0.5 s after go
   action far = teleport(a, to: spot, yaw: turn) at 0.9 s""",
     "action go = drop(which, half) at 0.2 s",
-    "action go = slide(a, direction: left, distance: place) at 0.2 s",
+    """object block { shape: cube  size: half  color: tone  on: table at (50 cm, 30 cm) }
+  action go = slide(block, direction: left, distance: place) at 0.2 s""",
     """action go = impulse(a, direction: nearer, impulse: 0.1 kg * pace)
   action on = force(which, direction: turn, force: 0.2 N, climb: lean) for 0.2 s after go""",
 )

@@ -158,5 +158,5 @@ def test_a_box_has_room_where_trying_every_place_finds_some(
 
 def test_the_place_of_a_property_that_is_out_of_bounds_is_told() -> None:
     shrunk = thing("object", "a", size=ir.Operation(operator="-", operands=(ir.Value(value=0.1), ir.Value(value=0.2))))
-    with pytest.raises(WmsError, match=r"`size` of `a` is -0\.1 here; it must be more than 0"):
+    with pytest.raises(WmsError, match=r"`size` of `a` is -10 cm here; it must be more than 0"):
         values(shrunk).pose("a")

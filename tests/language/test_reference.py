@@ -48,7 +48,7 @@ task t : custom {{
   factor speed in [0.5, 1, 2] m/s
   object a {{ shape: shape  on: table }}
   action go = launch(a, direction: left, speed: speed)
-  observe front at [0 s]
+  observe front at [0 s, 1 s]
 }}
 """
 

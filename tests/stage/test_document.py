@@ -212,7 +212,16 @@ def test_a_drive_is_in_radians_and_an_action_changes_its_target() -> None:
         ((DOOR, joint("j", "hinge", of="door", at=(0, 0, 0)),
           action("a", "launch", object="door", direction=0, speed=1)), "a joint holds `door`"),
         ((POST, DOOR, joint("j", "hinge", of="door", to="post", at=(0, 0, 0)),
-          action("a", "glide", object="door", direction=0, speed=1, duration=1)), "cannot hold it to `post`"),
+          action("a", "glide", object="door", direction=0, speed=1, duration=1)), "`door` is carried by `a`"),
+        ((BALL, DOOR, joint("j", "hinge", of="door", to="ball", at=(0, 0, 0)),
+          action("a", "glide", object="ball", direction=0, speed=1, duration=1)), "`ball` is carried by `a`"),
+        ((DOOR, joint("j", "hinge", of="door", at=(0, 0, 0), low=0.1)), "beyond its limit of 5.7"),
+        ((DOOR, joint("j", "slider", of="door", at=(0, 0, 0), high=-0.1)), "beyond its limit of -10 cm"),
+        ((BALL, DOOR, joint("j", "hinge", of="door", to="ball", at=(0, 0, 0)),
+          joint("k", "ball", of="ball", to="door", at=(0, 0, 0))), "`k` joins `ball` and `door`, which other joints"),
+        ((POST, BALL, DOOR, joint("j", "hinge", of="door", to="ball", at=(0, 0, 0)),
+          joint("k", "ball", of="ball", to="post", at=(0, 0, 0)), joint("l", "fixed", of="door", at=(0, 0, 0))),
+         "`l` holds `door` to the world"),
         ((DOOR, joint("j", "hinge", of="door", at=(0, 0, 0)), action("a", "drive", joint="j", target=1)),
          "has no drive"),
         ((robot("arm", "panda"),), "robot `arm` cannot be executed yet"),
@@ -262,10 +271,37 @@ def test_impulses_and_forces_keep_their_size_and_direction() -> None:
 
 
 def test_what_slides_sets_off_as_friction_demands() -> None:
-    slide = deed(BALL, action("go", "slide", object="ball", direction="right", distance=0.5))
+    block = thing("object", "block", shape="cube", size=0.1, on="table", at=(0.2, 0.1), friction=0.9)
+    slide = deed(block, action("go", "slide", object="block", direction="right", distance=0.5))
     assert isinstance(slide, Launch)
     mu = math.sqrt(0.4 * 0.9)
     np.testing.assert_allclose(slide.linear, (math.sqrt(2 * mu * 9.81 * 0.5), 0, 0), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("form", "direction", "rolls"),
+    [
+        ({"shape": "sphere"}, "left", True),
+        ({"shape": "sphere", "pitch": 1.0}, "left", True),
+        ({"shape": "cylinder"}, "left", False),
+        ({"shape": "cylinder", "pitch": math.pi / 2}, "left", False),
+        ({"shape": "cylinder", "pitch": math.pi / 2}, "away", True),
+        ({"shape": "capsule", "roll": math.pi / 2, "yaw": 0.5}, 0.5, True),
+        ({"shape": "capsule", "roll": math.pi / 2, "yaw": 0.5}, 0.5 - math.pi / 2, False),
+        ({"shape": "cone"}, "left", False),
+        ({"shape": "box", "pitch": math.pi / 2}, "away", False),
+    ],
+)
+def test_what_is_round_where_it_rests_rolls_and_does_not_slide(form: Any, direction: Any, rolls: bool) -> None:
+    parts = (
+        thing("object", "it", size=0.1, on="table", **form),
+        action("go", "slide", object="it", direction=direction, distance=0.5),
+    )
+    if not rolls:
+        assert isinstance(deed(*parts), Launch)
+        return
+    with pytest.raises(WmsError, match="`it` is round and would roll on"):
+        built(*parts)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from wmspec.check import calls, ir, lists, members, names, operators, units
-from wmspec.check.kinds import TEXT, TRUTH, Kind, Quantity, Vector, article, either
+from wmspec.check.kinds import DIRECTION, OBJECT, TEXT, TRUTH, Kind, Quantity, Vector, article, either
 from wmspec.check.scope import Scope
 from wmspec.check.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.check.units import NUMBER, Dimension
@@ -96,6 +96,8 @@ class Expressions:
         examples = [f"`{example(k)}`" for k in wanted[:2] if example(k)]
         quantities = isinstance(found, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
+        if found == OBJECT and DIRECTION in wanted:
+            help = f"write `toward({span.text})`"
         shown = "a bare 0" if found == Quantity(ZERO) else article(str(found))
         self.fail("WMS301" if quantities else "WMS302", f"{what} wants {wants}, but this is {shown}", span, help)
 

@@ -33,7 +33,8 @@ from wmspec.parse.source import Span
 
 T = TypeVar("T")
 C = TypeVar("C")
-_HOLE = re.compile(r"\{([^{}]*)\}")
+_HOLE = re.compile(r"(?<!\\)\{([^{}]*)\}")
+_BRACE = re.compile(r"(?<!\\)[{}]")
 _ONCE = ("options", "answer", "distinct", "within", "difference", "stable")
 _APART = Slot((A_LENGTH,), "how far apart", above=0)
 _YES_NO = ir.Items(items=(ir.Value(value=True), ir.Value(value=False)))
@@ -207,6 +208,11 @@ class Questions:
         found: list[str | ir.Said] = []
         raw = text.span.text
         end = 1
+        for brace in _BRACE.finditer(_HOLE.sub(lambda hole: " " * len(hole[0]), raw)):
+            at = text.span.start + brace.start()
+            remedy = "write `{EXPRESSION}` for a value, or `\\{` and `\\}` for braces"
+            what = "closed" if brace[0] == "{" else "opened"
+            self.check.fail("WMS101", f"this brace is never {what}", Span(text.span.source, at, at + 1), remedy)
         for hole in _HOLE.finditer(raw):
             found.append(_unescape(raw[end : hole.start()]))
             end = hole.end()

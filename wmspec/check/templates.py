@@ -63,7 +63,8 @@ class Templates:
             value = given.get(p.name.id)
             values[p.name.id] = self._substitute.expression(p.value, values) if value is None else value
         said = {p.name.id for p in own} | {"at" for p in own if p.at is not None}
-        said |= {"on", "inside"} if said & {"on", "inside"} else set()
+        for either in ({"on", "inside"}, {"mass", "density"}):
+            said |= either if said & either else set()
         kept = (p for p in template.properties if p.name.id not in said)
         common = tuple(self._substitute.property(p, values) for p in kept)
         if "at" in said:  # the object's own place goes before the template's

@@ -16,7 +16,7 @@ from wmspec.check.owners import Owner, owner, parts
 from wmspec.check.slots import inherited
 from wmspec.check.typed import Failed
 from wmspec.check.verbs import ROBOTS
-from wmspec.check.vocabulary import FILES, JOINTS, Slot
+from wmspec.check.vocabulary import FILES, JOINTS, ROUND, TALL, Slot
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note
@@ -106,7 +106,25 @@ class Things:
             elif name not in spans and not slot.optional:
                 message = f"the {of.sort.kind} `{of.name}` needs `{name}`: {slot.meaning}"
                 self.report.add("WMS206", message, of.span)
+        self._in_vain(of, properties)
         return properties
+
+    def _in_vain(self, of: Owner, properties: dict[str, ir.Setting]) -> None:
+        """Complain about what says nothing: a second word on the weight, measures that the shape does not have."""
+        if (
+            of.sort.kind == "object"
+            and not of.sort.asset
+            and "file" not in of.said
+            and {"mass", "density"} <= of.said.keys()
+        ):
+            notes = (Note("its mass is said here", of.said["mass"].span),)
+            message = "`density` says nothing beside `mass`"
+            self.report.add("WMS203", message, of.said["density"].name.span, "remove one of them", notes)
+        shape = properties["shape"].value if "shape" in properties else None
+        for name, having in (("radius", ROUND), ("height", TALL)):
+            if name in of.said and isinstance(shape, ir.Value) and shape.value not in having:
+                remedy = "say how large it is with `size:`"
+                self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.said[name].name.span, remedy)
 
     def _written(self, of: Owner, p: s.Property) -> dict[str, ir.Setting]:
         """A written property, and where it is placed with `at`."""

@@ -94,6 +94,20 @@ EXAMPLES = {
     NUMBER: "0.5",
 }
 
+#: In which units messages tell a quantity, each from how much of it (SI) on.
+_TOLD = {
+    LENGTH: (("km", 1000.0), ("m", 1.0), ("cm", 0.01), ("mm", 0.0)),
+    MASS: (("kg", 1.0), ("g", 0.0)),
+    TIME: (("s", 0.0),),
+    ANGLE: (("deg", 0.0),),
+    SPEED: (("m/s", 1.0), ("cm/s", 0.0)),
+    ANGULAR_SPEED: (("deg/s", 0.0),),
+    FORCE: (("N", 0.0),),
+    IMPULSE: (("N*s", 0.0),),
+    VOLUME: (("m^3", 1.0), ("cm^3", 0.0)),
+    NUMBER / TIME: (("Hz", 0.0),),
+}
+
 UNITS: dict[str, tuple[float, Dimension]] = {
     "mm": (1e-3, LENGTH),
     "cm": (1e-2, LENGTH),
@@ -138,6 +152,20 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
         unit, unit_dimension = UNITS[name]
         scale, dimension = scale * unit**n, dimension * unit_dimension**n
     return scale, dimension
+
+
+def named(text: str) -> Dimension:
+    """The dimension that is called so, such as `length` or `kg/s`."""
+    return next((dimension for dimension, name in _NAMES.items() if name == text), None) or parse_unit(text)[1]
+
+
+def told(value: float, dimension: Dimension) -> str:
+    """An SI value in the unit in which people say it, such as `-5 cm` or `30 deg`."""
+    small = 0.1 if dimension == LENGTH else 0.0  # 0 is so many cm
+    least = abs(value) or small
+    unit = next((u for u, from_ in _TOLD.get(dimension, ()) if least >= from_ * (1 - 1e-9)), dimension.symbol)
+    number = value / parse_unit(unit)[0] if unit else value
+    return f"{number + 0.0:.6g} {unit}".rstrip()  # -0.0 + 0.0 is 0.0
 
 
 def convert(value: float, scale: float) -> float:

@@ -30,7 +30,7 @@ from wmspec.check.kinds import (
     Quantity,
     Vector,
 )
-from wmspec.check.units import ACCELERATION, DENSITY, INERTIA, MASS, NUMBER, SPEED, TIME
+from wmspec.check.units import ACCELERATION, DENSITY, INERTIA, MASS, NUMBER, SPEED, TIME, Dimension, told
 from wmspec.looks import MATERIALS, SHADES
 
 #: sRGB in 0..1. Told apart at a glance, named as a person would name them.
@@ -67,6 +67,10 @@ WORDS: dict[str, tuple[str, ...]] = {
     "tie": ("neither",),
     "channel": ("rgb", "depth", "ids"),
 }
+
+#: Shapes that have a `radius`, and those that have a `height`.
+TALL = ("cylinder", "cone", "capsule")
+ROUND = ("sphere", *TALL)
 
 #: Headings (rad) that words stand for, as a viewer at the front sees them: +x is right, +y is away.
 HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
@@ -110,17 +114,25 @@ class Slot:
     nonzero: bool = False
     among: tuple[str, ...] = ()
 
+    @property
+    def dimension(self) -> Dimension:
+        """That of its values, a plain number's if it takes none that has any."""
+        return next((k.dimension for k in self.kinds if isinstance(k, Quantity | Vector)), NUMBER)
+
     def fault(self, value: float) -> str:
         """What a value must be and is not, such as `more than 0`; empty if it is within bounds."""
         if self.above is not None and value <= self.above:
-            return f"more than {self.above:g}"
+            return f"more than {self._told(self.above)}"
         if self.least is not None and value < self.least:
-            return f"at least {self.least:g}"
+            return f"at least {self._told(self.least)}"
         if self.most is not None and value > self.most:
-            return f"at most {self.most:g}"
+            return f"at most {self._told(self.most)}"
         if self.nonzero and value == 0:
             return "other than 0"
         return ""
+
+    def _told(self, bound: float) -> str:
+        return told(bound, self.dimension) if bound else "0"
 
 
 #: Properties that the material of an object decides when they are left out.

@@ -6,9 +6,9 @@ there, and each joint where its `at` and `axis` say. A joint that starts elsewhe
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
+from wmspec.check import units
 from wmspec.check.ir import Thing
 from wmspec.design import forms
 from wmspec.design.solids import Piece
@@ -91,9 +91,10 @@ def _within_limits(values: Values, thing: Thing, start: float) -> None:
             limit = values.property(joint, end)
             place = values.place(joint, "start" if values.has(joint, "start") else end)
             raise WmsError(
-                f"{place}: `{joint}` starts at {_told(start, model)}, beyond its limit of {_told(limit, model)}"
+                f"{place}: `{joint}` starts at {told(start, model)}, beyond its limit of {told(limit, model)}"
             )
 
 
-def _told(coordinate: float, model: str) -> str:
-    return f"{math.degrees(coordinate):.4g} deg" if model == "hinge" else f"{100 * coordinate:.4g} cm"
+def told(coordinate: float, model: str) -> str:
+    """The coordinate (rad or m) of a hinge or slider, as messages tell it."""
+    return units.told(coordinate, units.ANGLE if model == "hinge" else units.LENGTH)

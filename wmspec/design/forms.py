@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wmspec.check.vocabulary import TALL
 from wmspec.design.solids import SLAB, Piece, Solid
 from wmspec.design.space import HERE, Pose, Vector, turn
 from wmspec.errors import WmsError
 
 if TYPE_CHECKING:
     from wmspec.design.values import Values
-
-_TALL = ("cylinder", "cone", "capsule")
 
 
 def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
@@ -78,7 +77,7 @@ def _edges(values: Values, owner: str) -> Vector:
     across, up = size / 2 if shape == "capsule" else size, size
     if values.has(owner, "radius"):
         across = up = 2 * values.property(owner, "radius")
-    if values.has(owner, "height") and shape in _TALL:
+    if values.has(owner, "height") and shape in TALL:
         up = values.property(owner, "height")
     if shape == "capsule" and up <= across:
         raise WmsError(f"{values.place(owner)}: the capsule `{owner}` is not higher than it is wide")

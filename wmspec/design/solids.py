@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from wmspec.check.vocabulary import ROUND
 from wmspec.design.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times, unit
 
 #: How thick (m) the slab below a plane is.
@@ -85,7 +86,7 @@ def footprint(pieces: Iterable[Piece], own: Quaternion) -> float:
 def _footprint(piece: Piece, own: Quaternion) -> float:
     x, y, _ = rotate(own, piece.pose.position)
     turned = multiply(own, piece.pose.orientation)
-    if piece.solid.kind == "sphere" or (piece.solid.kind in _ROUND and turned[1] == turned[2] == 0):
+    if piece.solid.kind == "sphere" or (piece.solid.kind in ROUND and turned[1] == turned[2] == 0):
         return math.hypot(x, y) + piece.solid.edges[0] / 2
     along = (max(piece.solid.reach(rotate(inverse(turned), times(s, a))) for s in (-1.0, 1.0)) for a in _AXES[:2])
     return math.hypot(x, y) + math.hypot(*along)
@@ -141,8 +142,6 @@ def surface(solid: Solid, pose: Pose, x: float, y: float) -> Face | None:
 
 
 # ---------------------------------------------------------------- support functions
-
-_ROUND = ("sphere", "cylinder", "cone", "capsule")
 
 
 def _box(edges: Vector, d: Vector) -> float:

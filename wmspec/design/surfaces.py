@@ -26,6 +26,9 @@ def under(values: Values, owner: str, at: tuple[Any, ...]) -> Face | None:
     if len(at) == 3 and at[0] != WORLD:
         raise WmsError(f"{values.place(owner, 'at')}: `{owner}` rests on something, so its place there is (x, y)")
     way, base = held
+    if way == "inside" and not values.parts(base):
+        place = values.place(owner, "inside")
+        raise WmsError(f"{place}: `{base}` has no parts, so nothing can be inside it; use `on: {base}`")
     return bottom(values, base, at) if way == "inside" else top(values, base, at)
 
 
@@ -83,8 +86,6 @@ def seen_from(face: Face, at: tuple[Any, ...]) -> tuple[float, float]:
 
 def bottom(values: Values, base: str, at: tuple[Any, ...]) -> Face:
     """The point at `at` in the hollow of a compound object: on its lowest part there, or on what that stands on."""
-    if not values.parts(base):
-        raise WmsError(f"{values.place(base)}: `{base}` has no parts, so nothing can be inside it; use `on: {base}`")
     x, y = _ground(values, base, at)
     found = min(_floors(values, base, x, y), key=lambda face: face.height(x, y), default=None)
     face = found or _below(values, base, x, y)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from wmspec.check import units
 from wmspec.check.ir import Factor
 from wmspec.design.draws import Level
 
@@ -18,7 +19,7 @@ def _shown(value: Level, unit: str) -> str:
         case bool():
             return "true" if value else "false"
         case float():
-            return f"{value:g} {unit}".rstrip()
+            return units.told(value, units.parse_unit(unit)[1])
         case tuple():
             return f"({', '.join(_shown(x, unit) for x in value)})"
         case _:

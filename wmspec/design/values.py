@@ -9,7 +9,8 @@ from typing import Any, TypeVar, cast
 
 from wmspec.check.evaluate import NoValue, evaluate
 from wmspec.check.ir import Counterfactual, Expr, Place, TaskSpec, Thing, Value
-from wmspec.check.kinds import A_LENGTH, POINT2, POINT3
+from wmspec.check.kinds import A_LENGTH, A_TIME, POINT2, POINT3
+from wmspec.check.units import LENGTH, told
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
 from wmspec.design import colors, functions, placement
@@ -24,7 +25,7 @@ INHERITED = ("color", "material", "image", "roughness", "metallic")
 #: Gravity where no world says otherwise, m/s².
 EARTH = 9.81
 _LENGTHS = frozenset((A_LENGTH, POINT2, POINT3))
-_MOMENT = Slot((), "", least=0)
+_MOMENT = Slot((A_TIME,), "", least=0)
 
 
 class Values:
@@ -72,8 +73,9 @@ class Values:
         setting = self._things[owner].properties.get(name)
         if setting is None or owner in self._changed or not isinstance(setting.value, Value):
             return self.once(key, lambda: self._value(owner, name))
-        constant = self._known[key] = setting.value.value  # most are, and need no more than this
+        constant = setting.value.value  # most are, and need no more than this
         self._check(self._things[owner], name, constant, setting.place)
+        self._known[key] = constant
         return constant
 
     def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
@@ -238,11 +240,11 @@ def _evaluate(expr: Expr, values: Values, place: Place) -> Any:
 def _fault(number: float, slot: Slot | None) -> str:
     """What a number is and must not be; empty if it is within bounds."""
     if slot and (wanted := slot.fault(number)):
-        return f"{number:g} here; it must be {wanted}"
+        return f"{told(number, slot.dimension)} here; it must be {wanted}"
     if not math.isfinite(number):
         return "not finite"
     if abs(number) > MOST_LENGTH and slot and _LENGTHS.intersection(slot.kinds):
-        return f"{number / 1000:g} km here; the most is 10 km"
+        return f"{told(number, LENGTH)} here; the most is {told(MOST_LENGTH, LENGTH)}"
     return ""
 
 

@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable
 
 from wmspec.check.ir import TaskSpec, Thing
+from wmspec.check.vocabulary import ROUND
 from wmspec.design import motion
 from wmspec.design.forms import pieces
-from wmspec.design.space import Vector, heading, times
+from wmspec.design.space import UP, Vector, dot, heading, rotate, times
 from wmspec.design.surfaces import WORLD, holder, under
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
@@ -18,6 +19,9 @@ from wmspec.stage.objects import object_path
 
 #: What a verb is called on the stage, if not by its own name.
 _STAGED = {"slide": "launch", "drop": "release"}
+
+#: What is round lies if the upward part of its axis (a unit vector) is below this, and slides if it goes along that.
+LYING, ALONG = 0.5, 0.99
 
 
 def carriers(spec: TaskSpec, values: Values) -> dict[str, str]:
@@ -113,6 +117,10 @@ def _slide(prim: Prim, action: Thing, values: Values) -> None:
     base = held[1]
     if face.normal[2] < 1 - 1e-9:
         raise WmsError(f"{action.place}: what `{target}` rests on is not level, so it would not stop there")
+    if _rolls(target, heading(motion.angle(values.property(name, "direction"))), values):
+        ball = pieces(values, target)[0].solid.kind == "sphere"
+        remedy = "say `launch(..., rolling: true)`" if ball else "stand it up, or slide it along its axis"
+        raise WmsError(f"{action.place}: `{target}` is round and would roll on instead of sliding; {remedy}")
     rub = math.sqrt(values.property(target, "friction") * values.property(base, "friction"))
     speed = math.sqrt(2 * rub * values.gravity * values.property(name, "distance"))
     if speed == 0:
@@ -120,6 +128,15 @@ def _slide(prim: Prim, action: Thing, values: Values) -> None:
     sources = (f"{name}.distance", f"{name}.object", f"{target}.friction", f"{base}.friction", "world.gravity")
     _velocity(prim, action, values, speed, *sources, f"{target}.{held[0]}")
     _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
+
+
+def _rolls(target: str, way: Vector, values: Values) -> bool:
+    """Whether an object is round where it rests, so that it rolls that way; it does not along its own axis."""
+    made = pieces(values, target)
+    if len(made) > 1 or made[0].solid.kind not in ROUND:
+        return False
+    axis = rotate(values.pose(target).then(made[0].pose).orientation, UP)
+    return made[0].solid.kind == "sphere" or (abs(axis[2]) < LYING and abs(dot(axis, way)) < ALONG)
 
 
 # ---------------------------------------------------------------- carried

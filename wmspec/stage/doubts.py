@@ -27,6 +27,13 @@ def idle_requires(spec: TaskSpec, conditions: Sequence[Constraint]) -> Iterator[
             yield "WMS406", "this `require` excludes nothing", require.place, "remove it, or mend its condition"
 
 
+def short_sample(spec: TaskSpec, size: int) -> Iterator[Doubt]:
+    """A sample that is larger than what there is to choose from, which is `size` instances."""
+    if spec.plan.kind == "sample" and spec.plan.count and spec.plan.place and size < spec.plan.count:
+        message = f"a sample of {spec.plan.count} is asked for, but there are only {size} combinations"
+        yield "WMS408", message, spec.plan.place, "ask for fewer, widen a domain, or say `repeat`"
+
+
 def _idle_factors(spec: TaskSpec, depend: Dependencies) -> Iterator[Doubt]:
     deciding = _with_tied(spec, depend, _reached(depend, _deciding(spec)))
     told = _with_tied(spec, depend, _reached(depend, _texts(spec)))

@@ -6,13 +6,13 @@ from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.design.design import Instance
 from wmspec.design.values import Values
-from wmspec.errors import WmsError
+from wmspec.errors import Gathered, WmsError
 from wmspec.scene.version import FORMAT_VERSION
 from wmspec.stage import agents
 from wmspec.stage.actions import add_action, carrier_sources, carriers
 from wmspec.stage.document import Document
 from wmspec.stage.eyes import add_camera, add_light, camera_path
-from wmspec.stage.joints import add_joint
+from wmspec.stage.joints import add_joint, no_loops
 from wmspec.stage.objects import add_object
 
 RATE = 240
@@ -21,7 +21,8 @@ RATE = 240
 def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None = None) -> Document:
     """The stage of an instance, or of what it would be under a counterfactual.
 
-    Raises WmsError with its place if a property has an impossible value, or something cannot be executed.
+    Raises WmsError with its place if a property has an impossible value, or something cannot be executed; `Several` if
+    that is so of several things.
     """
     return built(Values(spec, instance.values, change, instance.key))
 
@@ -36,21 +37,29 @@ def built(values: Values) -> Document:
     for scope in ("Objects", "Materials", "Cameras", "Lights"):
         doc.add(f"/World/{scope}", "Scope")
     carried, deciding = carriers(spec, values), carrier_sources(spec)
+    gathered = Gathered()
     for thing in spec.things:
-        if thing.kind == "object" and values.there(thing.name):
-            add_object(doc, thing.name, values, deciding, thing.name in carried)
+        with gathered:
+            if thing.kind == "object" and values.there(thing.name):
+                add_object(doc, thing.name, values, deciding, thing.name in carried)
     for thing in spec.things:
-        match thing.kind:
-            case "joint":
-                add_joint(doc, thing, values, carried)
-            case "camera":
-                add_camera(doc, thing.name, values)
-            case "light":
-                add_light(doc, thing.name, values.world, values)
-    _episode(doc, spec, values)
+        with gathered:
+            match thing.kind:
+                case "joint":
+                    add_joint(doc, thing, values, carried)
+                case "camera":
+                    add_camera(doc, thing.name, values)
+                case "light":
+                    add_light(doc, thing.name, values.world, values)
+    with gathered:
+        no_loops(values)
+    with gathered:
+        _episode(doc, spec, values)
     for thing in spec.things:
-        if thing.kind == "action" and values.there(thing.name):
-            add_action(doc, thing, values, carried)
+        with gathered:
+            if thing.kind == "action" and values.there(thing.name):
+                add_action(doc, thing, values, carried)
+    gathered.stop()
     return doc
 
 

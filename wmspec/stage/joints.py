@@ -42,9 +42,12 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
         raise WmsError(f"{values.place(name, 'of')}: `{of}` is fixed, so no joint can move it; exchange `of` and `to`")
     if of == to:
         raise WmsError(f"{values.place(name, 'to')}: the joint `{name}` joins `{of}` to itself")
-    if of in carried and (to is None or to in carried or values.property(to, "fixed")):
-        held = f"to `{to}`" if to else "to the world"
-        raise WmsError(f"{joint.place}: `{of}` is carried by `{carried[of]}`, so `{name}` cannot hold it {held}")
+    for end in (of, to):
+        if end and end in carried:
+            raise WmsError(
+                f"{joint.place}: `{end}` is carried by `{carried[end]}`, so the joint `{name}` cannot hold it; "
+                "leave one of the two out, or let a joint to the world with a drive move it"
+            )
     if "/World/Joints" not in doc.prims:
         doc.add("/World/Joints", "Scope", (), sources)
     driven = _driven(joint, values)
@@ -55,6 +58,29 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
         _side(prim, number, joint, body, frame, values)
     if joint.model in _COORDINATES:
         _coordinate(prim, joint, values, driven)
+
+
+def no_loops(values: Values) -> None:
+    """Raise WmsError with its place for a joint between what others join already: engines solve trees."""
+    groups: dict[str, set[str]] = {}
+    for joint in values.spec.things:
+        if joint.kind != "joint":
+            continue
+        ends = [values.property(joint.name, end) for end in ("of", "to") if values.has(joint.name, end)]
+        if not all(map(values.there, ends)):
+            continue
+        of, to = (*("" if values.property(end, "fixed") else end for end in ends), "")[:2]  # "" is the world
+        first, second = groups.setdefault(of, {of}), groups.setdefault(to, {to})
+        if of in ("", to):
+            continue  # which is told of the joint itself
+        if first is second:
+            tied = f"joins `{of}` and `{to}`" if of and to else f"holds `{of or to}` to the world"
+            raise WmsError(
+                f"{joint.place}: `{joint.name}` {tied}, which other joints do already, and joints cannot form loops; "
+                "remove one of them"
+            )
+        first |= second
+        groups.update(dict.fromkeys(second, first))
 
 
 def joined(values: Values, owner: str) -> bool:
@@ -119,6 +145,13 @@ def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
     limits = {p: values.property(name, p) for p in ("low", "high") if values.has(name, p)}
     if limits.get("low", -math.inf) > limits.get("high", math.inf):
         raise WmsError(f"{values.place(name, 'low')}: `low` of `{name}` is above its `high`")
+    for side, beyond in (("low", limits.get("low", 0.0) > 1e-9), ("high", limits.get("high", 0.0) < -1e-9)):
+        if beyond and not joint.of:  # a joint of an asset may start elsewhere, which is looked at there
+            raise WmsError(
+                f"{values.place(name, side)}: `{name}` starts at 0, beyond its limit of "
+                f"{assets.told(limits[side], joint.model)}; limits are counted from how its objects are placed, "
+                "so 0 is between them"
+            )
     for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):
         if side in limits:
             prim.set(f"physics:{attribute}", "float", limits[side] * scale, f"{name}.{side}")

@@ -11,6 +11,7 @@ from wmspec.design.values import Values
 from wmspec.errors import WmsError
 from wmspec.stage import looks, masses, polygons
 from wmspec.stage.document import Document, Prim
+from wmspec.stage.support import supported
 
 if TYPE_CHECKING:
     from wmspec.design.meshes import Mesh
@@ -41,6 +42,7 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
         raise WmsError(f"{values.place(name)}: `{name}` is fixed, so nothing can carry it")
     if not fixed and not solid:
         raise WmsError(f"{values.place(name)}: `{name}` cannot be touched, so it must be fixed")
+    supported(name, values)
     weighed = () if fixed or not masses.own(name, values) else ("PhysicsMassAPI",)
     schemas = () if fixed else ("PhysicsRigidBodyAPI", *weighed)
     body = doc.add(object_path(name), "Xform", schemas, (f"{name}.fixed", f"{name}.present"))

@@ -55,4 +55,6 @@ def _places(spec: TaskSpec) -> Iterator[Place]:
         yield from (setting.place for setting in thing.properties.values())
     for question in spec.questions:
         yield from (question.place, *(c.place for c in question.counterfactuals))
+    if spec.plan.place:
+        yield spec.plan.place
     yield from (item.place for items in (spec.factors, spec.requires, spec.observations) for item in items)

@@ -2,33 +2,34 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator
-from itertools import combinations
+from contextlib import contextmanager
 
-from wmspec.check.evaluate import evaluate, parts
-from wmspec.check.ir import Call, Counterfactual, Place, Question, TaskSpec
-from wmspec.check.kinds import AN_ANGLE
-from wmspec.check.measured import measured
+from wmspec.check import units
+from wmspec.check.evaluate import parts
+from wmspec.check.ir import Call, Counterfactual, Place, TaskSpec
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design, Instance
 from wmspec.design.fault import Fault
-from wmspec.design.told import told
 from wmspec.design.values import Values
 from wmspec.design.view import facing, front
-from wmspec.errors import WmsError
+from wmspec.errors import Several, WmsError
 from wmspec.parse.diagnostics import Note, Report
 from wmspec.stage.agents import without
 from wmspec.stage.document import Document
-from wmspec.stage.doubts import Doubt, doubts, idle_requires
+from wmspec.stage.doubts import Doubt, doubts, idle_requires, short_sample
 from wmspec.stage.episode import built
+from wmspec.stage.options import asked, compare, told_of
 from wmspec.stage.overlap import overlaps
 from wmspec.stage.pictured import pictured
 from wmspec.stage.point import Pointer
 from wmspec.stage.sight import blind
 
-#: How many instances are built, how many of them with every counterfactual, and of how many the options are compared.
-TRIED, TRIED_CHANGED, COMPARED = 12, 4, 100
+#: How many instances are built, and how many of them with every counterfactual.
+TRIED, TRIED_CHANGED = 12, 4
+
+#: Verbs that hold their object until they happen, which they do even if that is never.
+_HOLDING = ("drop", "release")
 
 #: What follows from the place or the turn of something else, as it should.
 _FOLLOWS = ("pose", "way", "form", "there", "start")
@@ -44,11 +45,14 @@ def trial(spec: TaskSpec, report: Report) -> int:
         _doubt(doubts(spec), pointer, report)
         design = Design(spec)
         _doubt(idle_requires(spec, design.conditions), pointer, report)
+        _doubt(short_sample(spec, design.block_size), pointer, report)
         tried = _Trial(without(spec), design, pointer, report)
         for count, index in enumerate(design.sample(TRIED)):
-            tried.instance(design[index], count < TRIED_CHANGED)
+            with tried.telling():
+                tried.instance(design[index], count < TRIED_CHANGED)
         for question in spec.questions:
-            _compare(question, design, pointer, report)
+            with tried.telling():
+                compare(question, design, pointer, report)
     except Fault as fault:
         notes = tuple(Note(note, pointer.span(place)) for note, place in fault.notes)
         report.add(fault.code, fault.message, pointer.span(fault.place), fault.help, notes)
@@ -84,18 +88,32 @@ class _Trial:
         self.overlapping(values, instance)
         self.blind(values)
         self.turned(values)
+        self.late(values, instance)
         for question in self.spec.questions:
-            time = pictured(question, values) if _asked(question, values) else None
+            time = pictured(question, values) if asked(question, values) else None
             if time is not None and self.outside(time, values, question.place):
                 time = None
             for change in question.counterfactuals if changed else ():
                 if change.owner in self.things:
-                    otherwise = Values(self.spec, instance.values, change, instance.key)
-                    if time is not None:
-                        self.outside(time, otherwise, change.place)
-                    self.changes(change, truth, built(otherwise), instance)
-                    if change.change == "state":
-                        self.overlapping(otherwise, instance)
+                    with self.telling():
+                        otherwise = Values(self.spec, instance.values, change, instance.key)
+                        if time is not None:
+                            self.outside(time, otherwise, change.place)
+                        self.changes(change, truth, built(otherwise), instance)
+                        if change.change == "state":
+                            self.overlapping(otherwise, instance)
+
+    @contextmanager
+    def telling(self) -> Iterator[None]:
+        """Report impossible values, but those at places where another instance had some, and go on."""
+        try:
+            yield
+        except WmsError as error:
+            said = [self.pointer.said(str(e)) for e in (error.errors if isinstance(error, Several) else (error,))]
+            fresh = [(message, span) for message, span in said if (span.source.name, span.start) not in self.told]
+            for message, span in fresh:
+                self.report.add("WMS304", message, span)
+                self.told.add((span.source.name, span.start))
 
     def new(self, *what: object) -> bool:
         """Whether this was not told yet."""
@@ -112,16 +130,31 @@ class _Trial:
                 note = Note(f"`{pair.first}` is declared here", self.pointer.span(values.place(pair.first)))
                 span = self.pointer.span(values.place(pair.second))
                 remedy = "move them apart, make one smaller, or exclude this with `require`"
-                self.report.add("WMS601", f"{what} {_in(self.design, instance)}", span, remedy, (note,))
+                self.report.add("WMS601", f"{what} {told_of(self.design, instance)}", span, remedy, (note,))
+
+    def late(self, values: Values, instance: Instance) -> None:
+        """Actions that begin when the episode is over."""
+        end: float = values.ref("end")
+        lasts = f"the episode lasts {units.told(end, units.TIME)} {told_of(self.design, instance)}"
+        for action in self.spec.things:
+            name = action.name
+            if action.kind == "action" and action.verb not in _HOLDING and values.there(name):
+                start: float = values.property(name, "start")
+                if start > end - 1e-9 and self.new("late", name):
+                    what = f"`{name}` never happens: it begins at {units.told(start, units.TIME)}, and {lasts}"
+                    span = self.pointer.span(values.place(name, "start"))
+                    remedy = "let it begin earlier, or set a longer `horizon`"
+                    self.report.add("WMS304", what, span, remedy, severity="warning")
 
     def outside(self, time: float, values: Values, place: Place) -> bool:
         """Whether an option is a picture (s) of what is not executed, which is told."""
         end = values.ref("end")
         within = -1e-9 <= time <= end + 1e-9
         if not within and self.new("outside", place):
-            what = f"a picture at {time:g} s is outside the episode, which lasts {end:g} s"
+            lasts = f"the episode, which lasts {units.told(end, units.TIME)}"
+            what = f"a picture at {units.told(time, units.TIME)} is outside {lasts}"
             self.report.add(
-                "WMS304", what, self.pointer.span(place), "ask for an earlier one, or set a later `horizon`"
+                "WMS304", what, self.pointer.span(place), "ask for an earlier one, or set a longer `horizon`"
             )
         return not within
 
@@ -150,7 +183,7 @@ class _Trial:
         """A counterfactual that changes nothing, or more than it says."""
         span, differing = self.pointer.span(change.place), truth.differing(altered)
         if not differing and self.new("idle", change.name):
-            self.report.add("WMS503", f"`{change.name}` changes nothing {_in(self.design, instance)}", span)
+            self.report.add("WMS503", f"`{change.name}` changes nothing {told_of(self.design, instance)}", span)
         more = sorted(set(self.more(change, differing)))
         if more and self.new("more", change.name):
             target = f"{change.owner}.{change.property}"
@@ -171,47 +204,5 @@ class _Trial:
                 yield from (source for source in found if target in self.depend.source(source))
 
 
-# ---------------------------------------------------------------- options
-
-
-def _compare(question: Question, design: Design, pointer: Pointer, report: Report) -> None:
-    """Report options of a question that are the same in one of the instances compared."""
-    if question.options is None:
-        return
-    varying = Dependencies(design.spec).expression(question.options) & {f.name for f in design.spec.factors}
-    for index in design.sample(COMPARED if varying else 1):
-        instance = design[index]
-        values = Values(design.spec, instance.values, None, instance.key)
-        directions = question.sort == str(AN_ANGLE) and measured(design.spec, question.answer)
-        options = evaluate(question.options, values)
-        same = [a for a, b in combinations(options, 2) if _same(a, b, directions)]
-        if same and _asked(question, values):
-            what = f"two options of this question are the same, {_shown(same[0])}, {_in(design, instance)}"
-            report.add("WMS507", what, pointer.span(question.place), "keep them apart with `require`")
-            return
-
-
-def _asked(question: Question, values: Values) -> bool:
-    """Whether the conditions that can be looked at before the episode let the question be asked."""
-    known = (e.condition for e in question.ensures if not measured(values.spec, e.condition))
-    return all(evaluate(condition, values) for condition in known)
-
-
-def _same(a: object, b: object, directions: bool) -> bool:
-    if isinstance(a, float) and isinstance(b, float):
-        apart = math.remainder(a - b, 2 * math.pi) if directions else a - b
-        return abs(apart) <= 1e-9 * max(1.0, abs(a))
-    return a == b
-
-
-def _shown(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else f"`{value}`"
-
-
 def _long(length: float) -> str:
-    return f"{100 * length:.2g} cm" if length >= 0.01 else f"{1000 * length:.2g} mm"
-
-
-def _in(design: Design, instance: Instance) -> str:
-    where = told(design.factors, instance.factors)
-    return f"in instance {instance.index}" + (f" ({where})" if where and len(where) < 60 else "")
+    return units.told(float(f"{length:.2g}"), units.LENGTH)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from wmspec.check.ir import Counterfactual
 from wmspec.design.design import Design, Instance
+from wmspec.design.told import told
 from wmspec.errors import WmsError
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document
@@ -29,7 +30,7 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
 
     base, truth = written(None, design[0]), written(None)
     name = f"{instance.index:06d}"
-    assigned = ", ".join(f"{k} = {v:g}" if isinstance(v, float) else f"{k} = {v}" for k, v in instance.values.items())
+    assigned = told(spec.factors, instance.values)
     layers = {
         "base.usda": base_layer(base, f"{spec.title}. Instance 0; the layers of other instances change it."),
         f"{name}.usda": override_layer(
