@@ -1,21 +1,26 @@
 """The typed representation of a checked spec: names resolved, units gone (everything is SI).
 
-Plain frozen dataclasses, compared by value. `wmspec.check.record` writes them as JSON and reads them.
+Dataclasses that nothing changes, compared by value. `wmspec.check.record` writes them as JSON and reads them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Literal
+from dataclasses import field
+from typing import Annotated, Any, ClassVar, Literal, dataclass_transform
 
+from wmspec import node
 from wmspec.parse.source import Span
 
 
-class Node:
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
+class Node(node.Node):
     """Base of all parts: what is read as one has no more fields than it says."""
 
     __pydantic_config__: ClassVar[Mapping[str, str | bool]] = {"extra": "forbid", "allow_inf_nan": False}
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__(kw_only=True)
 
 
 class ByKind:
@@ -28,7 +33,6 @@ class ByKind:
         return handler(Annotated[source, Field(discriminator="kind")])
 
 
-@dataclass(frozen=True, kw_only=True)
 class Place(Node):
     """Where something stands in the text: file, line and column from 1, and character offsets."""
 
@@ -50,7 +54,6 @@ class Place(Node):
 # ---------------------------------------------------------------- expressions
 
 
-@dataclass(frozen=True, kw_only=True)
 class Value(Node):
     """A constant: an SI number, a truth value, a text, a word, or the name of a thing."""
 
@@ -58,7 +61,6 @@ class Value(Node):
     value: bool | float | str
 
 
-@dataclass(frozen=True, kw_only=True)
 class Ref(Node):
     """The value of a factor, nuisance or `let`."""
 
@@ -66,7 +68,6 @@ class Ref(Node):
     name: str
 
 
-@dataclass(frozen=True, kw_only=True)
 class Property(Node):
     """A property of an object, camera or light, or an argument of an action: `ball.mass`, `push.speed`."""
 
@@ -75,7 +76,6 @@ class Property(Node):
     name: str
 
 
-@dataclass(frozen=True, kw_only=True)
 class Operation(Node):
     """An operator applied to operands: `+ - * / == != < <= > >= and or not if`, and `x y z` of a point."""
 
@@ -84,7 +84,6 @@ class Operation(Node):
     operands: tuple[Expr, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
 class Call(Node):
     """A function of `functions.FUNCTIONS` applied to arguments, an option that is given last.
 
@@ -96,7 +95,6 @@ class Call(Node):
     arguments: tuple[Expr, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
 class Items(Node):
     """A list or a tuple."""
 
@@ -112,7 +110,6 @@ Expr = Annotated[Value | Ref | Property | Operation | Call | Items, ByKind()]
 Scalar = bool | float | str
 
 
-@dataclass(frozen=True, kw_only=True)
 class Choices(Node):
     """A domain of finitely many constants (a tuple is a point). With `weights` some are drawn more often than others.
 
@@ -125,7 +122,6 @@ class Choices(Node):
     when: tuple[Expr, ...] | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
 class Interval(Node):
     """A continuous domain (SI): uniform, or uniform in the logarithm."""
 
@@ -135,7 +131,6 @@ class Interval(Node):
     logarithmic: bool = False
 
 
-@dataclass(frozen=True, kw_only=True)
 class Normal(Node):
     """A normal distribution (SI), cut off at three deviations from its mean so that no draw is absurd."""
 
@@ -147,7 +142,6 @@ class Normal(Node):
 Domain = Annotated[Choices | Interval | Normal, ByKind()]
 
 
-@dataclass(frozen=True, kw_only=True)
 class Factor(Node):
     """A factor or nuisance. `unit` is the SI unit of its values, `""` for words and plain numbers."""
 
@@ -158,7 +152,6 @@ class Factor(Node):
     place: Place
 
 
-@dataclass(frozen=True, kw_only=True)
 class Let(Node):
     """A named value."""
 
@@ -167,7 +160,6 @@ class Let(Node):
     place: Place
 
 
-@dataclass(frozen=True, kw_only=True)
 class Require(Node):
     """A condition on factors that a combination must meet. `text` is how it was written."""
 
@@ -176,7 +168,6 @@ class Require(Node):
     place: Place
 
 
-@dataclass(frozen=True, kw_only=True)
 class Setting(Node):
     """The value of one property or argument."""
 
@@ -187,7 +178,6 @@ class Setting(Node):
 ThingKind = Literal["object", "part", "camera", "light", "joint", "robot", "world", "action"]
 
 
-@dataclass(frozen=True, kw_only=True)
 class Thing(Node):
     """An owner of properties: an object, camera, light, joint, robot, the world, an action, or a part of an object.
 
@@ -211,7 +201,6 @@ class Thing(Node):
 Channel = Literal["rgb", "depth", "ids"]
 
 
-@dataclass(frozen=True, kw_only=True)
 class Observation(Node):
     """A camera's pictures: `times` is a list of times. `channels` are what is kept of each picture."""
 
@@ -224,7 +213,6 @@ class Observation(Node):
 Change = Literal["action", "state", "without", "order"]
 
 
-@dataclass(frozen=True, kw_only=True)
 class Counterfactual(Node):
     """What if one thing were different: `owner.property` becomes `value`, of kind `sort`; or an action is left out.
 
@@ -241,7 +229,6 @@ class Counterfactual(Node):
     place: Place
 
 
-@dataclass(frozen=True, kw_only=True)
 class Margin(Node):
     """`value` must be at least `bound` away: from 0, or, for a ratio (a plain number), from 1 by that factor.
 
@@ -255,7 +242,6 @@ class Margin(Node):
     place: Place
 
 
-@dataclass(frozen=True, kw_only=True)
 class Said(Node):
     """A value spoken within a text; `sort` is its kind (`color`, `object`, `length`, ...), which decides how."""
 
@@ -263,7 +249,6 @@ class Said(Node):
     sort: str
 
 
-@dataclass(frozen=True, kw_only=True)
 class Difference(Node):
     """How strong the stimulus is, such as the ratio of two speeds: recorded, since accuracy is analysed against it."""
 
@@ -271,7 +256,6 @@ class Difference(Node):
     unit: str
 
 
-@dataclass(frozen=True, kw_only=True)
 class Question(Node):
     """A question. `text` alternates literal texts and values spoken. `sort` is the kind of the options.
 
@@ -298,7 +282,6 @@ class Question(Node):
 PlanKind = Literal["factorial", "sample", "latin", "one_at_a_time"]
 
 
-@dataclass(frozen=True, kw_only=True)
 class Plan(Node):
     """Which combinations of the factors make up the design.
 
@@ -312,7 +295,6 @@ class Plan(Node):
     place: Place | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
 class TaskSpec(Node):
     """A whole task, ready to be designed, staged, executed and asked."""
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
+from wmspec.node import Node
 from wmspec.parse.source import Span
 
 # ---------------------------------------------------------------- expressions
 
 
-@dataclass(frozen=True)
-class Number:
+class Number(Node):
     """`6 cm`: a number and the text of its unit, if any."""
 
     value: float
@@ -19,32 +18,28 @@ class Number:
     span: Span
 
 
-@dataclass(frozen=True)
-class Text:
+class Text(Node):
     """A quoted text, its escapes resolved."""
 
     value: str
     span: Span
 
 
-@dataclass(frozen=True)
-class Truth:
+class Truth(Node):
     """`true` or `false`."""
 
     value: bool
     span: Span
 
 
-@dataclass(frozen=True)
-class Name:
+class Name(Node):
     """A bare word."""
 
     id: str
     span: Span
 
 
-@dataclass(frozen=True)
-class Member:
+class Member(Node):
     """`ball.mass`."""
 
     value: Expr
@@ -52,8 +47,7 @@ class Member:
     span: Span
 
 
-@dataclass(frozen=True)
-class Index:
+class Index(Node):
     """`blocks[2]`: a member of a set of objects."""
 
     value: Expr
@@ -61,8 +55,7 @@ class Index:
     span: Span
 
 
-@dataclass(frozen=True)
-class Argument:
+class Argument(Node):
     """An argument of a call, `name: value` or `value`."""
 
     name: Name | None
@@ -70,8 +63,7 @@ class Argument:
     span: Span
 
 
-@dataclass(frozen=True)
-class Call:
+class Call(Node):
     """`glide(left, speed: 10 cm/s)`."""
 
     function: Expr
@@ -79,8 +71,7 @@ class Call:
     span: Span
 
 
-@dataclass(frozen=True)
-class Operation:
+class Operation(Node):
     """An operator and its operands: `+ - * / == != < <= > >= and or not if`, `-` also with one operand."""
 
     operator: str
@@ -88,8 +79,7 @@ class Operation:
     span: Span
 
 
-@dataclass(frozen=True)
-class Range:
+class Range(Node):
     """`a .. b`, `a .. b by step`, `a .. b in count`."""
 
     start: Expr
@@ -99,8 +89,7 @@ class Range:
     span: Span
 
 
-@dataclass(frozen=True)
-class Items:
+class Items(Node):
     """`[a, b, c] unit` or `(x, y)`."""
 
     kind: Literal["list", "tuple"]
@@ -114,24 +103,21 @@ Expr = Number | Text | Truth | Name | Member | Index | Call | Operation | Range 
 # ---------------------------------------------------------------- statements
 
 
-@dataclass(frozen=True)
-class Docstring:
+class Docstring(Node):
     """Three-quoted text."""
 
     text: str
     span: Span
 
 
-@dataclass(frozen=True)
-class Use:
+class Use(Node):
     """`use tabletop`."""
 
     name: Name
     span: Span
 
 
-@dataclass(frozen=True)
-class Factor:
+class Factor(Node):
     """`factor name in domain`, or the same with `nuisance`."""
 
     name: Name
@@ -140,8 +126,7 @@ class Factor:
     span: Span
 
 
-@dataclass(frozen=True)
-class Let:
+class Let(Node):
     """`let name = value`."""
 
     name: Name
@@ -149,16 +134,14 @@ class Let:
     span: Span
 
 
-@dataclass(frozen=True)
-class Require:
+class Require(Node):
     """`require condition`."""
 
     condition: Expr
     span: Span
 
 
-@dataclass(frozen=True)
-class Setting:
+class Setting(Node):
     """`title "..."`, `repeat 4`, `horizon 2 s`: one value of the task itself."""
 
     key: str
@@ -166,8 +149,7 @@ class Setting:
     span: Span
 
 
-@dataclass(frozen=True)
-class Property:
+class Property(Node):
     """`mass: 200 g`; `at` is the second half of `on: table at (x, y)`."""
 
     name: Name
@@ -176,8 +158,7 @@ class Property:
     span: Span
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(Node):
     """`part name { properties }`: one piece of a compound object."""
 
     name: Name
@@ -185,8 +166,7 @@ class Part:
     span: Span
 
 
-@dataclass(frozen=True)
-class Block:
+class Block(Node):
     """`object name : model { properties parts }`, and the same for cameras, lights, joints, robots and the world.
 
     The world has no name of its own. `count` is set for `objects name[count] { ... }`. `whole` is never written: it is
@@ -203,8 +183,7 @@ class Block:
     whole: str = ""
 
 
-@dataclass(frozen=True)
-class Template:
+class Template(Node):
     """`template name(parameter: default) { properties parts }`: what objects of this model have in common."""
 
     name: Name
@@ -214,8 +193,7 @@ class Template:
     span: Span
 
 
-@dataclass(frozen=True)
-class Design:
+class Design(Node):
     """`design sample of 500`, `design one_at_a_time { speed: 0.9 m/s }`: which combinations of factors there are."""
 
     kind: Name
@@ -224,8 +202,7 @@ class Design:
     span: Span
 
 
-@dataclass(frozen=True)
-class Tolerance:
+class Tolerance(Node):
     """`tolerance position 5 mm`: how far engines may disagree."""
 
     name: Name
@@ -233,8 +210,7 @@ class Tolerance:
     span: Span
 
 
-@dataclass(frozen=True)
-class Timing:
+class Timing(Node):
     """`at 0.2 s`, `for 2 s`, `after push`, `with push`."""
 
     kind: str
@@ -242,8 +218,7 @@ class Timing:
     span: Span
 
 
-@dataclass(frozen=True)
-class Action:
+class Action(Node):
     """`action name = verb(arguments) timings`."""
 
     name: Name
@@ -252,8 +227,7 @@ class Action:
     span: Span
 
 
-@dataclass(frozen=True)
-class Observe:
+class Observe(Node):
     """`observe camera at times as channels`."""
 
     camera: Name
@@ -262,8 +236,7 @@ class Observe:
     channels: Expr | None = None
 
 
-@dataclass(frozen=True)
-class Change:
+class Change(Node):
     """The one change of a counterfactual: `kind` is action, state, without or order."""
 
     kind: str
@@ -272,8 +245,7 @@ class Change:
     span: Span
 
 
-@dataclass(frozen=True)
-class Counterfactual:
+class Counterfactual(Node):
     """`counterfactual name { change }`."""
 
     name: Name
@@ -281,8 +253,7 @@ class Counterfactual:
     span: Span
 
 
-@dataclass(frozen=True)
-class Clause:
+class Clause(Node):
     """A clause of a question: its keyword and value; `margin value apart by bound unless exception` has all three."""
 
     kind: str
@@ -292,8 +263,7 @@ class Clause:
     unless: Expr | None = None
 
 
-@dataclass(frozen=True)
-class Question:
+class Question(Node):
     """`question name "text" { clauses }`; the name may be left out."""
 
     text: Text
@@ -320,8 +290,7 @@ Statement = (
 )
 
 
-@dataclass(frozen=True)
-class Task:
+class Task(Node):
     """`task name : dimension.path { statements }`."""
 
     name: Name
@@ -330,8 +299,7 @@ class Task:
     span: Span
 
 
-@dataclass(frozen=True)
-class File:
+class File(Node):
     """A whole file: a task file holds one or more tasks, a library none."""
 
     items: tuple[Statement | Task, ...]
