@@ -3,7 +3,7 @@
     python -m benchmarks.check [SPECS]
 
 The bars are 0.3 s of processor time for each spec that comes with wmspec, and 20,000 instances a second. Of seven runs
-the least counts, since what else a machine does can only add to it; what Python alone takes to start is shown too. The
+the quickest counts, since what else a machine does can only slow it; what Python alone takes to start is shown too. The
 first run fills the caches of the grammar and of Python's bytecode, which an installation has, and does not count. The
 exit code is 1 if a bar is missed.
 """
@@ -75,8 +75,12 @@ def instances_per_second(path: Path) -> float:
     """How many instances of the task in a spec can be built from their indices in a second of processor time."""
     (spec,) = check(path, Report())
     design = Design(spec)
+    return max(_rate(design) for _ in range(RUNS))
+
+
+def _rate(design: Design) -> float:
     began, count = time.process_time(), 0
-    while time.process_time() - began < 1:
+    while time.process_time() - began < 1 / RUNS:
         for index in range(0, len(design), max(1, len(design) // 1000)):
             design[index]
             count += 1

@@ -103,6 +103,9 @@ class Sample:
         return position if position < self.size else None
 
 
+_KNOWN = 64  # up to this length, rows are shuffled once: most digits of a sample have no longer ones
+
+
 class _Digit:
     """One digit, 0 .. `base` - 1, of positions 0 .. `count` - 1: a function of the position such that
 
@@ -124,10 +127,11 @@ class _Digit:
         self._cut = count % below  # this many positions of a row also occur in the unfinished last one
         self._first = Permutation(self._cut, *key, "first")
         self._second = Permutation(below - self._cut, *key, "second") if below <= count else None
+        self._known = tuple(map(self._shuffled, range(below))) if below <= _KNOWN else ()
 
     def __call__(self, position: int) -> int:
         row, column = divmod(position, self.below)
-        return (self._begun(row) + self._shuffled(column)) % self.base
+        return (self._begun(row) + (self._known[column] if self._known else self._shuffled(column))) % self.base
 
     def extended(self, column: int, digit: int) -> int:
         """The position, modulo `below * base`, of which `column` is the remainder modulo `below`."""
