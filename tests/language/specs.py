@@ -82,7 +82,7 @@ def _object(draw: st.DrawFn, names: list[str], i: int) -> str:
     at = f"table at ({x} - {30 * i} cm, {15 * i} cm)"
     beside = (
         f"{before} at (0, 0)",
-        *(f"table at {f}" for f in (f"left_of({before}, place)", f"polar({before}, place, turn)")),
+        *(f"table at {f}" for f in (f"left_of({before}, place)", f"polar({before}, place / 2, turn)")),
     )
     on = one(at, *(beside if i else ()))
     return (
