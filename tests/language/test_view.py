@@ -13,7 +13,6 @@ from wmspec.design.values import Values
 from wmspec.design.view import facing, front, seen
 from wmspec.stage.eyes import _looking
 
-
 PLACES = st.integers(-100, 100).map(lambda cm: cm / 100)
 
 
