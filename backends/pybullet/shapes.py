@@ -76,16 +76,16 @@ def several(pieces: tuple[Piece, ...], poses: list[Vector], folder: str) -> dict
 
     It drops all shapes after the sixteenth without a word, so the hulls, which have one pose, come as one shape.
     """
-    hulls = [piece for piece in pieces if piece.kind == "hull"]
+    hulls, file = [piece for piece in pieces if piece.kind == "hull"], Path(folder, "hulls.obj")
     if hulls:
-        Path(folder, "hulls.obj").write_text(objects(hulls))
+        file.write_text(objects(hulls))
     rows = [(piece, poses[i]) for i, piece in enumerate(pieces) if piece.kind != "hull" or piece is hulls[0]]
     return {
         "shapeTypes": [getattr(pybullet, KINDS[piece.kind]) for piece, _ in rows],
         "halfExtents": [piece.size if piece.kind == "box" else (0.0, 0.0, 0.0) for piece, _ in rows],
         "radii": [0.0 if piece.kind in ("box", "hull") else piece.size[0] for piece, _ in rows],
         "lengths": [piece.size[1] if piece.kind in ("cylinder", "capsule") else 0.0 for piece, _ in rows],
-        "fileNames": [str(Path(folder, "hulls.obj")) if piece.kind == "hull" else "" for piece, _ in rows],
+        "fileNames": [str(file) if piece.kind == "hull" else "" for piece, _ in rows],
         "meshScales": [(1.0, 1.0, 1.0)] * len(rows),
         "collisionFramePositions": [pose[:3] for _, pose in rows],
         "collisionFrameOrientations": [xyzw(pose[3:]) for _, pose in rows],

@@ -32,11 +32,15 @@ HARMLESS = '"PhysxJointAPI"'
 X = np.array([1.0, 0, 0])
 
 
+def joint(kind: str, more: str = "", apis: str = HARMLESS) -> str:
+    """A joint between a and b."""
+    return JOINT % (kind, apis, FRAMES, more)
+
+
 def only(kind: str, more: str = "", apis: str = HARMLESS, bodies: str = BODIES, **header: float | str) -> Joint:
     """The one joint between a and b."""
-    text = bodies + JOINT % (kind, apis, FRAMES, more)
-    (joint,) = read(stage(text, **header)).joints  # type: ignore[arg-type]
-    return joint
+    (found,) = read(stage(bodies + joint(kind, more, apis), **header)).joints  # type: ignore[arg-type]
+    return found
 
 
 def test_the_kinds() -> None:
@@ -137,51 +141,47 @@ SLIDES = ("transX", "transY", "transZ")
 DRIVE_Y = "\n" + DRIVE.replace("%s", "rotY")
 
 REFUSED = {
-    "distance": (JOINT % ("Distance", HARMLESS, FRAMES, ""), "distance joints"),
-    "two ways": (JOINT % ("", HARMLESS, FRAMES, ""), "leaves transX, transY"),
-    "breaks": (JOINT % ("Fixed", HARMLESS, FRAMES, "float physics:breakForce = 10"), "break"),
+    "distance": (joint("Distance"), "distance joints"),
+    "two ways": (joint(""), "leaves transX, transY"),
+    "breaks": (joint("Fixed", "float physics:breakForce = 10"), "break"),
     "limits": (
-        JOINT % ("Revolute", HARMLESS, FRAMES, "float physics:lowerLimit = 9\nfloat physics:upperLimit = 3"),
+        joint("Revolute", "float physics:lowerLimit = 9\nfloat physics:upperLimit = 3"),
         "limits",
     ),
     "equal": (
-        JOINT % ("Revolute", HARMLESS, FRAMES, "float physics:lowerLimit = 3\nfloat physics:upperLimit = 3"),
+        joint("Revolute", "float physics:lowerLimit = 3\nfloat physics:upperLimit = 3"),
         "equal",
     ),
-    "itself": ((JOINT % ("Fixed", HARMLESS, FRAMES, "")).replace("/World/b", "/World/a"), "to itself"),
-    "nobody": ((JOINT % ("Fixed", HARMLESS, FRAMES, "")).replace("/World/b", "/World/c"), "not on the stage"),
+    "itself": (joint("Fixed").replace("/World/b", "/World/a"), "to itself"),
+    "nobody": (joint("Fixed").replace("/World/b", "/World/c"), "not on the stage"),
     "strange drive": (
-        JOINT % ("Revolute", '"PhysicsDriveAPI:linear"', FRAMES, DRIVE.replace("%s", "linear")),
+        joint("Revolute", DRIVE.replace("%s", "linear"), '"PhysicsDriveAPI:linear"'),
         "drive 'linear' is of no axis",
     ),
     "drive of a ball": (
-        JOINT % ("Spherical", '"PhysicsDriveAPI:rotX"', FRAMES, DRIVE.replace("%s", "rotX")),
+        joint("Spherical", DRIVE.replace("%s", "rotX"), '"PhysicsDriveAPI:rotX"'),
         "drive 'rotX' is of a ball joint",
     ),
     "drive of a generic ball": (
-        JOINT % ("", locked(*SLIDES)[1] + ', "PhysicsDriveAPI:rotY"', FRAMES, locked(*SLIDES)[0] + DRIVE_Y),
+        joint("", locked(*SLIDES)[0] + DRIVE_Y, locked(*SLIDES)[1] + ', "PhysicsDriveAPI:rotY"'),
         "drive 'rotY' is of a ball joint",
     ),
     "animated drive": (
-        JOINT
-        % (
-            "Revolute",
-            '"PhysicsDriveAPI:angular"',
-            FRAMES,
-            "float drive:angular:physics:stiffness.timeSamples = {0: 1, 24: 2}",
+        joint(
+            "Revolute", "float drive:angular:physics:stiffness.timeSamples = {0: 1, 24: 2}", '"PhysicsDriveAPI:angular"'
         ),
         "drive:angular:physics:stiffness is animated",
     ),
     "animated enabling": (
-        JOINT % ("Fixed", HARMLESS, FRAMES, "bool physics:jointEnabled.timeSamples = {0: 1, 24: 0}"),
+        joint("Fixed", "bool physics:jointEnabled.timeSamples = {0: 1, 24: 0}"),
         "physics:jointEnabled is animated",
     ),
     "limit without number": (
-        JOINT % ("Revolute", HARMLESS, FRAMES, "float physics:lowerLimit = nan"),
+        joint("Revolute", "float physics:lowerLimit = nan"),
         "lowerLimit = nan",
     ),
     "limits without end": (
-        JOINT % ("Prismatic", HARMLESS, FRAMES, "float physics:lowerLimit = inf"),
+        joint("Prismatic", "float physics:lowerLimit = inf"),
         "its limits are inf",
     ),
     "frame": (
@@ -189,21 +189,19 @@ REFUSED = {
         "localPos0 = .nan, 0, 0. is",
     ),
     "stiffness": (
-        JOINT % ("Revolute", '"PhysicsDriveAPI:angular"', FRAMES, "float drive:angular:physics:stiffness = inf"),
+        joint("Revolute", "float drive:angular:physics:stiffness = inf", '"PhysicsDriveAPI:angular"'),
         "stiffness = inf is not finite",
     ),
     "acceleration": (
-        JOINT
-        % (
+        joint(
             "Revolute",
-            '"PhysicsDriveAPI:angular"',
-            FRAMES,
             DRIVE.replace("%s", "angular") + '\nuniform token drive:angular:physics:type = "acceleration"',
+            '"PhysicsDriveAPI:angular"',
         ),
         "by acceleration",
     ),
     "gear": ('def PhysxPhysicsGearJoint "j" {}', "gears"),
-    "mimic": (JOINT % ("Revolute", '"PhysxMimicJointAPI:rotX"', FRAMES, ""), "mimic"),
+    "mimic": (joint("Revolute", apis='"PhysxMimicJointAPI:rotX"'), "mimic"),
 }
 
 

@@ -63,7 +63,7 @@ class Run:
         A door that turns about the origin of its frame is elsewhere, though its frame is not. Raises WmsError if the
         time is outside the episode.
         """
-        if not -1e-9 <= time <= self.scene.duration + 1e-9:
+        if not self.values.during(time):
             label = f"{self.values.change.name}: " if self.values.change else ""
             raise WmsError(f"{label}{time:g} s is outside the episode, which lasts {self.scene.duration:g} s")
         i, index = self.trace.sample(time), {name: k for k, name in enumerate(self.trace.bodies)}

@@ -65,6 +65,10 @@ class Values:
             return self.assignment[name]
         return self.once(("", name), lambda: self._named(name))
 
+    def during(self, time: float) -> bool:
+        """Whether a time (s) is within the episode."""
+        return -1e-9 <= time <= float(self.ref("end")) + 1e-9
+
     def property(self, owner: str, name: str) -> Any:
         """The value of a property or argument. Raises WmsError with its place if it is impossible."""
         key = (owner, name)

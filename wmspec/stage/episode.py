@@ -93,7 +93,7 @@ def observed(spec: TaskSpec, values: Values) -> list[tuple[str, tuple[float, ...
     for observation in spec.observations:
         times = evaluate(observation.times, values)
         for time in times:
-            if not -1e-9 <= time <= end + 1e-9:
+            if not values.during(time):
                 raise WmsError(f"{observation.place}: {time:g} s is outside the episode, which lasts {end:g} s")
         found.setdefault(observation.camera, set()).update(times)
     return [(camera, tuple(sorted(times))) for camera, times in found.items()]

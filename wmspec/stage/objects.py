@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
+from wmspec.check.vocabulary import TALL
 from wmspec.design.forms import every_piece, touchable
 from wmspec.design.solids import SLAB, Piece, Solid
 from wmspec.design.space import HERE
@@ -26,7 +27,6 @@ PRIMS = {
     "cone": "Cone",
     "capsule": "Capsule",
 }
-_TALL = ("cylinder", "cone", "capsule")
 _APPROXIMATIONS = {"hull": "convexHull", "pieces": "convexDecomposition", "bounds": "boundingCube"}
 
 
@@ -116,7 +116,7 @@ def _shape(prim: Prim, made: Solid, form: str) -> None:
         corner = (0.5, 0.5, 0.5)
     else:
         prim.set("radius", "double", x / 2, form)
-    if made.kind in _TALL:
+    if made.kind in TALL:
         prim.set("height", "double", z - x if made.kind == "capsule" else z, form)
         prim.set("axis", "token", "Z", form, uniform=True)
     prim.set("extent", "float3[]", (tuple(-c for c in corner), corner), form)

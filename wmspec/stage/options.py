@@ -11,8 +11,8 @@ from wmspec.check.ir import Question
 from wmspec.check.kinds import AN_ANGLE
 from wmspec.check.measured import measured
 from wmspec.design.depend import Dependencies
-from wmspec.design.design import Design, Instance
-from wmspec.design.told import told
+from wmspec.design.design import Design
+from wmspec.design.told import told_of
 from wmspec.design.values import Values
 from wmspec.errors import WmsError
 from wmspec.parse.diagnostics import Report
@@ -56,12 +56,6 @@ def compare(question: Question, design: Design, pointer: Pointer, report: Report
         remedy = "add it to the options" if never else "add it to the options, or exclude this with `require`"
         span = pointer.span(question.place)
         report.add("WMS502", what, span, remedy, severity="error" if never else "warning")
-
-
-def told_of(design: Design, instance: Instance) -> str:
-    """Which instance that is, with its factors if they are few."""
-    where = told(design.factors, instance.factors)
-    return f"in instance {instance.index}" + (f" ({where})" if where and len(where) < 60 else "")
 
 
 def _answer(question: Question, values: Values) -> object:

@@ -11,6 +11,7 @@ from wmspec.check.ir import Call, Counterfactual, Place, TaskSpec
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design, Instance
 from wmspec.design.fault import Fault
+from wmspec.design.told import told_of
 from wmspec.design.values import Values
 from wmspec.design.view import facing, front
 from wmspec.errors import Several, WmsError
@@ -19,7 +20,7 @@ from wmspec.stage.agents import without
 from wmspec.stage.document import Document
 from wmspec.stage.doubts import Doubt, doubts, idle_requires, short_sample
 from wmspec.stage.episode import built
-from wmspec.stage.options import asked, compare, told_of
+from wmspec.stage.options import asked, compare
 from wmspec.stage.overlap import overlaps
 from wmspec.stage.pictured import pictured
 from wmspec.stage.point import Pointer
@@ -135,12 +136,12 @@ class _Trial:
     def late(self, values: Values, instance: Instance) -> None:
         """Actions that begin when the episode is over."""
         end: float = values.ref("end")
-        lasts = f"the episode lasts {units.told(end, units.TIME)} {told_of(self.design, instance)}"
         for action in self.spec.things:
             name = action.name
             if action.kind == "action" and action.verb not in _HOLDING and values.there(name):
                 start: float = values.property(name, "start")
                 if start > end - 1e-9 and self.new("late", name):
+                    lasts = f"the episode lasts {units.told(end, units.TIME)} {told_of(self.design, instance)}"
                     what = f"`{name}` never happens: it begins at {units.told(start, units.TIME)}, and {lasts}"
                     span = self.pointer.span(values.place(name, "start"))
                     remedy = "let it begin earlier, or set a longer `horizon`"
@@ -148,10 +149,9 @@ class _Trial:
 
     def outside(self, time: float, values: Values, place: Place) -> bool:
         """Whether an option is a picture (s) of what is not executed, which is told."""
-        end = values.ref("end")
-        within = -1e-9 <= time <= end + 1e-9
+        within = values.during(time)
         if not within and self.new("outside", place):
-            lasts = f"the episode, which lasts {units.told(end, units.TIME)}"
+            lasts = f"the episode, which lasts {units.told(values.ref('end'), units.TIME)}"
             what = f"a picture at {units.told(time, units.TIME)} is outside {lasts}"
             self.report.add(
                 "WMS304", what, self.pointer.span(place), "ask for an earlier one, or set a longer `horizon`"
@@ -172,9 +172,10 @@ class _Trial:
         answers = (part for question in self.spec.questions for part in parts(question.answer))
         if not any(isinstance(part, Call) and part.function == "relation" for part in answers):
             return
+        way = front(values)
         for observation in self.spec.observations:
             camera = observation.camera
-            if facing(values, camera) != front(values) and self.new("turned", camera):
+            if facing(values, camera) != way and self.new("turned", camera):
                 what = f"`{camera}` looks another way than `relation`, which goes by the world's front"
                 remedy = "observe only from one side, or say in the question that it is meant as seen from the front"
                 self.report.add("WMS603", what, self.pointer.span(observation.place), remedy, severity="warning")

@@ -28,8 +28,7 @@ def read(stage: Usd.Stage) -> Scene:
         StageError: with everything on the stage that is wrong or not supported, each with its prim and remedy.
     """
     problems = Problems()
-    with problems.gathered():
-        incomplete(stage)
+    incomplete(stage, problems)
     found, world = Walk(stage, problems).found, World(stage, problems)
     everything = bodies(list(found.owners.values()), world, problems)
     known = {body.path: body for body in everything}

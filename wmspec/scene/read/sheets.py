@@ -62,23 +62,19 @@ def _faces(whole: trimesh.Trimesh) -> Iterator[tuple[Array, Array]]:
     for group in trimesh.graph.connected_components(level, nodes=np.arange(len(whole.faces))):
         normal = whole.face_normals[group[0]]
         corners = whole.vertices[np.unique(whole.faces[group])]
-        outline = corners[_outline(corners, normal)]
+        outline, area = _outline(corners, normal)
         off = np.abs((corners - corners[0]) @ normal).max()
-        if off < _FLAT * whole.scale and np.isclose(_area(outline), whole.area_faces[group].sum(), rtol=1e-6):
+        if off < _FLAT * whole.scale and np.isclose(area, whole.area_faces[group].sum(), rtol=1e-6):
             yield outline, normal
         else:
             yield from ((whole.vertices[whole.faces[face]], whole.face_normals[face]) for face in group)
 
 
-def _outline(corners: Array, normal: Array) -> Array:
-    """Which points in a plane are corners of the convex polygon around them, counter-clockwise around its normal."""
+def _outline(corners: Array, normal: Array) -> tuple[Array, float]:
+    """The convex polygon around points (n, 3) in a plane: corners, counter-clockwise around its normal, and area."""
     flat = corners @ trimesh.geometry.plane_transform(np.zeros(3), normal)[:2, :3].T
-    return np.asarray(ConvexHull(flat, qhull_options="QJ").vertices)
-
-
-def _area(outline: Array) -> float:
-    around = np.cross(outline - outline[0], np.roll(outline, -1, axis=0) - outline[0]).sum(axis=0)
-    return float(np.linalg.norm(around)) / 2
+    hull = ConvexHull(flat, qhull_options="QJ")
+    return corners[hull.vertices], float(hull.volume)
 
 
 def _solid(corners: Array, normal: Array, most: float) -> Mesh | None:

@@ -50,18 +50,12 @@ _STARTS = tuple(APIS)
 _BINDINGS = ("material:binding", "material:binding:preview", "material:binding:physics")
 
 
-def incomplete(stage: Usd.Stage) -> None:
-    """Refuse a stage whose references, payloads, layers and the like are not all found.
-
-    Raises:
-        StageError: naming the prims, and what USD says of them.
-    """
-    problems = Problems()
+def incomplete(stage: Usd.Stage, problems: Problems) -> None:
+    """Note the references, payloads, layers and the like that are not found, by prim, as USD tells them."""
     for error in sorted(stage.GetCompositionErrors(), key=str):  # USD finds them in any order
         with problems.gathered():
             prim = stage.GetPrimAtPath(error.rootSite.path) or stage.GetPseudoRoot()
             refuse(prim, " ".join(str(error).split()).rstrip("."), "mend the path, or remove what is not there")
-    problems.report()
 
 
 def examine(prim: Usd.Prim, apis: Sequence[str]) -> None:
