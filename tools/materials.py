@@ -13,15 +13,15 @@ from PIL import Image
 
 from wmspec.check.task import check
 from wmspec.design.design import Design
-from wmspec.execute.studio import Studio
-from wmspec.looks import MATERIALS
+from wmspec.execute.render_cache import RenderCache
+from wmspec.materials import MATERIALS
 from wmspec.parse.diagnostics import Report
 from wmspec.scene.model import Look, Shot
-from wmspec.scene.read import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.write import ink
-from wmspec.write.ink import Style
+from wmspec.usd import read
+from wmspec.write import typeset
+from wmspec.write.typeset import Style
 
 OUTPUT = Path(__file__).parent.parent / "docs/images/materials.jpg"
 SIDE = 190
@@ -54,7 +54,7 @@ def picture(name: str, color: str, look: Look) -> Image.Image:
         tasks = check(spec, report)
         report.stop_if_failed()
     scene = read(compose(document(tasks[0], Design(tasks[0])[0])))
-    studio = Studio("mujoco", SIDE, SIDE, look)
+    studio = RenderCache("mujoco", SIDE, SIDE, look)
     frame = studio.draw(scene, Shot("near", tuple(body.pose for body in scene.bodies)))
     studio.close()
     return Image.fromarray(frame.rgb)
@@ -65,11 +65,13 @@ def sheet() -> Image.Image:
     label, name, wide = Style(18, bold=True), Style(15), 110
     parts, names = [], list(MATERIALS)
     for five in (names[:5], names[5:]):
-        parts.append(ink.beside([ink.blank(wide, 1), *(ink.paragraph(one, label, SIDE) for one in five)], 6))
+        parts.append(
+            typeset.beside([typeset.blank(wide, 1), *(typeset.paragraph(one, label, SIDE) for one in five)], 6)
+        )
         for said, color, look in ROWS:
             pictures = [picture(one, color, look) for one in five]
-            parts.append(ink.beside([ink.paragraph(said, name, wide), *pictures], 6, middle=True))
-    return ink.padded(ink.above(parts, 6), 14)
+            parts.append(typeset.beside([typeset.paragraph(said, name, wide), *pictures], 6, middle=True))
+    return typeset.padded(typeset.above(parts, 6), 14)
 
 
 def main(output: str = str(OUTPUT)) -> int:

@@ -13,14 +13,14 @@ from PIL import Image
 
 from wmspec.check.task import check
 from wmspec.design.design import Design
-from wmspec.execute.studio import Studio
+from wmspec.execute.render_cache import RenderCache
 from wmspec.parse.diagnostics import Report
 from wmspec.scene.model import Look, Scene, Shot
-from wmspec.scene.read import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.write import ink
-from wmspec.write.ink import Style
+from wmspec.usd import read
+from wmspec.write import typeset
+from wmspec.write.typeset import Style
 
 OUTPUT = Path(__file__).parent.parent / "docs/images/pixels.jpg"
 PLACES = {
@@ -75,7 +75,7 @@ def still(place: str) -> Scene:
 
 def picture(scene: Scene, engine: str, look: Look) -> Image.Image:
     """The scene as it begins."""
-    studio = Studio(engine, SIDE, SIDE, look, SAMPLES if look == "beauty" else None)
+    studio = RenderCache(engine, SIDE, SIDE, look, SAMPLES if look == "beauty" else None)
     frame = studio.draw(scene, Shot(CAMERA, tuple(body.pose for body in scene.bodies)))
     studio.close()
     return Image.fromarray(frame.rgb)
@@ -84,14 +84,14 @@ def picture(scene: Scene, engine: str, look: Look) -> Image.Image:
 def sheet() -> Image.Image:
     """A row for each environment, a column for each engine and look."""
     label, name, wide = Style(20, bold=True), Style(17), 150
-    heads = [ink.paragraph(f"{engine}, {look}", label, SIDE) for engine, look in LOOKS]
-    rows = [ink.beside([ink.blank(wide, 1), *heads], 8)]
+    heads = [typeset.paragraph(f"{engine}, {look}", label, SIDE) for engine, look in LOOKS]
+    rows = [typeset.beside([typeset.blank(wide, 1), *heads], 8)]
     for place in PLACES:
         scene = still(place)
         pictures = [picture(scene, *look) for look in LOOKS]
-        rows.append(ink.beside([ink.paragraph(place, name, wide), *pictures], 8, middle=True))
+        rows.append(typeset.beside([typeset.paragraph(place, name, wide), *pictures], 8, middle=True))
         print(place, flush=True)
-    return ink.padded(ink.above(rows, 8), 16)
+    return typeset.padded(typeset.above(rows, 8), 16)
 
 
 def main(output: str = str(OUTPUT)) -> int:

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from wmspec.check.calls import signature
 from wmspec.check.functions import FUNCTIONS
-from wmspec.check.kinds import either
-from wmspec.check.slots import LOOKS, slots, sort
+from wmspec.check.property_schema import LOOKS, slots, sort
+from wmspec.check.types import either
 from wmspec.check.units import EXAMPLES, UNITS
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import (
@@ -30,7 +30,7 @@ from wmspec.check.vocabulary import (
     Form,
     Slot,
 )
-from wmspec.looks import MATERIALS
+from wmspec.materials import MATERIALS
 from wmspec.parse.diagnostics import CODES
 
 PAGE = Path(__file__).parent.parent / "docs/language.md"

@@ -17,9 +17,9 @@ from wmspec.backends.mujoco.ktx import environment
 from wmspec.backends.mujoco.render import Renderer as Parity
 from wmspec.backends.mujoco.render import build
 from wmspec.scene.camera import seeing
-from wmspec.scene.develop import develop, shrink
 from wmspec.scene.model import Array, Camera, Frame, Scene, Shot
 from wmspec.scene.silence import silence
+from wmspec.scene.tonemap import develop, shrink
 from wmspec.scene.transform import rotation
 
 with silence():

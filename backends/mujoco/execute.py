@@ -12,16 +12,16 @@ from wmspec.backends.mujoco.joints import FAR
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.world import World
 from wmspec.errors import EngineError, WmsError
+from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import Episode, play
-from wmspec.scene.honoured import honoured
 from wmspec.scene.model import Scene, Trace
-from wmspec.scene.recording import trace
+from wmspec.scene.readback import honoured
 from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
-from wmspec.scene.trees import trees
+from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
 with silence():

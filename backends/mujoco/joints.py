@@ -9,16 +9,16 @@ import numpy as np
 
 from wmspec.backends.mujoco.impact import IMPEDANCE, solref
 from wmspec.backends.mujoco.text import text
+from wmspec.scene.articulations import Link
 from wmspec.scene.model import Friction, Scene
 from wmspec.scene.transform import rotate
-from wmspec.scene.trees import Limb
 
 KINDS = {"hinge": "hinge", "slider": "slide", "ball": "ball"}
 X = np.array([1.0, 0.0, 0.0])
 FAR = 1e10  # rad or m: MuJoCo's own limit of what is finite
 
 
-def hang(element: ET.Element, limb: Limb, scene: Scene, step: float) -> None:
+def hang(element: ET.Element, limb: Link, scene: Scene, step: float) -> None:
     """Give a body the joint that holds it to the body around it; none holds it fast. `step` in s."""
     if limb.kind == "fixed":
         return
@@ -37,7 +37,7 @@ def hang(element: ET.Element, limb: Limb, scene: Scene, step: float) -> None:
     element.insert(0, joint)
 
 
-def actuator(root: ET.Element, limb: Limb, scene: Scene) -> None:
+def actuator(root: ET.Element, limb: Link, scene: Scene) -> None:
     """A drive: the control is `stiffness * target + damping * velocity`."""
     stiffness, damping, _, _, most = limb.drive
     name = scene.joints[limb.joint].name
@@ -47,7 +47,7 @@ def actuator(root: ET.Element, limb: Limb, scene: Scene) -> None:
         made.set("forcerange", text([-most, most]))
 
 
-def control(limb: Limb) -> float:
+def control(limb: Link) -> float:
     """What the actuator of a drive is told at the start."""
     stiffness, damping, target, velocity, _ = limb.drive
     return stiffness * target + damping * velocity

@@ -12,7 +12,8 @@ from wmspec.backends.mujoco.impact import IMPEDANCE, solref, solreffriction
 from wmspec.backends.mujoco.joints import actuator, control, hang
 from wmspec.backends.mujoco.text import text
 from wmspec.backends.mujoco.world import HEAVY
-from wmspec.scene.centred import centred, mount, placed
+from wmspec.scene.articulations import WORLD, Link, Tree
+from wmspec.scene.com_frame import centred, mount, placed
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import TOUCH, Episode, Kick, Vector
 from wmspec.scene.hull import corners
@@ -33,7 +34,6 @@ from wmspec.scene.model import (
     Sphere,
 )
 from wmspec.scene.transform import compose, conjugate, inverse, rotate
-from wmspec.scene.trees import WORLD, Limb, Tree
 
 SPIN, ROLL = 0.005, 0.0001  # required by the format, without effect at condim 3
 _HIDDEN = "3"  # the group of geoms that viewers don't show at first
@@ -198,7 +198,7 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
 
 
 def _keyframe(
-    root: ET.Element, scene: Scene, episode: Episode, limbs: Mapping[int, Limb], controls: Sequence[float]
+    root: ET.Element, scene: Scene, episode: Episode, limbs: Mapping[int, Link], controls: Sequence[float]
 ) -> None:
     """The start, with initial velocities, bodies as they are nested; MuJoCo wants angular ones in the body's axes."""
     index = {body.name: i for i, body in enumerate(scene.bodies)}

@@ -5,10 +5,10 @@ from __future__ import annotations
 from wmspec.backends.mujoco.execute import prepare
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.world import HEAVY, World
+from wmspec.scene.articulations import Link
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
-from wmspec.scene.trees import Limb
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))
 world = World(model, ASSEMBLY)"""
@@ -21,5 +21,5 @@ def native(scene: Scene) -> dict[str, str]:
     """
     whole, timeline = prepare(scene)
     values = {"HEAVY": HEAVY, "ASSEMBLY": whole, "EPISODE": timeline}
-    run = script("MuJoCo", "mujoco", scene, parts=[Piece, Rigid, Limb, Assembly, World], values=values, world=WORLD)
+    run = script("MuJoCo", "mujoco", scene, parts=[Piece, Rigid, Link, Assembly, World], values=values, world=WORLD)
     return {"scene.xml": mjcf(scene, timeline, whole.trees), "run.py": run}

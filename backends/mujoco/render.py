@@ -17,7 +17,7 @@ from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.scene.picture import check
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
-from wmspec.scene.unwrap import unwrap
+from wmspec.scene.texcoords import unwrap
 
 with silence():
     import mujoco

@@ -5,12 +5,12 @@ from __future__ import annotations
 from wmspec.backends.pybullet.world import World
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play
-from wmspec.scene.honoured import honoured
 from wmspec.scene.model import Scene, Trace
-from wmspec.scene.recording import trace
+from wmspec.scene.readback import honoured
 from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
+from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
 with silence():

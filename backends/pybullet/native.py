@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from wmspec.backends.pybullet import shapes, trees, world
+from wmspec.backends.pybullet import articulations, shapes, world
 from wmspec.backends.pybullet.execute import prepare
+from wmspec.scene.articulations import Link
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
-from wmspec.scene.trees import Limb
 
 CONSTANTS = {
     world: ("HEAVY_MASS", "HEAVY_INERTIA", "DYNAMIC", "GIVEN", "ROUND", "SOFT_ERP", "FASTEST"),
     shapes: ("HERE", "KINDS"),
-    trees: ("JOINTS", "MEETING"),
+    articulations: ("JOINTS", "MEETING"),
 }
 PARTS = (
-    *(Piece, Rigid, Limb, Assembly),
+    *(Piece, Rigid, Link, Assembly),
     *(shapes.shape, shapes.inside, shapes.xyzw, shapes.single, shapes.several, shapes.objects),
-    *(trees.branches, trees.still, trees.put),
+    *(articulations.branches, articulations.still, articulations.put),
     world.World,
 )
 

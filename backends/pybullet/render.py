@@ -20,8 +20,8 @@ from wmspec.scene.picture import Image, check, halve, quantize
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
 from wmspec.scene.tessellate import Facets
+from wmspec.scene.texcoords import unwrap
 from wmspec.scene.transform import apply, compose, inverse
-from wmspec.scene.unwrap import unwrap
 
 with silence():
     import pybullet

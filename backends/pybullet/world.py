@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.backends.pybullet.articulations import branches, put
 from wmspec.backends.pybullet.shapes import HERE, shape, xyzw
-from wmspec.backends.pybullet.trees import branches, put
+from wmspec.scene.articulations import Link
 from wmspec.scene.episode import MEET, TOUCH
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.silence import silence
-from wmspec.scene.trees import Limb
 
 with silence():
     import pybullet
@@ -86,7 +86,7 @@ class World:
         pybullet.setCollisionFilterGroupMask(handle, -1, group, mask, physicsClientId=self.client)
         return handle
 
-    def grow(self, tree: tuple[Limb, ...]) -> dict[int, list[tuple[int, int]]]:
+    def grow(self, tree: tuple[Link, ...]) -> dict[int, list[tuple[int, int]]]:
         """Make the bodies of a tree, in joint coordinates."""
         pieces = [self.bodies[limb.body].pieces for limb in tree]
         shapes = [shape(p, limb.below, self.client) for p, limb in zip(pieces, tree, strict=True)]

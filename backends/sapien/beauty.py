@@ -20,11 +20,11 @@ from wmspec.backends.sapien.render import Renderer as Parity
 from wmspec.backends.sapien.render import bodies, eye, place, stand
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import to_bytes, to_linear, to_srgb
-from wmspec.scene.develop import develop, shrink
 from wmspec.scene.environment import PEAK, cube, radiance
 from wmspec.scene.model import Array, Camera, Frame, Scene, Shot
 from wmspec.scene.shadow import Casters
 from wmspec.scene.silence import silence
+from wmspec.scene.tonemap import develop, shrink
 
 with silence():
     import sapien

@@ -6,14 +6,14 @@ from wmspec.backends.sapien.joints import ignored
 from wmspec.backends.sapien.shapes import BITS, lanes, mean
 from wmspec.backends.sapien.world import World
 from wmspec.errors import WmsError
+from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play
-from wmspec.scene.honoured import honoured
 from wmspec.scene.model import Scene, Trace
-from wmspec.scene.recording import trace
+from wmspec.scene.readback import honoured
 from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.timeline import episode
-from wmspec.scene.trees import trees
+from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
 STEPS_PER_SECOND = 1920

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.scene.articulations import Link
 from wmspec.scene.episode import Vector
 from wmspec.scene.silence import silence
-from wmspec.scene.trees import Limb
 
 with silence():
     import sapien
@@ -19,10 +19,10 @@ JOINTS = {"fixed": "fixed", "hinge": "revolute", "slider": "prismatic"}
 FASTEST_JOINT = 1e4  # rad/s or m/s, PhysX's default is 100
 
 
-def branches(tree: tuple[Limb, ...]) -> list[tuple[Limb, ...]]:
+def branches(tree: tuple[Link, ...]) -> list[tuple[Link, ...]]:
     """A tree, cut at its ball joints; parts that hold others first."""
-    parts: list[list[Limb]] = []
-    part_of: dict[int, list[Limb]] = {}
+    parts: list[list[Link]] = []
+    part_of: dict[int, list[Link]] = {}
     for limb in tree:
         if limb.kind == "ball" or limb.parent not in part_of:
             parts.append([])
@@ -32,7 +32,7 @@ def branches(tree: tuple[Limb, ...]) -> list[tuple[Limb, ...]]:
     return [tuple(part) for part in parts]
 
 
-def connect(joint: Any, limb: Limb, above: Vector) -> None:
+def connect(joint: Any, limb: Link, above: Vector) -> None:
     """Make an articulation's joint; `above` is its frame in the link that holds it."""
     joint.set_type(JOINTS[limb.kind])
     joint.set_pose_in_parent(frame(above))
@@ -50,7 +50,7 @@ def connect(joint: Any, limb: Limb, above: Vector) -> None:
     joint.set_drive_velocity_target(velocity)
 
 
-def ball(limb: Limb, part: Any, parent: Any) -> Any:
+def ball(limb: Link, part: Any, parent: Any) -> Any:
     """Hold a body to its parent, or the world, at a point, as a constraint."""
     joint = sapien.physx.PhysxDriveComponent(part)
     if parent is not None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from wmspec.backends.sapien import joints, shapes, world
 from wmspec.backends.sapien.execute import prepare
+from wmspec.scene.articulations import Link
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
-from wmspec.scene.trees import Limb
 
 CONSTANTS = {
     world: ("FASTEST_SPIN", "APART", "POSITION_ITERATIONS", "VELOCITY_ITERATIONS", "JUMP"),
@@ -15,7 +15,7 @@ CONSTANTS = {
     joints: ("HERE", "JOINTS", "FASTEST_JOINT"),
 }
 PARTS = (
-    *(Piece, Rigid, Limb, Assembly),
+    *(Piece, Rigid, Link, Assembly),
     *(joints.branches, joints.connect, joints.ball, joints.ignored, joints.frame),
     *(shapes.lanes, shapes.mean, shapes.groups, shapes.shape),
     *(world.World, world.entity, world.solve, world.iterate),

@@ -22,8 +22,8 @@ from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import check, over
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
+from wmspec.scene.texcoords import unwrap
 from wmspec.scene.transform import identity, multiply, quaternion
-from wmspec.scene.unwrap import unwrap
 
 # On threads of its own, lavapipe's first pictures in a process differ from its later ones in a few pixels.
 os.environ.setdefault("LP_NUM_THREADS", "0")

@@ -8,9 +8,9 @@ import numpy as np
 
 from wmspec.backends.sapien.joints import HERE, ball, branches, connect, frame, ignored
 from wmspec.backends.sapien.shapes import groups, lanes, mean, shape
+from wmspec.scene.articulations import Link
 from wmspec.scene.rigid import Assembly, Rigid
 from wmspec.scene.silence import silence
-from wmspec.scene.trees import Limb
 
 with silence():
     import sapien
@@ -79,7 +79,7 @@ class World:
                     meets = groups(piece.material, pair, bit)
                     part.attach(shape(piece, mean(*pair), [*meets, *self.ignored[number]]))
 
-    def grow(self, branch: tuple[Limb, ...], made: dict[int, Any]) -> dict[int, Any]:
+    def grow(self, branch: tuple[Link, ...], made: dict[int, Any]) -> dict[int, Any]:
         """Make a part of a tree without ball joints inside: an articulation, or a single body."""
         top = branch[0]
         if len(branch) == 1 and top.kind in ("free", "ball"):
@@ -90,7 +90,7 @@ class World:
             self.joints[top.joint] = ball(top, parts[top.body], made.get(top.parent))
         return parts
 
-    def articulate(self, branch: tuple[Limb, ...]) -> dict[int, Any]:
+    def articulate(self, branch: tuple[Link, ...]) -> dict[int, Any]:
         """Make an articulation; what hangs on the world hangs on a fixed link without shape at its joint."""
         physx, top = sapien.physx, branch[0]
         links: dict[int, Any] = {}
@@ -114,7 +114,7 @@ class World:
         self.rest(links, branch)
         return {body: link for body, link in links.items() if body >= 0}
 
-    def rest(self, links: dict[int, Any], branch: tuple[Limb, ...]) -> None:
+    def rest(self, links: dict[int, Any], branch: tuple[Link, ...]) -> None:
         """Put an articulation where it begins, at rest."""
         top = branch[0]
         articulation = links[top.body].articulation

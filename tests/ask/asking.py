@@ -8,11 +8,11 @@ import pytest
 
 from tests.language.specs import task_from
 from wmspec.ask.ask import ask
-from wmspec.ask.model import Asked, Rejected
-from wmspec.ask.runs import Crew, Run, execute
+from wmspec.ask.model import QuestionRow, Rejected
+from wmspec.ask.runs import EnginePair, Run, execute
 from wmspec.design.design import Design
-from wmspec.execute.studio import Studio
-from wmspec.execute.trace import Executor
+from wmspec.execute.render_cache import RenderCache
+from wmspec.execute.trace_cache import TraceCache
 
 SCENE = """
 use tabletop
@@ -23,21 +23,21 @@ task t : custom {{
 
 
 @cache
-def crew(engine: str = "pybullet", side: int = 128) -> Crew:
+def crew(engine: str = "pybullet", side: int = 128) -> EnginePair:
     """One for all tests: what it remembers is found by what it shows."""
     pytest.importorskip(engine)
-    return Crew(Executor(engine), Studio(engine, side, side))
+    return EnginePair(TraceCache(engine), RenderCache(engine, side, side))
 
 
-def asked(body: str, index: int = 0, engine: str = "pybullet") -> list[Asked | Rejected]:
+def asked(body: str, index: int = 0, engine: str = "pybullet") -> list[QuestionRow | Rejected]:
     """The questions of an instance of a task with this body, on a table."""
     return ask(Design(task_from(SCENE.format(body=body))), index, crew(engine))
 
 
-def one(body: str, index: int = 0, engine: str = "pybullet") -> Asked:
+def one(body: str, index: int = 0, engine: str = "pybullet") -> QuestionRow:
     """The only question, which is asked."""
     (found,) = asked(body, index, engine)
-    assert isinstance(found, Asked), found
+    assert isinstance(found, QuestionRow), found
     return found
 
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from tests.dataset.made import asked
-from wmspec.ask.agree import Consensus, agree, answered, consensus
-from wmspec.ask.model import Asked, Number, Option, Rejected
+from wmspec.ask.consensus import Consensus, agree, answered, consensus
+from wmspec.ask.model import Number, Option, QuestionRow, Rejected
 
 ENGINES = ("mujoco", "pybullet", "sapien")
 
 
-def label(engine: str, answer: int) -> Asked:
+def label(engine: str, answer: int) -> QuestionRow:
     """A question whose options are in another order in every engine."""
     names = ["left", "right", "neither"]
     order = np.roll(np.arange(3), len(engine))
@@ -23,14 +23,14 @@ def label(engine: str, answer: int) -> Asked:
     return replace(blank, options=options, answer=list(order).index(answer), value=names[answer], agreement=())
 
 
-def picture(engine: str, truth: float, others: tuple[float, ...] = (0.2, 0.4)) -> Asked:
+def picture(engine: str, truth: float, others: tuple[float, ...] = (0.2, 0.4)) -> QuestionRow:
     """A picture question: where the ball is in the truth and in two counterfactuals."""
     outcome = np.array([[[x, 0, 0, 1, 0, 0, 0]] for x in (truth, *others)], float)
     options = tuple(Option("truth" if i == 0 else "counterfactual", f"o{i}") for i in range(3))
     return replace(asked("collide", 1, engine), options=options, answer=0, outcome=outcome, agreement=())
 
 
-def number(engine: str, value: float) -> Asked:
+def number(engine: str, value: float) -> QuestionRow:
     blank = asked("motion_speed", 1, engine)
     return replace(blank, options=(), answer=None, value=f"{value}", number=Number(value, "m", 0.02), agreement=())
 
@@ -39,11 +39,11 @@ def lost(engine: str) -> Rejected:
     return Rejected("motion_speed", 1, 0, engine, "margin", "1.1 where 1.2 apart was asked for")
 
 
-def kept(wanted: Consensus, *answers: Asked | Rejected) -> str:
+def kept(wanted: Consensus, *answers: QuestionRow | Rejected) -> str:
     """The first letters of the engines that keep the question."""
     found = consensus({a.engine: a for a in answers}, wanted)
     assert list(found) == [a.engine for a in answers]
-    return "".join(e[0] for e, a in found.items() if isinstance(a, Asked))
+    return "".join(e[0] for e, a in found.items() if isinstance(a, QuestionRow))
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_open_numbers_agree_within_what_is_allowed() -> None:
 def test_every_row_tells_what_every_engine_says() -> None:
     found = consensus({a.engine: a for a in (label("mujoco", 0), label("pybullet", 1), lost("sapien"))}, "none")
     mine = found["mujoco"]
-    assert isinstance(mine, Asked)
+    assert isinstance(mine, QuestionRow)
     votes = {v.engine: v for v in mine.agreement}
     assert mine.options[votes["mujoco"].answer or 0].name == "left" or votes["mujoco"].answer == mine.answer
     assert votes["pybullet"].answer is not None

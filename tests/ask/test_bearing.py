@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from tests.ask.asking import one, refused
 from tests.dataset.made import asked
-from wmspec.ask.agree import agree
 from wmspec.ask.bearing import ROUNDING, Bearing
-from wmspec.ask.model import Asked, Number
+from wmspec.ask.consensus import agree
+from wmspec.ask.model import Number, QuestionRow
 from wmspec.ask.options import same
-from wmspec.ask.say import say
-from wmspec.design.functions import FUNCTIONS
+from wmspec.ask.verbalize import say
+from wmspec.layout.functions import FUNCTIONS
 
 ANGLES = st.floats(-50, 50)
 
@@ -57,7 +57,7 @@ def test_its_multiples_are_plain_numbers() -> None:
 
 
 def test_engines_agree_on_either_side_of_the_cut() -> None:
-    def answer(engine: str, degrees: float) -> Asked:
+    def answer(engine: str, degrees: float) -> QuestionRow:
         number = Number(Bearing(math.radians(degrees)), "rad", math.radians(5))
         return replace(asked("motion_speed", 1, engine), options=(), answer=None, number=number, agreement=())
 

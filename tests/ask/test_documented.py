@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from wmspec.ask import observed, options, outcome, runs, seen, stable, trajectory
+from wmspec.ask import observed, options, outcome, robustness, runs, trajectory
+from wmspec.ask import visibility_gate as gate
 from wmspec.ask.model import Reason
 from wmspec.check.functions import FUNCTIONS
 from wmspec.write.card import REASONS
@@ -27,9 +28,9 @@ PAGE = (Path(__file__).parents[2] / "docs/questions.md").read_text()
         f"it turns by more than {math.degrees(trajectory.LEAST_TURN):.0f}",
         f"a ball of more than {runs.DEEP * 1000:g} mm",
         f"{options.LEAST_DIFFERENT * 256**2:.0f} of 256 × 256 pixels show another",
-        f"By {stable.NUDGE * 1000:g} mm, once",
-        f"{seen.LEAST_VISIBLE * 256**2:.0f} of 256 × 256\n   pixels",
-        f"at most {seen.MOST_HIDDEN * 100:.0f} % hidden; and a contrast of {seen.LEAST_CONTRAST:g}",
+        f"By {robustness.NUDGE * 1000:g} mm, once",
+        f"{gate.LEAST_VISIBLE * 256**2:.0f} of 256 × 256\n   pixels",
+        f"at most {gate.MOST_HIDDEN * 100:.0f} % hidden; and a contrast of {gate.LEAST_CONTRAST:g}",
     ],
 )
 def test_the_page_gives_the_numbers_of_the_code(said: str) -> None:

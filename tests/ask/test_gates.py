@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.ask.asking import asked, one, refused
-from wmspec.ask.model import Asked
+from wmspec.ask.model import QuestionRow
 
 RACE = """
   factor pace in [{paces}] cm/s
@@ -45,7 +45,7 @@ def test_open_numbers_and_named_questions_and_truths() -> None:
         + 'question "Does the cube move?" { answer moved(near) }'
         + 'question "How fast is the cube?" { answer speed(near)  options [5 cm/s, 10 cm/s, 20 cm/s] }'
     )
-    far, moves, fast = (q for q in questions if isinstance(q, Asked))
+    far, moves, fast = (q for q in questions if isinstance(q, QuestionRow))
     assert far.name == "far"
     assert (far.answer, far.options, far.value) == (None, (), "10 cm")
     assert far.number is not None
@@ -79,7 +79,7 @@ def test_a_ball_on_the_tip_of_a_post_has_no_answer() -> None:
 
 def test_a_ball_beside_the_tip_has_one() -> None:
     (question,) = asked(BALANCE % ("12 mm", "stable by 1 mm"), engine="mujoco")
-    assert isinstance(question, Asked), question
+    assert isinstance(question, QuestionRow), question
     assert question.value == "to the right of it"
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.ask.asking import crew, one, refused, run
-from wmspec.ask import sight
+from wmspec.ask import visibility
 from wmspec.ask.observed import Observed
 
 LOOK = ("front", 0.0)
@@ -29,37 +29,37 @@ def an(name: str, at: str, shape: str = "cube", color: str = "red") -> str:
 def test_a_silhouette_is_what_the_engine_draws(shape: str) -> None:
     observed = seen(an("a", "-20 cm, 5 cm", shape))
     i = observed.index("a")
-    outline = sight.outline(observed, i, LOOK)
+    outline = visibility.outline(observed, i, LOOK)
     drawn = int((observed.picture(*LOOK).ids == i).sum())
     assert outline.inside == outline.all
     assert drawn == pytest.approx(outline.inside, rel=0.05, abs=6)
-    assert sight.occluded(observed, "a", "front") < 0.05
-    assert sight.visible(observed, "a", "front") == drawn / observed.picture(*LOOK).ids.size
+    assert visibility.occluded(observed, "a", "front") < 0.05
+    assert visibility.visible(observed, "a", "front") == drawn / observed.picture(*LOOK).ids.size
 
 
 def test_half_of_it_is_behind_another() -> None:
     observed = seen(an("near", "5 cm, 0 cm", color="blue"), an("far", "0 cm, 11 cm"))
-    hidden = sight.occluded(observed, "far", "front")
+    hidden = visibility.occluded(observed, "far", "front")
     ids, i = observed.picture(*LOOK).ids, observed.index("far")
     assert 0.2 < hidden < 0.6
     alone = int((seen(an("far", "0 cm, 11 cm")).picture(*LOOK).ids == i - 1).sum())
     assert hidden == pytest.approx(1 - (ids == i).sum() / alone, abs=0.05)
-    assert sight.occluded(observed, "near", "front") < 0.05
+    assert visibility.occluded(observed, "near", "front") < 0.05
 
 
 def test_the_same_color_does_not_stand_out() -> None:
     oak, red = seen(an("a", "0, 0", color="oak")), seen(an("a", "0, 0", color="red"))
-    contrasts = [sight.contrast(o, "a", "front") for o in (oak, red)]
+    contrasts = [visibility.contrast(o, "a", "front") for o in (oak, red)]
     assert contrasts[0] < 20 < contrasts[1], contrasts
 
 
 def test_what_is_outside_has_no_silhouette() -> None:
     observed = seen(an("a", "0, 0"), "object b { size: 10 cm  at: (0, -3 m, 1 m)  fixed: true }")
     i = observed.index("b")
-    outline = sight.outline(observed, i, LOOK)
+    outline = visibility.outline(observed, i, LOOK)
     assert (outline.inside, outline.all) == (0, 0)
-    assert sight.hidden(observed, i, LOOK) == 1
-    assert sight.contrast(observed, "b", "front") == 0
+    assert visibility.hidden(observed, i, LOOK) == 1
+    assert visibility.contrast(observed, "b", "front") == 0
 
 
 def test_half_outside_the_frame() -> None:
@@ -70,7 +70,7 @@ def test_half_outside_the_frame() -> None:
         observed = run(
             f"{an('a', f'{x} cm, 0')} {narrow} observe eye at [0 s]"
         ).observed([("eye", 0.0)], crew())  # fmt: skip
-        outline = sight.outline(observed, observed.index("a"), ("eye", 0.0))
+        outline = visibility.outline(observed, observed.index("a"), ("eye", 0.0))
         if outline.inside == 0:
             break
         shares.append(outline.inside / outline.all)
@@ -124,5 +124,5 @@ def test_a_silhouette_is_that_of_a_camera_where_it_has_been_taken() -> None:
     i = observed.index("block")
     for look in observed.looks:
         drawn = int((observed.picture(*look).ids == i).sum())
-        assert drawn == pytest.approx(sight.outline(observed, i, look).inside, rel=0.05, abs=6)
-    assert sight.visible(observed, "block", "eye") == pytest.approx(sight.share(observed, i, ("eye", 0.0)))
+        assert drawn == pytest.approx(visibility.outline(observed, i, look).inside, rel=0.05, abs=6)
+    assert visibility.visible(observed, "block", "eye") == pytest.approx(visibility.share(observed, i, ("eye", 0.0)))

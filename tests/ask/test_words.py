@@ -7,8 +7,8 @@ import pytest
 from tests.ask.asking import SCENE
 from tests.language.specs import task_from
 from wmspec.ask.describe import Ambiguous, described
-from wmspec.ask.say import say, say_option, written
-from wmspec.design.values import Values
+from wmspec.ask.verbalize import say, say_option, written
+from wmspec.layout.values import Values
 
 TASK = """{objects}
   object other {{ shape: cone  color: green  on: table at (0, 20 cm) }}

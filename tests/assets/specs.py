@@ -12,10 +12,10 @@ from wmspec.check.task import check
 from wmspec.design.design import Design
 from wmspec.parse.diagnostics import Report
 from wmspec.scene.model import Array, Body, Scene
-from wmspec.scene.read import read
 from wmspec.scene.transform import rotation
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
+from wmspec.usd import read
 
 HERE = Path(__file__).parent
 CABINET = HERE.parents[1] / "docs/cabinet.urdf"

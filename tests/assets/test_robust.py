@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 from tests.assets.specs import CABINET, HERE
 from wmspec.check.task import check_program
 from wmspec.errors import WmsError
+from wmspec.lint.dry_run import trial
 from wmspec.parse.diagnostics import Report
 from wmspec.parse.load import load_source
 from wmspec.parse.source import Source
-from wmspec.stage.trial import trial
 
 TEXTS = [file.read_text() for file in (CABINET, HERE / "pendulum.urdf", HERE / "arm.urdf", HERE / "crane.xml")]
 FRAGMENTS = st.sampled_from(
@@ -123,7 +123,7 @@ def test_other_specs_do_not_wait_for_what_reads_assets() -> None:
         "import sys; from pathlib import Path; from wmspec.check.task import check\n"
         "from wmspec.parse.diagnostics import Report\n"
         f"check(Path({str(HERE.parent / 'corpus/good.wms')!r}), Report())\n"
-        "print([m for m in sys.modules if m.startswith(('wmspec.check.assets', 'numpy', 'xml', 'pxr'))])"
+        "print([m for m in sys.modules if m.startswith(('wmspec.importers', 'numpy', 'xml', 'pxr'))])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

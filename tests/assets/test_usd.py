@@ -15,10 +15,10 @@ from tests.physics.scenes import ENGINES
 from wmspec.design.design import Design
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Body, Scene
-from wmspec.scene.read import read
 from wmspec.scene.transform import apply, compose, rotation
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose as composed
+from wmspec.usd import read
 
 OBJECT = 'object balance {{ file: "balance.usda"  at: (0, 0, 0)  {0} }}'
 #: The bodies of tests/assets/balance.usda by what they are in a spec.

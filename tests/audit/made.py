@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from wmspec.ask.ask import groups
-from wmspec.ask.model import Asked, Change, Option, Picture, Vote
+from wmspec.ask.model import Change, Option, Picture, QuestionRow, Vote
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
 from wmspec.design.design import Design
-from wmspec.design.draws import permuted
+from wmspec.draws import permuted
 from wmspec.parse.diagnostics import Report
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Task
@@ -25,7 +25,7 @@ SIDE = 48
 SPECS = Path(__file__).parent / "specs"
 TONES = {"red": (200, 50, 50), "green": (50, 160, 80), "blue": (50, 90, 200), "yellow": (220, 190, 50)}
 
-Ask = Callable[[Asked, np.random.Generator], Asked]
+Ask = Callable[[QuestionRow, np.random.Generator], QuestionRow]
 
 
 @cache
@@ -56,9 +56,9 @@ def make(folder: Path, name: str, ask: Ask, count: int = 400, engines: tuple[str
     return folder
 
 
-def blank(design: Design, index: int, engine: str) -> Asked:
+def blank(design: Design, index: int, engine: str) -> QuestionRow:
     instance = design[index]
-    return Asked(
+    return QuestionRow(
         task=design.spec.name,
         dimension=design.spec.dimension,
         index=index,
@@ -87,7 +87,7 @@ def race(favoured: float = 0.5, level: bool = False, telling: bool = False) -> A
     The first option is true with the share `favoured`. If `telling`, the true option is the longer text.
     """
 
-    def ask(asked: Asked, random: np.random.Generator) -> Asked:
+    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
         truth, place = str(asked.factors["faster"]), int(asked_in_turn(asked, 320) >= favoured)
         far = {b: 0.15 * float(asked.factors["ratio"]) if b == truth else 0.15 for b in ROWS}
         starts = {b: 0.15 if level else random.random() for b in ROWS}
@@ -107,7 +107,7 @@ def race(favoured: float = 0.5, level: bool = False, telling: bool = False) -> A
     return ask
 
 
-def asked_in_turn(asked: Asked, count: int) -> float:
+def asked_in_turn(asked: QuestionRow, count: int) -> float:
     """A share from 0 to 1, evenly spread over the design, as wmspec spreads the places of true options."""
     return permuted(asked.index, count, "place") / count
 
@@ -124,7 +124,7 @@ def roll(betrayed: str = "", alike: bool = False) -> Ask:
     is `betrayed`: by its colour, or because it lies in the middle. If `alike`, two of them are the same.
     """
 
-    def ask(asked: Asked, random: np.random.Generator) -> Asked:
+    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
         tone, place = TONES[str(asked.factors["tone"])], int(4 * asked_in_turn(asked, 336))
         ends = _apart(random)
         if betrayed == "middle":  # each of the others differs from it in one thing

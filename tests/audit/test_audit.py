@@ -14,7 +14,7 @@ import pytest
 from tests.audit.made import Ask, make, picture, race, roll
 from tests.dataset.made import make as pictured
 from tests.dataset.made import plan
-from wmspec.ask.model import Asked, Number, Picture, Strength
+from wmspec.ask.model import Number, Picture, QuestionRow, Strength
 from wmspec.audit.audit import audit
 from wmspec.audit.model import Audit, Finding
 from wmspec.errors import WmsError
@@ -81,7 +81,7 @@ def test_the_other_probes_see_nothing_of_a_last_picture_that_tells(audited: Make
     assert all("the last picture" in f.what for f in failing(found))
 
 
-def still(asked: Asked, random: np.random.Generator) -> Asked:
+def still(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
     """The same question with one picture: who is ahead?"""
     moving = race(level=True)(asked, random)
     return replace(moving, text="Which ball is ahead?", context=moving.context[1:])
@@ -97,7 +97,7 @@ def test_a_question_about_one_moment_may_be_answered_from_its_picture(audited: M
 
 
 def test_what_holds_from_the_start_may_be_seen_at_any_moment(audited: Make) -> None:
-    def standing(asked: Asked, random: np.random.Generator) -> Asked:
+    def standing(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
         return replace(race(level=True)(asked, random), standing=True)
 
     found = audited("race", standing)
@@ -123,7 +123,7 @@ def test_engines_are_not_counted_as_questions(audited: Make) -> None:
 # ---------------------------------------------------------------- balance
 
 
-def leaning(asked: Asked, random: np.random.Generator) -> Asked:
+def leaning(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
     """Red questions have the truth in the first place."""
     made = race()(asked, random)
     first = asked.factors["tone"] == "red"
@@ -151,7 +151,7 @@ def copied(contrary: bool, noise: int = 0) -> Ask:
     from tests.audit.made import blank, spec
     from wmspec.design.design import Design
 
-    def ask(asked: Asked, random: np.random.Generator) -> Asked:
+    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
         if asked.index != 41:
             return race()(asked, random)
         source = race()(blank(Design(spec("race"), 3), 40, asked.engine), np.random.default_rng(40))
@@ -195,7 +195,7 @@ def test_options_that_look_the_same_fail(audited: Make) -> None:
 def counting(fickle: bool) -> Ask:
     """How many balls? Without options; the answer is the number of balls, or anything if it is `fickle`."""
 
-    def ask(asked: Asked, random: np.random.Generator) -> Asked:
+    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
         shown = 1 + asked.index % 4
         count = int(random.integers(1, 5)) if fickle else shown
         balls = [(0.15 + 0.2 * i, 0.5, (20, 20, 20)) for i in range(shown)]

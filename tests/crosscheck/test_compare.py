@@ -18,10 +18,10 @@ from wmspec.design.design import Design
 from wmspec.errors import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Body, Box, Cylinder, Geom, Pose, Scene, Shape, Sphere, Trace
-from wmspec.scene.read import read
 from wmspec.scene.transform import identity
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
+from wmspec.usd import read
 
 HERE = Path(__file__).parent
 LIMITS = Tolerances()

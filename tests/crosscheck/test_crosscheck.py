@@ -16,7 +16,7 @@ from wmspec.crosscheck.say import dispute
 from wmspec.crosscheck.summary import Share, lines, suspects
 from wmspec.crosscheck.tolerance import Tolerances
 from wmspec.design.design import Design
-from wmspec.execute.trace import Executor
+from wmspec.execute.trace_cache import TraceCache
 
 HERE = Path(__file__).parent
 PAIR = ("mujoco", "sapien")
@@ -32,7 +32,7 @@ def crosscheck(*arguments: str, code: int) -> str:
 
 def checked(text: str, count: int = 1) -> list[Checked]:
     design = Design(task_from(text))
-    executors = [Executor(engine) for engine in PAIR]
+    executors = [TraceCache(engine) for engine in PAIR]
     return [check(design, i, executors, Tolerances()) for i in range(count)]
 
 

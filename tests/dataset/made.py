@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from wmspec.ask.ask import groups
-from wmspec.ask.model import Asked, Change, Option, Picture, Rejected, Vote
+from wmspec.ask.model import Change, Option, Picture, QuestionRow, Rejected, Vote
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
 from wmspec.design.design import Design, Instance
@@ -45,14 +45,14 @@ def plan(count: int = 5, shard: int = 2, seed: int = 7, tasks: tuple[str, ...] =
     )
 
 
-def asked(task: str, index: int, engine: str, seed: int = 7, size: int = 64) -> Asked:
+def asked(task: str, index: int, engine: str, seed: int = 7, size: int = 64) -> QuestionRow:
     """The question of an instance, with a plausible picture for each look."""
     instance = Design(spec(task), seed)[index]
     ball = COLORS[str(instance.factors.get("ball_color", "red"))]
     context = tuple(Picture("front", t, picture(ball, 0.1 + 0.2 * t, engine, size)) for t in (0.0, 0.2, 0.5))
     answer = index % 4 if task == "collide" else index % 2
     options = _pictured(answer, ball, engine, size) if task == "collide" else _labelled(answer, instance)
-    return Asked(
+    return QuestionRow(
         task=task,
         dimension=spec(task).dimension,
         index=index,

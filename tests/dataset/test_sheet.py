@@ -12,7 +12,7 @@ from PIL import ImageColor, ImageFont
 
 from tests.dataset.made import make, plan
 from wmspec.errors import WmsError
-from wmspec.write import ink
+from wmspec.write import typeset
 from wmspec.write.dataset import Dataset
 from wmspec.write.sheet import WIDTH, contact_sheet
 
@@ -24,15 +24,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def share(sheet: ink.Picture, color: str) -> float:
+def share(sheet: typeset.Picture, color: str) -> float:
     return float((np.asarray(sheet) == ImageColor.getrgb(color)).all(axis=-1).mean())
 
 
 def test_the_sheet_is_wide_bright_and_full(folder: Path) -> None:
     sheet = contact_sheet(folder, 2)
     assert sheet.width == WIDTH
-    assert 0.3 < share(sheet, ink.PAPER) < 0.9
-    assert share(sheet, ink.GREEN) > 0.001
+    assert 0.3 < share(sheet, typeset.PAPER) < 0.9
+    assert share(sheet, typeset.GREEN) > 0.001
     for sky in ("#dfe6ee", "#e6e6e6", "#e9e4dc"):  # one for each engine
         assert share(sheet, sky) > 0.02
 
@@ -51,16 +51,16 @@ def test_without_a_system_font_it_is_still_drawn(folder: Path, monkeypatch: pyte
         return found(font, *rest, **more)
 
     monkeypatch.setattr(ImageFont, "truetype", missing)
-    ink.font.cache_clear()
+    typeset.font.cache_clear()
     try:
-        assert share(contact_sheet(folder, 1), ink.BLACK) > 0.0005
+        assert share(contact_sheet(folder, 1), typeset.BLACK) > 0.0005
     finally:
-        ink.font.cache_clear()
+        typeset.font.cache_clear()
 
 
 def test_a_word_that_is_too_long_is_broken() -> None:
-    style = ink.Style(20)
-    long = ink.paragraph("W" * 500, style, 300)
+    style = typeset.Style(20)
+    long = typeset.paragraph("W" * 500, style, 300)
     assert long.width == 300
     assert long.height > 20 * style.height
 

@@ -17,7 +17,7 @@ from wmspec.write.dataset import Dataset
 from wmspec.write.generate import generate
 from wmspec.write.plan import Shard
 from wmspec.write.reuse import Before
-from wmspec.write.work import Outcome
+from wmspec.write.worker import Outcome
 
 Made = list[tuple[str, int]]
 Run = Callable[..., Made]

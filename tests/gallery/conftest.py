@@ -11,7 +11,7 @@ import pytest
 
 from tests.dataset.made import make, plan
 from wmspec.gallery.gallery import folder
-from wmspec.write.finished import Finished
+from wmspec.write.reader import Finished
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 

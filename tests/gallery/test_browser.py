@@ -13,7 +13,7 @@ from tests.gallery.conftest import opened
 from wmspec.gallery.gallery import html
 from wmspec.gallery.gallery import page as one_page
 from wmspec.gallery.records import about, records
-from wmspec.write.finished import Finished
+from wmspec.write.reader import Finished
 
 
 def counted(page: Any) -> int:

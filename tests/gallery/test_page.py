@@ -12,7 +12,7 @@ import pytest
 from tests.endtoend.test_commands import wmspec
 from wmspec.gallery.gallery import folder, html, page
 from wmspec.gallery.records import about, records
-from wmspec.write.finished import Finished
+from wmspec.write.reader import Finished
 from wmspec.write.words import human, reading
 
 

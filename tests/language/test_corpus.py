@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from wmspec.check.task import check
+from wmspec.lint.dry_run import trial
 from wmspec.parse.diagnostics import CODES, Report
 from wmspec.parse.source import Span
-from wmspec.stage.trial import trial
 
 CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from tests.language.specs import random_text, task_from
 from wmspec.design.design import Design
-from wmspec.design.draws import Permutation
-from wmspec.design.values import Values
+from wmspec.draws import Permutation
+from wmspec.layout.values import Values
 
 # ---------------------------------------------------------------- domains
 

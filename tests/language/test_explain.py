@@ -7,9 +7,9 @@ from click.testing import CliRunner
 
 from wmspec.check.task import check
 from wmspec.cli import main
+from wmspec.lint.dry_run import trial
 from wmspec.parse.diagnostics import CODES, Report
 from wmspec.parse.pages import Example, page
-from wmspec.stage.trial import trial
 
 FOLDER = Path(__file__).parents[2] / "wmspec/parse/codes"
 

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from wmspec.check import ir
 from wmspec.check.make import compound, objects, observe, task, thing
 from wmspec.design.design import Design
-from wmspec.design.hollow import room
-from wmspec.design.values import Values
 from wmspec.errors import WmsError
+from wmspec.layout.cavities import room
+from wmspec.layout.values import Values
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 TRAY = {

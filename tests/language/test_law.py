@@ -15,8 +15,8 @@ from wmspec.stage.agents import without
 from wmspec.stage.diff import Difference, diff
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document
-from wmspec.stage.law import changed_by, violations
 from wmspec.stage.layers import base_layer, compose, override_layer
+from wmspec.stage.one_factor import changed_by, violations
 
 
 def assert_law(spec: TaskSpec, before: Document, after: Document, *changed: str) -> None:

@@ -12,8 +12,8 @@ from tests.language.designs import allowed, compare, design_of, random_design
 from tests.language.specs import task_from
 from wmspec.check.ir import Plan, TaskSpec
 from wmspec.design.design import Design
-from wmspec.design.draws import quantile
 from wmspec.design.fault import Fault
+from wmspec.draws import quantile
 
 
 def sample(count: int) -> Plan:

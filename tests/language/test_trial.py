@@ -14,10 +14,10 @@ from scipy.optimize import linprog
 from tests.language.specs import random_text, task_from
 from wmspec.check.make import action, observe, task, thing
 from wmspec.design.design import Design
-from wmspec.design.forms import pieces
-from wmspec.design.values import Values
-from wmspec.stage.overlap import SLACK, Overlap, overlaps
-from wmspec.stage.sight import blind
+from wmspec.layout.geometry import pieces
+from wmspec.layout.values import Values
+from wmspec.lint.overlap import SLACK, Overlap, overlaps
+from wmspec.lint.visibility import blind
 
 ANGLES = st.floats(-3, 3)
 PLACES = st.tuples(*[st.floats(-0.12, 0.12)] * 3)

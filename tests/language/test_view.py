@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmspec.check.make import observe, task, thing
-from wmspec.design.values import Values
-from wmspec.design.view import facing, front, seen
-from wmspec.stage.eyes import _looking
+from wmspec.layout.values import Values
+from wmspec.layout.view import facing, front, seen
+from wmspec.stage.cameras import _looking
 
 PLACES = st.integers(-100, 100).map(lambda cm: cm / 100)
 

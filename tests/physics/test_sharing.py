@@ -16,12 +16,12 @@ from tests.physics.test_determinism import digest
 from tests.physics.test_native import limbs, lively
 from wmspec.design.design import Design
 from wmspec.execute.backends import backend
-from wmspec.execute.trace import Executor, physics_key
+from wmspec.execute.trace_cache import TraceCache, physics_key
 from wmspec.scene.model import Friction, Geom, Light, Scene, Surface
-from wmspec.scene.read import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 from wmspec.stage.write import write_stages
+from wmspec.usd import read
 
 (COLLIDE,) = (task_of(path) for path in SPECS if path.stem == "collide")
 
@@ -43,7 +43,7 @@ def twins() -> tuple[Scene, Scene]:
 def test_twins_share_one_trace(engine: str) -> None:
     pytest.importorskip(engine)
     one, other = twins()
-    executor = Executor(engine)
+    executor = TraceCache(engine)
     assert executor.trace(one) is executor.trace(other)
 
 

@@ -12,9 +12,9 @@ from tests.pixels.scenes import body, scene
 from wmspec.errors import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.camera import look_at, project
-from wmspec.scene.develop import develop
 from wmspec.scene.environment import PEAK, cube, radiance
 from wmspec.scene.model import Box, Camera, Scene, Shot, Sphere, Surface
+from wmspec.scene.tonemap import develop
 
 SIZE = 96
 

@@ -13,7 +13,7 @@ from tests.language.specs import task_of
 from wmspec.design.design import Design
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Shot
-from wmspec.scene.read import read
+from wmspec.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 

@@ -11,7 +11,7 @@ import pytest
 
 from tests.pixels.scenes import ENGINES, LYING, body, scene, turned, wedge
 from tools import looks
-from wmspec.looks import MATERIALS, Material
+from wmspec.materials import MATERIALS, Material
 from wmspec.scene.camera import look_at
 from wmspec.scene.color import texture
 from wmspec.scene.model import (
@@ -29,8 +29,8 @@ from wmspec.scene.model import (
     Sphere,
     Surface,
 )
+from wmspec.scene.texcoords import unwrap
 from wmspec.scene.transform import identity
-from wmspec.scene.unwrap import unwrap
 
 IMAGES = sorted(looks.IMAGES)
 TEXTURED = sorted(name for name, one in MATERIALS.items() if one.path)

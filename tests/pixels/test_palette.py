@@ -10,8 +10,8 @@ import pytest
 
 from wmspec.ask.difference import ciede2000, lab
 from wmspec.check.vocabulary import COLORS, WORDS
-from wmspec.design.colors import rgb
-from wmspec.looks import SAFE, SHADES
+from wmspec.materials import SAFE, SHADES
+from wmspec.materials.colors import rgb
 from wmspec.scene.color import to_linear, to_srgb
 
 #: Machado, Oliveira and Fernandes, "A physiologically-based model for simulation of color vision deficiency", IEEE TVCG

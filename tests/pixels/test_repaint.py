@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.pixels.scenes import SUN
-from wmspec.execute.studio import Studio, form_key, look_key
+from wmspec.execute.render_cache import RenderCache, form_key, look_key
 from wmspec.scene.model import Light, Scene, Shot
 
 
@@ -30,10 +30,10 @@ def shot(scene: Scene) -> Shot:
 
 def test_a_repainted_renderer_draws_as_a_new_one(engine: str, table: Scene) -> None:
     pytest.importorskip(engine)
-    studio = Studio(engine, 96, 96)
+    studio = RenderCache(engine, 96, 96)
     studio.draw(table, shot(table))
     for shift in (1, 2):
-        fresh = Studio(engine, 96, 96)
+        fresh = RenderCache(engine, 96, 96)
         other = painted(table, shift)
         one, new = studio.draw(other, shot(other)), fresh.draw(other, shot(other))
         fresh.close()
@@ -54,7 +54,7 @@ def test_what_is_not_a_colour_is_built_anew(table: Scene) -> None:
 
 def test_repainting_is_quicker_than_building(engine: str, table: Scene) -> None:
     pytest.importorskip(engine)
-    studio = Studio(engine, 64, 64)
+    studio = RenderCache(engine, 64, 64)
     studio.draw(table, shot(table))
     repainting, building = [], []
     for shift in range(1, 6):
@@ -65,7 +65,7 @@ def test_repainting_is_quicker_than_building(engine: str, table: Scene) -> None:
 
 
 def anew(engine: str, scene: Scene) -> None:
-    studio = Studio(engine, 64, 64)
+    studio = RenderCache(engine, 64, 64)
     studio.draw(scene, shot(scene))
     studio.close()
 

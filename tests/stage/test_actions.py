@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from tests.stage.stages import assert_same, stage
 from wmspec.errors import StageError
 from wmspec.scene.model import Follow, Force, Impulse, Pose, Release, Teleport
-from wmspec.scene.read import read
+from wmspec.usd import read
 
 BODIES = """
 def Sphere "ball" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"]) {}

@@ -17,15 +17,15 @@ from wmspec.check.make import HERE, action, compound, factor, joint, observe, ro
 from wmspec.check.record import from_json, to_json
 from wmspec.design.design import Design
 from wmspec.errors import WmsError
-from wmspec.looks import MATERIALS
+from wmspec.materials import MATERIALS
 from wmspec.scene.model import Box, Follow, Force, Impulse, Launch, Mesh, Scene, Steer, Teleport
-from wmspec.scene.read import read
 from wmspec.scene.transform import apply, rotate
 from wmspec.stage.diff import diff
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 from wmspec.stage.write import write_stages
+from wmspec.usd import read
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 TABLE = thing("object", "table", shape="box", size=(2, 2, 0.1), at=(0, 0, -0.05), friction=0.4, fixed=True)

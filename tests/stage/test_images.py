@@ -6,10 +6,10 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from wmspec.errors import StageError
-from wmspec.looks import MATERIALS
+from wmspec.materials import MATERIALS
 from wmspec.scene.color import to_linear
 from wmspec.scene.model import Surface
-from wmspec.scene.read import read
+from wmspec.usd import read
 
 TINT = (0.12, 0.27, 0.80)
 WOOD = MATERIALS["wood"]

@@ -10,7 +10,7 @@ import trimesh
 from trimesh.exchange.dae import export_collada
 
 from wmspec.check.vocabulary import FILES
-from wmspec.design.meshes import load
+from wmspec.layout.meshes import load
 
 
 def wedge() -> trimesh.Trimesh:

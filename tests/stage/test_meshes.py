@@ -14,7 +14,7 @@ from tests.stage.stages import stage
 from wmspec.errors import StageError, WmsError
 from wmspec.scene.inertia import volume
 from wmspec.scene.model import Body, Box, Mesh, Sphere
-from wmspec.scene.read import read
+from wmspec.usd import read
 
 APPROXIMATED = """def Mesh "%s" (prepend apiSchemas = [%s"PhysicsCollisionAPI", "PhysicsMeshCollisionAPI"]) {
     uniform token physics:approximation = "%s"

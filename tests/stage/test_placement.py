@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 from wmspec.check import ir
 from wmspec.check.make import action, compound, objects, observe, task, thing
 from wmspec.design.design import Design
-from wmspec.design.values import Values
 from wmspec.errors import WmsError
+from wmspec.layout.values import Values
 from wmspec.scene.model import Array, Body, Scene
-from wmspec.scene.read import read
 from wmspec.scene.tessellate import tessellate
 from wmspec.scene.transform import apply
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
+from wmspec.usd import read
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 ANGLES = st.floats(-3.1, 3.1)

@@ -16,8 +16,8 @@ from tests.stage.stages import DATA, assert_same, lines, stage
 from wmspec.errors import StageError
 from wmspec.scene.inertia import volume
 from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Friction, Glide, Launch, Mesh, Sphere
-from wmspec.scene.read import read
 from wmspec.scene.transform import rotation
+from wmspec.usd import read
 
 BALL = """
 def Sphere "ball" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "PhysicsMassAPI"]) {

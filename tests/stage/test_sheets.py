@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
+from wmspec.usd.sheets import DEPTH, sheets
 
 from tests.physics.scenes import ENGINES
 from tests.stage.stages import stage
@@ -17,8 +18,7 @@ from tests.stage.test_meshes import RING, angle, prim
 from wmspec.errors import StageError
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Body, Mesh
-from wmspec.scene.read import read
-from wmspec.scene.read.sheets import DEPTH, sheets
+from wmspec.usd import read
 
 Points = NDArray[np.float64]
 SHEET = """

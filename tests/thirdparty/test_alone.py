@@ -14,7 +14,7 @@ from tests.physics.scenes import ENGINES
 from tests.physics.test_native import limbs, lively
 from tests.thirdparty.environments import python_with, run
 from wmspec.scene.model import Scene, Trace
-from wmspec.scene.read import read
+from wmspec.usd import read
 
 MORE = {"pybullet": ("numpy",)}  # which it does not ask for itself
 

@@ -14,7 +14,7 @@ from pxr import Usd
 
 from tests.thirdparty.environments import python_with, run
 from wmspec.scene.model import Body, Cone
-from wmspec.scene.read import read
+from wmspec.usd import read
 
 HERE = Path(__file__).parent
 IMPORTERS = {

@@ -19,7 +19,7 @@ from tests.physics.test_joints import joint, rod
 from tests.thirdparty.environments import CACHE, PIP, python_with
 from wmspec.errors import WmsError
 from wmspec.scene.model import Force, Scene, Trace
-from wmspec.scene.read import read
+from wmspec.usd import read
 
 pytestmark = pytest.mark.slow
 

@@ -11,24 +11,24 @@ from numpy.typing import NDArray
 
 from wmspec.ask.describe import Ambiguous
 from wmspec.ask.gates import distinct, passed
-from wmspec.ask.looks import Look, kept, looked
 from wmspec.ask.measure import Measured
-from wmspec.ask.model import Asked, Number, Option, Picture, Reason, Reject, Rejected, Strength
-from wmspec.ask.options import Alternative, Seat, labelled, pictured
-from wmspec.ask.runs import Crew, Run, execute
-from wmspec.ask.say import question_text, say_option, si_unit, written
-from wmspec.ask.seen import named, shown, shown_in
-from wmspec.ask.stable import stable, stable_picture
+from wmspec.ask.model import Number, Option, Picture, QuestionRow, Reason, Reject, Rejected, Strength
+from wmspec.ask.options import Alternative, AnswerSlot, labelled, pictured
+from wmspec.ask.robustness import stable, stable_picture
+from wmspec.ask.runs import EnginePair, Run, execute
+from wmspec.ask.verbalize import question_text, say_option, si_unit, written
+from wmspec.ask.views import View, kept, looked
+from wmspec.ask.visibility_gate import named, shown, shown_in
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Channel, Question, TaskSpec
 from wmspec.check.measured import measured as is_measured
 from wmspec.design.design import Design, Instance
-from wmspec.design.draws import bits, permuted
-from wmspec.design.values import Values
+from wmspec.draws import bits, permuted
 from wmspec.errors import GraphicsError, WmsError
+from wmspec.layout.values import Values
 
 
-def ask(design: Design, index: int, crew: Crew) -> list[Asked | Rejected]:
+def ask(design: Design, index: int, crew: EnginePair) -> list[QuestionRow | Rejected]:
     """Every question of an instance, each asked or rejected with its reason."""
     spec, instance = design.spec, design[index]
     numbers = range(len(spec.questions))
@@ -39,7 +39,7 @@ def ask(design: Design, index: int, crew: Crew) -> list[Asked | Rejected]:
     return [_tried(_Asking(design, instance, q, run, crew)) for q in numbers]
 
 
-def _tried(asking: _Asking) -> Asked | Rejected:
+def _tried(asking: _Asking) -> QuestionRow | Rejected:
     spec, index, q, crew = asking.design.spec, asking.instance.index, asking.q, asking.crew
     try:
         return asking.asked()
@@ -53,7 +53,7 @@ def _tried(asking: _Asking) -> Asked | Rejected:
         return _rejected(spec, index, q, crew, "invalid", str(error))
 
 
-def _rejected(spec: TaskSpec, index: int, q: int, crew: Crew, reason: Reason, detail: str) -> Rejected:
+def _rejected(spec: TaskSpec, index: int, q: int, crew: EnginePair, reason: Reason, detail: str) -> Rejected:
     return Rejected(spec.name, index, q, crew.executor.engine, reason, detail)
 
 
@@ -82,7 +82,7 @@ class _Asking:
     instance: Instance
     q: int
     run: Run
-    crew: Crew
+    crew: EnginePair
 
     @property
     def question(self) -> Question:
@@ -92,7 +92,7 @@ class _Asking:
     def key(self) -> tuple[object, ...]:
         return self.design.seed, self.design.spec.name, self.instance.index
 
-    def asked(self) -> Asked:
+    def asked(self) -> QuestionRow:
         """The question. Raises Reject where it cannot be asked."""
         question, values, instance = self.question, self.run.values, self.instance
         looks, channels = looked(self.design.spec, values), kept(self.design.spec)
@@ -100,7 +100,7 @@ class _Asking:
         margin, answer = passed(question, measured), evaluate(question.answer, measured)
         choice = self.choice(answer, looks)
         difference = self.difference(measured)
-        return Asked(
+        return QuestionRow(
             task=self.design.spec.name,
             dimension=self.design.spec.dimension,
             index=instance.index,
@@ -126,7 +126,7 @@ class _Asking:
             outcome=choice.outcome,
         )
 
-    def choice(self, answer: Any, looks: Sequence[Look]) -> _Choice:
+    def choice(self, answer: Any, looks: Sequence[View]) -> _Choice:
         """The options, once the answer is known to hold and all that the question is about can be seen."""
         if self.question.sort == "picture":
             camera, time = answer
@@ -138,7 +138,7 @@ class _Asking:
         shown(self.run.observed(looks, self.crew), named(question, values) | self.run.movers())
         return choice
 
-    def pictures(self, camera: str, time: float, looks: Sequence[Look]) -> _Choice:
+    def pictures(self, camera: str, time: float, looks: Sequence[View]) -> _Choice:
         """The pictures of what happens and of what would have happened."""
         question, changes = self.question, [None, *self.question.counterfactuals]
         runs = [self.run] + [execute(self.design, self.instance, c, self.crew) for c in changes[1:]]
@@ -158,11 +158,11 @@ class _Asking:
         return _Choice(options, order.index(0), outcome[order])
 
     @property
-    def seat(self) -> Seat:
+    def seat(self) -> AnswerSlot:
         """The truth's place among the options: over the design, everywhere alike."""
         index, (seed, name, _) = self.instance.index, self.key
         position = permuted(index, len(self.design), seed, name, self.q, "position")
-        return Seat(position, (*self.key, "order"))
+        return AnswerSlot(position, (*self.key, "order"))
 
     def picture(self, camera: str, time: float, channels: frozenset[Channel]) -> Picture:
         """A picture with what the spec asks for of it."""

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 
 from wmspec.ask.difference import ciede2000, lab
 from wmspec.check.vocabulary import COLORS
-from wmspec.design.colors import rgb
-from wmspec.design.forms import volume
-from wmspec.design.values import Values
-from wmspec.design.view import front, seen
 from wmspec.errors import WmsError
-from wmspec.looks import SHADES
+from wmspec.layout.geometry import volume
+from wmspec.layout.values import Values
+from wmspec.layout.view import front, seen
+from wmspec.materials import SHADES
+from wmspec.materials.colors import rgb
 
 #: One object is larger than another if its edges are so many times as long; further aside by so much (m).
 LARGER, ASIDE = 1.15, 0.03

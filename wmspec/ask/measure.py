@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from wmspec.ask import motion, outcome, sight
+from wmspec.ask import motion, outcome, visibility
 from wmspec.ask.observed import Observed
 from wmspec.check.functions import FUNCTIONS
-from wmspec.design.functions import extreme
-from wmspec.design.values import Values
-from wmspec.design.view import front
 from wmspec.errors import WmsError
+from wmspec.layout.functions import extreme
+from wmspec.layout.values import Values
+from wmspec.layout.view import front
 
 #: What an option can say where two are too near to one another to choose.
 NEITHER = "neither"
@@ -70,9 +70,9 @@ MEASURES: dict[str, Callable[..., Any]] = {
     "toppled": outcome.toppled,
     "height": outcome.height,
     "contains": outcome.contains,
-    "visible": sight.visible,
-    "occluded": sight.occluded,
-    "contrast": sight.contrast,
+    "visible": visibility.visible,
+    "occluded": visibility.occluded,
+    "contrast": visibility.contrast,
     "frame": lambda _, camera, time: (camera, time),
 }
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.design.draws import Level
+from wmspec.draws import Level
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Vote:
 
 
 @dataclass(frozen=True)
-class Asked:
+class QuestionRow:
     """A valid question.
 
     `task`, `index`, `question` and `engine` identify it, `name` is the question's own if it has one. `answer` is the

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from wmspec.ask.looks import Look
+from wmspec.ask.views import View
 from wmspec.errors import WmsError
 from wmspec.scene.bounds import middle, upright
 from wmspec.scene.model import Array, Body, Frame, Pose, Scene, Trace
@@ -25,7 +25,7 @@ class Observed:
     """An executed `scene` and the `looks` at it. `draw` gives the picture of a look (None: nothing can be drawn)."""
 
     def __init__(
-        self, scene: Scene, trace: Trace, looks: Sequence[Look], draw: Callable[[str, float], Frame] | None = None
+        self, scene: Scene, trace: Trace, looks: Sequence[View], draw: Callable[[str, float], Frame] | None = None
     ) -> None:
         self.scene = scene
         self.trace = trace
@@ -84,7 +84,7 @@ class Observed:
             raise WmsError("what is seen can only be measured where pictures are drawn")
         return self._draw(camera, time)
 
-    def looks_of(self, camera: str) -> list[Look]:
+    def looks_of(self, camera: str) -> list[View]:
         """The looks of a camera. Raises WmsError if there is none."""
         looks = [look for look in self.looks if look[0] == camera]
         if not looks:

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from wmspec.ask.model import Change, Option, Picture, Reject
 from wmspec.ask.runs import Run
-from wmspec.ask.say import say, say_option
+from wmspec.ask.verbalize import say, say_option
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Question
-from wmspec.design.draws import bits
-from wmspec.design.values import Values
+from wmspec.draws import bits
+from wmspec.layout.values import Values
 from wmspec.scene.model import Frame
 
 #: Two option pictures in which fewer pixels than this show something different look alike.
@@ -24,7 +24,7 @@ LEAST_DIFFERENT = 100 / 256**2
 
 
 @dataclass(frozen=True)
-class Seat:
+class AnswerSlot:
     """Where the truth goes: at `position` modulo the number of options; `key` decides the order of the others."""
 
     position: int
@@ -37,7 +37,7 @@ class Seat:
         return others
 
 
-def labelled(question: Question, answer: Any, values: Values, seat: Seat) -> tuple[tuple[Option, ...], int]:
+def labelled(question: Question, answer: Any, values: Values, seat: AnswerSlot) -> tuple[tuple[Option, ...], int]:
     """The options in words and the place of the true one; truth values have `yes` and `no`.
 
     Raises Reject if the answer is none of them, or if two read the same.
@@ -82,7 +82,7 @@ class Alternative:
 
 
 def pictured(
-    alternatives: Sequence[Alternative], camera: str, time: float, seat: Seat
+    alternatives: Sequence[Alternative], camera: str, time: float, seat: AnswerSlot
 ) -> tuple[tuple[Option, ...], list[int]]:
     """The alternatives, the truth being the first, as options, and the order in which they are given.
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from wmspec.ask.observed import REST, STILL, Observed
-from wmspec.design.view import seen
 from wmspec.errors import WmsError
+from wmspec.layout.view import seen
 from wmspec.scene.model import Array
 from wmspec.scene.transform import conjugate, rotate
 

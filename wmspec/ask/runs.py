@@ -9,34 +9,34 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.ask.looks import Look
 from wmspec.ask.model import Reject
 from wmspec.ask.observed import MOVED, Observed
+from wmspec.ask.views import View
 from wmspec.check.ir import Counterfactual
 from wmspec.design.design import Design, Instance
-from wmspec.design.draws import uniform
-from wmspec.design.values import Values
+from wmspec.draws import uniform
 from wmspec.errors import EngineError, WmsError
-from wmspec.execute.studio import Studio
-from wmspec.execute.trace import Executor
+from wmspec.execute.render_cache import RenderCache
+from wmspec.execute.trace_cache import TraceCache
+from wmspec.layout.values import Values
 from wmspec.scene.bounds import bounds, middle
 from wmspec.scene.model import Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.scene.overlap import overlap
-from wmspec.scene.read import read
 from wmspec.scene.transform import compose as placed
 from wmspec.stage.episode import built
 from wmspec.stage.layers import compose
+from wmspec.usd import read
 
 #: Bodies that lie deeper (m) in one another at the start would be thrown apart, by each engine in its own way.
 DEEP = 0.001
 
 
 @dataclass(frozen=True)
-class Crew:
+class EnginePair:
     """Who executes and who draws."""
 
-    executor: Executor
-    studio: Studio
+    executor: TraceCache
+    studio: RenderCache
 
 
 @dataclass(frozen=True)
@@ -80,11 +80,11 @@ class Run:
         for k in range(len(self.scene.bodies)):
             yield Pose(self.trace.position[:, k], self.trace.orientation[:, k])
 
-    def observed(self, looks: Sequence[Look], crew: Crew) -> Observed:
+    def observed(self, looks: Sequence[View], crew: EnginePair) -> Observed:
         """What there is to measure, with looks at it."""
         return Observed(self.scene, self.trace, looks, lambda camera, time: self.draw(camera, time, crew))
 
-    def draw(self, camera: str, time: float, crew: Crew, *, depth: bool = False) -> Frame:
+    def draw(self, camera: str, time: float, crew: EnginePair, *, depth: bool = False) -> Frame:
         """What a camera sees at a time (s)."""
         return crew.studio.draw(self.scene, Shot(camera, self.trace.poses(time)), depth=depth)
 
@@ -94,7 +94,7 @@ def values_of(design: Design, instance: Instance, change: Counterfactual | None 
     return Values(design.spec, instance.values, change, instance.key)
 
 
-def execute(design: Design, instance: Instance, change: Counterfactual | None, crew: Crew) -> Run:
+def execute(design: Design, instance: Instance, change: Counterfactual | None, crew: EnginePair) -> Run:
     """An instance, or what it would be under a counterfactual.
 
     Raises Reject if there is no such scene, if bodies overlap in it, or if the engine gives up on it.
@@ -148,7 +148,7 @@ def free(scene: Scene) -> list[str]:
     return [b.name for b in scene.bodies if b.motion == "dynamic" and b.name not in held]
 
 
-def nudged(run: Run, by: float, key: Iterable[object], crew: Crew) -> Run:
+def nudged(run: Run, by: float, key: Iterable[object], crew: EnginePair) -> Run:
     """The same episode with every free body set aside by so much (m), in a direction that depends on `key`.
 
     Raises Reject if the engine gives up on it.

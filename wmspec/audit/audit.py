@@ -14,7 +14,7 @@ from wmspec.audit.counts import accounted, counts, whole
 from wmspec.audit.duplicates import duplicates
 from wmspec.audit.likeness import QUANTILES, judge, likeness
 from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Test
-from wmspec.write.finished import Finished
+from wmspec.write.reader import Finished
 
 #: The order of verdicts: what matters first.
 _ORDER = ("fails", "unclear", "told", "holds")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.write.finished import PICTURES, Finished
+from wmspec.write.reader import PICTURES, Finished
 from wmspec.write.rows import Row
 
 #: Pictures are looked at with so many pixels a side.

@@ -9,7 +9,7 @@ from pathlib import Path
 from wmspec.audit.cases import Case, Unit
 from wmspec.audit.model import Counts, Finding
 from wmspec.write import files
-from wmspec.write.finished import MENDED, Finished
+from wmspec.write.reader import MENDED, Finished
 
 #: Reasons that are no property of the design: something broke.
 BROKEN = ("crashed", "timeout", "unstable")

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir
-from wmspec.check.kinds import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, ROBOT, Kind
 from wmspec.check.typed import Typed
+from wmspec.check.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, ROBOT, Kind
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import Slot
 from wmspec.errors import suggestion

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import ir
 from wmspec.check.functions import FUNCTIONS, Function
-from wmspec.check.kinds import ITEM, LABEL, OBJECT, QUANTITY, Kind, List, Quantity, article
 from wmspec.check.typed import Typed, joined
+from wmspec.check.types import ITEM, LABEL, OBJECT, QUANTITY, Kind, List, Quantity, article
 from wmspec.check.verbs import VERBS
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s

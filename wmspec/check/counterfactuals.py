@@ -8,9 +8,9 @@ from wmspec.check import actions, ir
 from wmspec.check.bounds import within
 from wmspec.check.expressions import Expressions
 from wmspec.check.files import beside
-from wmspec.check.kinds import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
 from wmspec.check.members import named
 from wmspec.check.typed import Typed, constant
+from wmspec.check.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
 from wmspec.check.vocabulary import FILES, Slot
 from wmspec.parse import syntax as s
 
@@ -52,7 +52,7 @@ class Counterfactuals:
             property=prop,
             value=value,
             sort=sort,
-            place=ir.Place.of(change.span),
+            place=ir.Location.of(change.span),
         )
 
     def _action(self, e: s.Expr, what: str) -> str:

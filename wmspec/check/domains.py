@@ -10,9 +10,9 @@ from itertools import product
 from wmspec.check import ir
 from wmspec.check.expressions import Expressions
 from wmspec.check.functions import FUNCTIONS
-from wmspec.check.kinds import A_NUMBER, TRUTH, Kind, List, Quantity, Vector, article
 from wmspec.check.lists import MOST_VALUES
 from wmspec.check.typed import constant, joined
+from wmspec.check.types import A_NUMBER, TRUTH, Kind, List, Quantity, Vector, article
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note

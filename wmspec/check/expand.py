@@ -16,9 +16,9 @@ from wmspec.parse.diagnostics import Note
 from wmspec.parse.load import located
 
 if TYPE_CHECKING:  # most specs have no assets, and checking those should not wait for what reads them
-    from wmspec.check.assets.blocks import Blocks
-    from wmspec.check.assets.model import Fault, Refused
-    from wmspec.check.assets.tree import Tree
+    from wmspec.importers.blocks import Blocks
+    from wmspec.importers.model import Fault, Refused
+    from wmspec.importers.tree import Tree
 
 #: What an asset has from its links, each its own.
 _OF_LINKS = ("shape", "size", "radius", "height", "scale", "mass", "centre", "moments", "axes", "solid")
@@ -63,10 +63,10 @@ class Assets:
                 self.check.report.add("WMS203", message, p.name.span, help)
 
     def _blocks(self, block: s.Block, named: s.Text) -> Blocks:
-        from wmspec.check.assets.blocks import Blocks, mattering
-        from wmspec.check.assets.model import Refused
-        from wmspec.check.assets.read import read
-        from wmspec.check.assets.write import Writer
+        from wmspec.importers.blocks import Blocks, mattering
+        from wmspec.importers.model import Refused
+        from wmspec.importers.read import read
+        from wmspec.importers.write import Writer
 
         key = (located(named.span.source.name).parent, named.value)
         found = self._known[key] = self._known.get(key) or read(*key)
@@ -91,8 +91,8 @@ class Assets:
 
     def _names(self, tree: Tree, named: s.Text) -> dict[str, str]:
         """The links and joints as the language calls them, each with its name in the file."""
-        from wmspec.check.assets.blocks import plain
-        from wmspec.check.assets.tree import names
+        from wmspec.importers.blocks import plain
+        from wmspec.importers.tree import names
 
         found: dict[str, str] = {}
         for name, where in names(tree):
@@ -106,7 +106,7 @@ class Assets:
 
     def _said(self, block: s.Block, tree: Tree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
         """What `part NAME { ... }` says of links and joints."""
-        from wmspec.check.assets.blocks import OF_JOINT, OF_LINK, plain
+        from wmspec.importers.blocks import OF_JOINT, OF_LINK, plain
 
         links = {plain(placed.link.name): placed.link for placed in tree.links}
         known = self._names(tree, named)

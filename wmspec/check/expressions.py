@@ -10,9 +10,9 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from wmspec.check import calls, ir, lists, members, names, operators, units
-from wmspec.check.kinds import DIRECTION, OBJECT, TEXT, TRUTH, Kind, Quantity, Vector, article, either
 from wmspec.check.scope import Scope
 from wmspec.check.typed import ZERO, Failed, Typed, constant, example, fits
+from wmspec.check.types import DIRECTION, OBJECT, TEXT, TRUTH, Kind, Quantity, Vector, article, either
 from wmspec.check.units import NUMBER, Dimension
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s

@@ -8,8 +8,8 @@ from wmspec.check import ir
 from wmspec.check.domains import Level, Written, conditions, read
 from wmspec.check.evaluate import parts
 from wmspec.check.expressions import Expressions
-from wmspec.check.kinds import A_NUMBER, TRUTH, Kind, Quantity, Vector
 from wmspec.check.typed import ZERO, Failed, constant
+from wmspec.check.types import A_NUMBER, TRUTH, Kind, Quantity, Vector
 from wmspec.check.vocabulary import PLANS
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
@@ -43,7 +43,7 @@ class Factors:
             domain=domain,
             nuisance=factor.nuisance,
             unit=dimension.symbol if dimension else "",
-            place=ir.Place.of(factor.name.span),
+            place=ir.Location.of(factor.name.span),
         )
 
     def _drawn(self, factor: s.Factor, written: Written) -> ir.Domain:
@@ -79,13 +79,13 @@ class Factors:
     def let(self, let: s.Let) -> ir.Let:
         """A named value."""
         typed = self.check.once(("let", let.name.id), let.name.span, lambda: self.check.infer(let.value))
-        return ir.Let(name=let.name.id, value=typed.expr, place=ir.Place.of(let.name.span))
+        return ir.Let(name=let.name.id, value=typed.expr, place=ir.Location.of(let.name.span))
 
     def require(self, require: s.Require) -> ir.Require:
         """A condition on factors."""
         typed = self.check.value(require.condition, (TRUTH,), "`require`")
         return ir.Require(
-            condition=typed.expr, text=require.condition.span.text, place=ir.Place.of(require.condition.span)
+            condition=typed.expr, text=require.condition.span.text, place=ir.Location.of(require.condition.span)
         )
 
     # ------------------------------------------------------------ the design
@@ -121,7 +121,7 @@ class Factors:
             self.check.fail("WMS408", f"`{kind}` has no baseline", design.baseline[0].span, remedy)
         count = None if design.count is None else self._count(design.count)
         plan = cast(ir.PlanKind, kind)
-        return ir.Plan(kind=plan, count=count, baseline=self._baseline(design), place=ir.Place.of(design.span))
+        return ir.Plan(kind=plan, count=count, baseline=self._baseline(design), place=ir.Location.of(design.span))
 
     def _count(self, e: s.Expr) -> int:
         count = constant(self.check.value(e, (A_NUMBER,), "`of`").expr)

@@ -8,9 +8,9 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir
-from wmspec.check.prims import parted
 from wmspec.check.typed import Failed
 from wmspec.check.vocabulary import ASSETS, FILES, STAGES
+from wmspec.importers.prim_names import parted
 from wmspec.parse import syntax as s
 from wmspec.parse.load import located
 from wmspec.parse.source import Span
@@ -69,8 +69,8 @@ def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...])
 
 def _mesh(check: Expressions, text: s.Text, folder: Path, file: str, prim: str) -> None:
     """Complain about a mesh in a USD file that cannot be read."""
-    from wmspec.check.assets.triangles import Triangles
-    from wmspec.check.assets.usd_meshes import triangles
+    from wmspec.importers.triangles import Triangles
+    from wmspec.importers.usd_meshes import triangles
 
     found = triangles(folder / file, folder, file, prim)
     if not isinstance(found, Triangles):

@@ -33,7 +33,7 @@ class ByKind:
         return handler(Annotated[source, Field(discriminator="kind")])
 
 
-class Place(Node):
+class Location(Node):
     """Where something stands in the text: file, line and column from 1, and character offsets."""
 
     file: str
@@ -43,7 +43,7 @@ class Place(Node):
     end: int
 
     @classmethod
-    def of(cls, span: Span) -> Place:
+    def of(cls, span: Span) -> Location:
         """A span as the IR keeps it."""
         return cls(file=span.source.name, line=span.line, column=span.column, start=span.start, end=span.end)
 
@@ -149,7 +149,7 @@ class Factor(Node):
     domain: Domain
     nuisance: bool
     unit: str
-    place: Place
+    place: Location
 
 
 class Let(Node):
@@ -157,7 +157,7 @@ class Let(Node):
 
     name: str
     value: Expr
-    place: Place
+    place: Location
 
 
 class Require(Node):
@@ -165,14 +165,14 @@ class Require(Node):
 
     condition: Expr
     text: str
-    place: Place
+    place: Location
 
 
 class Setting(Node):
     """The value of one property or argument."""
 
     value: Expr
-    place: Place
+    place: Location
 
 
 ThingKind = Literal["object", "part", "camera", "light", "joint", "robot", "world", "action"]
@@ -195,7 +195,7 @@ class Thing(Node):
     of: str = ""
     set: str = ""
     properties: dict[str, Setting]
-    place: Place
+    place: Location
 
 
 Channel = Literal["rgb", "depth", "ids"]
@@ -207,7 +207,7 @@ class Observation(Node):
     camera: str
     times: Expr
     channels: tuple[Channel, ...] = ("rgb",)
-    place: Place
+    place: Location
 
 
 Change = Literal["action", "state", "without", "order"]
@@ -226,7 +226,7 @@ class Counterfactual(Node):
     property: str
     value: Expr | None
     sort: str
-    place: Place
+    place: Location
 
 
 class Margin(Node):
@@ -239,7 +239,7 @@ class Margin(Node):
     bound: Expr
     ratio: bool
     unless: Expr | None = None
-    place: Place
+    place: Location
 
 
 class Said(Node):
@@ -276,7 +276,7 @@ class Question(Node):
     difference: Difference | None = None
     stable: Expr | None = None
     counterfactuals: tuple[Counterfactual, ...]
-    place: Place
+    place: Location
 
 
 PlanKind = Literal["factorial", "sample", "latin", "one_at_a_time"]
@@ -292,7 +292,7 @@ class Plan(Node):
     kind: PlanKind = "factorial"
     count: int | None = None
     baseline: dict[str, Scalar | tuple[float, ...]] = field(default_factory=dict)
-    place: Place | None = None
+    place: Location | None = None
 
 
 class TaskSpec(Node):

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir, units
-from wmspec.check.kinds import A_NUMBER, Kind, List, Quantity, Vector
 from wmspec.check.typed import Typed, constant, fits, joined
+from wmspec.check.types import A_NUMBER, Kind, List, Quantity, Vector
 from wmspec.parse import syntax as s
 from wmspec.parse.source import Span
 

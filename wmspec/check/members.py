@@ -5,7 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check import actions, ir
-from wmspec.check.kinds import (
+from wmspec.check.names import BLOCKS
+from wmspec.check.owners import Owner, owner, parts
+from wmspec.check.typed import Failed, Typed, constant
+from wmspec.check.types import (
     A_NUMBER,
     ACTION,
     OBJECT,
@@ -15,9 +18,6 @@ from wmspec.check.kinds import (
     Vector,
     article,
 )
-from wmspec.check.names import BLOCKS
-from wmspec.check.owners import Owner, owner, parts
-from wmspec.check.typed import Failed, Typed, constant
 from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, Slot
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s

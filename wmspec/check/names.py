@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir
-from wmspec.check.kinds import (
+from wmspec.check.typed import Typed, fits
+from wmspec.check.types import (
     A_TIME,
     ACTION,
     CAMERA,
@@ -20,7 +21,6 @@ from wmspec.check.kinds import (
     List,
     Word,
 )
-from wmspec.check.typed import Typed, fits
 from wmspec.check.vocabulary import WORDS
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s

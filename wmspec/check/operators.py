@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmspec.check.kinds import TRUTH, Kind, Quantity, article
 from wmspec.check.typed import ZERO, Typed, joined, operation
+from wmspec.check.types import TRUTH, Kind, Quantity, article
 from wmspec.check.units import NUMBER
 from wmspec.parse import syntax as s
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from wmspec.check.slots import Sort, remedy, slots, sort, unfit
+from wmspec.check.property_schema import Sort, remedy, slots, sort, unfit
 from wmspec.check.vocabulary import Slot
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s

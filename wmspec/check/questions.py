@@ -10,7 +10,8 @@ from wmspec.check import ir
 from wmspec.check.bounds import within
 from wmspec.check.counterfactuals import Counterfactuals
 from wmspec.check.expressions import Expressions
-from wmspec.check.kinds import (
+from wmspec.check.typed import ZERO, Failed, Typed, constant, joined
+from wmspec.check.types import (
     A_LENGTH,
     LABEL,
     OBJECT,
@@ -23,7 +24,6 @@ from wmspec.check.kinds import (
     Word,
     article,
 )
-from wmspec.check.typed import ZERO, Failed, Typed, constant, joined
 from wmspec.check.units import NUMBER
 from wmspec.check.vocabulary import Slot
 from wmspec.parse import syntax as s
@@ -81,7 +81,7 @@ class Questions:
             difference=next(iter(difference), None),
             stable=next(iter(stable), None),
             counterfactuals=tuple(changes),
-            place=ir.Place.of(question.text.span),
+            place=ir.Location.of(question.text.span),
         )
 
     def _named_once(self, question: s.Question) -> None:
@@ -169,7 +169,7 @@ class Questions:
     def ensure(self, clause: s.Clause) -> ir.Require:
         """A condition that an instance must meet."""
         typed = self.check.measuring(clause.value, (TRUTH,), "`ensure`")
-        return ir.Require(condition=typed.expr, text=clause.value.span.text, place=ir.Place.of(clause.value.span))
+        return ir.Require(condition=typed.expr, text=clause.value.span.text, place=ir.Location.of(clause.value.span))
 
     def margin(self, clause: s.Clause) -> ir.Margin:
         """How far a value must be from turning."""
@@ -181,7 +181,7 @@ class Questions:
             self.check.fail("WMS304", "a ratio is apart by a factor of 1 or more", clause.bound.span)
         within(self.check, bound.expr, Slot((kind,), "", least=0), clause.bound.span, "`apart by`")
         unless = self.check.measuring(clause.unless, (TRUTH,), "`unless`").expr if clause.unless else None
-        return ir.Margin(value=value, bound=bound.expr, ratio=ratio, unless=unless, place=ir.Place.of(clause.span))
+        return ir.Margin(value=value, bound=bound.expr, ratio=ratio, unless=unless, place=ir.Location.of(clause.span))
 
     def difference(self, clause: s.Clause) -> ir.Difference:
         """How strong the stimulus is."""

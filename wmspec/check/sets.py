@@ -11,9 +11,9 @@ from wmspec.check import ir
 from wmspec.check.evaluate import evaluate, parts
 from wmspec.check.expressions import Expressions
 from wmspec.check.factors import Factors
-from wmspec.check.kinds import A_NUMBER
 from wmspec.check.substitute import Substitute, TooLarge
 from wmspec.check.typed import constant
+from wmspec.check.types import A_NUMBER
 from wmspec.errors import WmsError
 from wmspec.parse import syntax as s
 

@@ -12,10 +12,10 @@ from wmspec.check.expand import Assets
 from wmspec.check.expressions import Expressions
 from wmspec.check.factors import Factors
 from wmspec.check.observations import Observations
+from wmspec.check.placement_cycles import no_circles
 from wmspec.check.questions import Questions
 from wmspec.check.scope import Scope
 from wmspec.check.sets import Sets
-from wmspec.check.standing import no_circles
 from wmspec.check.substitute import Substitute
 from wmspec.check.templates import Templates
 from wmspec.check.things import Things

@@ -10,11 +10,11 @@ from wmspec.check.bounds import within
 from wmspec.check.defaults import default_value
 from wmspec.check.expressions import Expressions
 from wmspec.check.files import beside
-from wmspec.check.kinds import A_TIME, article
 from wmspec.check.members import setting
 from wmspec.check.owners import Owner, owner, parts
-from wmspec.check.slots import inherited
+from wmspec.check.property_schema import inherited
 from wmspec.check.typed import Failed
+from wmspec.check.types import A_TIME, article
 from wmspec.check.verbs import ROBOTS
 from wmspec.check.vocabulary import FILES, JOINTS, ROUND, TALL, Slot
 from wmspec.errors import suggestion
@@ -46,7 +46,7 @@ class Things:
             of=block.whole,
             set=self.scope.sets.get(of.name, ""),
             properties=self._properties(of),
-            place=ir.Place.of(of.span),
+            place=ir.Location.of(of.span),
         )
         if block.kind == "joint":
             self._joins_two(whole, block)
@@ -80,15 +80,15 @@ class Things:
         properties = self._properties(of)
         for name in inherited(of.said, whole.properties):
             value = ir.Property(owner=ir.Value(value=whole.name), name=name)
-            properties[name] = ir.Setting(value=value, place=ir.Place.of(of.span))
-        place = ir.Place.of(of.span)
+            properties[name] = ir.Setting(value=value, place=ir.Location.of(of.span))
+        place = ir.Location.of(of.span)
         return ir.Thing(kind="part", name=of.name, of=whole.name, properties=properties, place=place)
 
     def _properties(self, of: Owner) -> dict[str, ir.Setting]:
         """The properties that are written, and the defaults of the others."""
         properties: dict[str, ir.Setting] = {}
         spans: dict[str, Span] = {}
-        here = ir.Place.of(of.span)
+        here = ir.Location.of(of.span)
         for p in of.written:
             for name, span in [(p.name.id, p.name.span)] + ([("at", p.at.span)] if p.at else []):
                 if name in spans:
@@ -144,7 +144,7 @@ class Things:
         typed = setting(self.check, of, p, slot)
         within(self.check, typed.expr, slot, p.value.span, f"`{name}`")
         expr = beside(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
-        return ir.Setting(value=expr, place=ir.Place.of(p.value.span))
+        return ir.Setting(value=expr, place=ir.Location.of(p.value.span))
 
     def _joins_two(self, joint: ir.Thing, block: s.Block) -> None:
         of, to = joint.properties.get("of"), joint.properties.get("to")
@@ -165,7 +165,7 @@ class Things:
                 except Failed:
                     continue
             elif slot.default is not None:
-                properties[name] = ir.Setting(value=default_value(slot), place=ir.Place.of(action.name.span))
+                properties[name] = ir.Setting(value=default_value(slot), place=ir.Location.of(action.name.span))
             elif not slot.optional:
                 self.report.add("WMS205", f"`{does.name}` needs `{name}`: {slot.meaning}", does.call.span)
         if does.name == "drive" and not does.robot:
@@ -176,14 +176,14 @@ class Things:
             verb=does.name,
             of=does.robot,
             properties=properties | self._timings(action, does),
-            place=ir.Place.of(action.name.span),
+            place=ir.Location.of(action.name.span),
         )
 
     def _argument(self, action: s.Action, does: Act, name: str, slot: Slot) -> ir.Setting:
         typed = actions.argument(self.check, action, does, name)
         span = does.written[name].value.span
         within(self.check, typed.expr, slot, span, f"`{name}`")
-        return ir.Setting(value=typed.expr, place=ir.Place.of(span))
+        return ir.Setting(value=typed.expr, place=ir.Location.of(span))
 
     def _all_known(self, does: Act) -> None:
         """Complain about arguments that the verb does not know and those that are given twice."""
@@ -220,7 +220,7 @@ class Things:
             spans.setdefault(lasts, timing.span)
         begin, span = actions.start(self.check, action)
         within(self.check, begin.expr, START, span, "`at`")
-        found = {"start": ir.Setting(value=begin.expr, place=ir.Place.of(span))}
+        found = {"start": ir.Setting(value=begin.expr, place=ir.Location.of(span))}
         lasting = next((t for t in action.timings if t.kind == "for"), None)
         if lasting is None and does.verb.lasts:
             message = f"`{does.name}` needs to know how long: `for TIME`"
@@ -231,5 +231,5 @@ class Things:
                 self.check.fail("WMS205", message, does.call.span, "remove `for`")
             typed = self.check.value(lasting.value, (A_TIME,), "`for`")
             within(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
-            found["duration"] = ir.Setting(value=typed.expr, place=ir.Place.of(lasting.value.span))
+            found["duration"] = ir.Setting(value=typed.expr, place=ir.Location.of(lasting.value.span))
         return found

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from wmspec.check import ir, units
-from wmspec.check.kinds import LABEL, NEITHER, OBJECT, TEXT, Kind, List, Quantity, Vector, Word
+from wmspec.check.types import LABEL, NEITHER, OBJECT, TEXT, Kind, List, Quantity, Vector, Word
 from wmspec.check.units import Dimension
 from wmspec.check.vocabulary import WORDS
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wmspec.check.kinds import (
+from wmspec.check.types import (
     A_LENGTH,
     AN_ANGLE,
     DIRECTION,

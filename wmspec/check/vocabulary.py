@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from wmspec.check.kinds import (
+from wmspec.check.types import (
     A_LENGTH,
     A_NUMBER,
     A_TIME,
@@ -31,7 +31,7 @@ from wmspec.check.kinds import (
     Vector,
 )
 from wmspec.check.units import ACCELERATION, DENSITY, INERTIA, MASS, NUMBER, SPEED, TIME, Dimension, told
-from wmspec.looks import MATERIALS, SHADES
+from wmspec.materials import MATERIALS, SHADES
 
 #: sRGB in 0..1. Told apart at a glance, named as a person would name them.
 COLORS: dict[str, tuple[float, float, float]] = {

@@ -39,7 +39,7 @@ def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictur
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from wmspec.audit.audit import audit
     from wmspec.audit.page import page
-    from wmspec.write.finished import Finished
+    from wmspec.write.reader import Finished
 
     with progress_bar(len(Finished.open(dataset).tasks), "auditing", "tasks") as progress:
         found = audit(dataset, pictures_of, progress)

@@ -29,8 +29,8 @@ def check_command(specs: tuple[Path, ...], form: str) -> None:
     Text is coloured on a terminal, unless NO_COLOR is set. SARIF is what code hosts show beside the lines.
     """
     from wmspec.check.task import check
+    from wmspec.lint.dry_run import trial
     from wmspec.parse.diagnostics import Report
-    from wmspec.stage.trial import trial
 
     report = Report()
     tasks = []

@@ -34,10 +34,10 @@ def compile_command(spec: Path, backend: str, instance: int, seed: int, output: 
     from wmspec.design.design import Design
     from wmspec.execute.backends import backend as load_backend
     from wmspec.execute.backends import chosen
-    from wmspec.scene.read import read
     from wmspec.stage.episode import document
     from wmspec.stage.layers import compose
     from wmspec.stage.write import write_stages
+    from wmspec.usd import read
 
     task = one_task(spec)
     if ir:

@@ -32,10 +32,10 @@ def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_js
 
 
 def _row(path: Path, spec: Any) -> dict[str, Any]:
-    from wmspec.ask.looks import looked
+    from wmspec.ask.views import looked
     from wmspec.check.ir import Choices
     from wmspec.design.design import Design
-    from wmspec.design.values import Values
+    from wmspec.layout.values import Values
     from wmspec.paper import column
     from wmspec.stage.agents import executable
 

@@ -60,14 +60,14 @@ def render_command(
 ) -> None:
     """Draw what the cameras of an instance, of a USD stage, or of a trace that `wmspec run -o` wrote, observe."""
     from wmspec.execute.backends import chosen, drawing
-    from wmspec.execute.studio import Studio
+    from wmspec.execute.render_cache import RenderCache
 
     width, height = parse_size(size)
     samples = samples_for(look, samples)
     drawers = drawing(chosen(renderer), look)[:1] if renderer else ()
     for scene, trace in _episodes(source, backend, instance, seed):
         drawer = (drawers or drawing((trace.engine,), look))[0]
-        studio = Studio(drawer, width, height, look, samples)
+        studio = RenderCache(drawer, width, height, look, samples)
         episode = _Episode(scene, trace, studio, overlay, camera)
         name = f"{scene.name}-{instance:06d}-{trace.engine}"
         for path in _written(episode, output, name, rate, many="," in backend or backend == "all"):
@@ -114,7 +114,7 @@ def _episodes(source: Path, backend: str, instance: int, seed: int) -> Iterator[
     from wmspec.execute.archive import load
     from wmspec.execute.backends import backend as load_backend
     from wmspec.execute.backends import chosen
-    from wmspec.scene.read import read
+    from wmspec.usd import read
 
     if source.suffix.lower() == ".npz":
         yield load(source)
@@ -165,8 +165,8 @@ def _moving(episode: _Episode, rate: float) -> Iterator[Any]:
 
 def _sheet(episode: _Episode) -> Any:
     """A row for each camera, a picture for each time, with both above it; a single picture as it is."""
-    from wmspec.write import ink
-    from wmspec.write.ink import Style
+    from wmspec.write import typeset
+    from wmspec.write.typeset import Style
 
     looks = episode.looks()
     if len(looks) == 1:
@@ -175,9 +175,9 @@ def _sheet(episode: _Episode) -> Any:
     for camera in dict.fromkeys(camera for camera, _ in looks):
         times = [time for other, time in looks if other == camera]
         shown = [(f"{camera}, {time:.3g} s", episode.picture(camera, time)) for time in times]
-        rows.append(ink.beside([_captioned(said, one, ink, Style(15)) for said, one in shown], 8))
-    return ink.padded(ink.above(rows, 12), 12)
+        rows.append(typeset.beside([_captioned(said, one, typeset, Style(15)) for said, one in shown], 8))
+    return typeset.padded(typeset.above(rows, 12), 12)
 
 
-def _captioned(said: str, picture: Any, ink: Any, style: Any) -> Any:
-    return ink.above([ink.paragraph(said, style, picture.width), picture], 2)
+def _captioned(said: str, picture: Any, typeset: Any, style: Any) -> Any:
+    return typeset.above([typeset.paragraph(said, style, picture.width), picture], 2)

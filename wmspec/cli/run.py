@@ -41,7 +41,7 @@ def run_command(
     from wmspec.execute.archive import save
     from wmspec.execute.backends import backend as load_backend
     from wmspec.execute.backends import chosen
-    from wmspec.scene.read import read
+    from wmspec.usd import read
 
     stage = load_stage(source, instance, seed)
     scene = read(stage)
@@ -77,8 +77,8 @@ def load_stage(source: Path, instance: int, seed: int) -> Any:
 def _open(path: Path) -> Any:
     from pxr import Tf, Usd, UsdUtils
 
-    import wmspec.scene.schema  # noqa: F401  importing it registers the schemas
-    from wmspec.check.assets.usd_open import complaint
+    import wmspec.usd.schema  # noqa: F401  importing it registers the schemas
+    from wmspec.importers.usd_open import complaint
 
     if not path.is_file():
         raise WmsError(f"{path}: there is no such file")

@@ -41,7 +41,7 @@ def view_command(dataset: Path, output: Path, per_task: int | None) -> None:
         click.echo(output)
         return
     from wmspec.gallery.gallery import folder, page
-    from wmspec.write.finished import Finished
+    from wmspec.write.reader import Finished
 
     found = Finished.open(dataset)
     shown = (page if kind == ".html" else folder)(found, count, output)

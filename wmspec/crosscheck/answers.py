@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from wmspec.ask.ask import said_answer
 from wmspec.ask.describe import Ambiguous
 from wmspec.ask.gates import apart, distinct, passed
-from wmspec.ask.looks import looked
 from wmspec.ask.measure import Measured
 from wmspec.ask.model import Reject
 from wmspec.ask.options import same
-from wmspec.ask.runs import Crew, Run
+from wmspec.ask.runs import EnginePair, Run
+from wmspec.ask.views import looked
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Question
 from wmspec.crosscheck.model import TRUTH
@@ -40,7 +40,7 @@ class Answer:
     within: float | None = None
 
 
-def answer(question: Question, runs: Mapping[str, Run], crew: Crew) -> Answer:
+def answer(question: Question, runs: Mapping[str, Run], crew: EnginePair) -> Answer:
     """An engine's answer, from its runs of the truth and of the question's counterfactuals by name."""
     truth = runs[TRUTH]
     measured = Measured(truth.values, truth.observed(looked(truth.values.spec, truth.values), crew))

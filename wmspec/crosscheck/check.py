@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
 
-from wmspec.ask.runs import Crew, Run, values_of
+from wmspec.ask.runs import EnginePair, Run, values_of
 from wmspec.check.ir import Counterfactual, Question, TaskSpec
 from wmspec.crosscheck.answers import Answer, agree, answer, told
 from wmspec.crosscheck.compare import compare
@@ -15,12 +15,12 @@ from wmspec.crosscheck.model import TRUTH, Cause, Checked, Comparison, Failure, 
 from wmspec.crosscheck.tolerance import Tolerances
 from wmspec.design.design import Design, Instance
 from wmspec.errors import WmsError
-from wmspec.execute.studio import Studio
-from wmspec.execute.trace import Executor
+from wmspec.execute.render_cache import RenderCache
+from wmspec.execute.trace_cache import TraceCache
 from wmspec.scene.model import Scene, Trace
-from wmspec.scene.read import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
+from wmspec.usd import read
 
 #: The pictures on which `visible`, `occluded` and `contrast` are measured (px).
 SIDE = 256
@@ -29,7 +29,7 @@ SIDE = 256
 Traces = Mapping[tuple[str, str], Trace]
 
 
-def check(design: Design, index: int, executors: Sequence[Executor], tolerances: Tolerances) -> Checked:
+def check(design: Design, index: int, executors: Sequence[TraceCache], tolerances: Tolerances) -> Checked:
     """Execute an instance in every engine and compare each pair of them."""
     spec, instance = design.spec, design[index]
     scenes, failures = _scenes(spec, instance)
@@ -66,7 +66,7 @@ def _scenes(spec: TaskSpec, instance: Instance) -> tuple[dict[str, Scene], list[
     return scenes, failures
 
 
-def _execute(scenes: Mapping[str, Scene], executors: Iterable[Executor]) -> tuple[Traces, list[Failure]]:
+def _execute(scenes: Mapping[str, Scene], executors: Iterable[TraceCache]) -> tuple[Traces, list[Failure]]:
     traces, failures = {}, []
     for executor in executors:
         for run, scene in scenes.items():
@@ -115,13 +115,13 @@ class _Asking:
             )
             for name, run in runs.items()
         }
-        return answer(question, made, Crew(Executor(engine), _studio(engine)))
+        return answer(question, made, EnginePair(TraceCache(engine), _studio(engine)))
 
 
 @cache
-def _studio(engine: str) -> Studio:
+def _studio(engine: str) -> RenderCache:
     """Draws only for what is measured on pictures; it costs nothing where nothing is."""
-    return Studio(engine, SIDE, SIDE)
+    return RenderCache(engine, SIDE, SIDE)
 
 
 def _cause(comparisons: Sequence[Comparison]) -> Cause | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from wmspec.design.draws import Level
+from wmspec.draws import Level
 
 #: The names of two engines, in the order in which they were asked for.
 Pair = tuple[str, str]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import degrees
 
-from wmspec.check.kinds import TRUTH
+from wmspec.check.types import TRUTH
 from wmspec.check.vocabulary import WORDS
 from wmspec.crosscheck.model import Cause, Checked, Comparison, Failure, Gap, Verdict
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from wmspec.crosscheck.model import Checked, Comparison, Pair
-from wmspec.design.draws import Level
+from wmspec.draws import Level
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from wmspec.crosscheck.model import Checked, Failure, Pair
 from wmspec.crosscheck.tolerance import Tolerances
 from wmspec.design.design import Design
 from wmspec.execute.pool import Effort, Lost, in_order
-from wmspec.execute.trace import Executor
+from wmspec.execute.trace_cache import TraceCache
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,8 @@ def _design(job: Job, task: str) -> Design:
 
 
 @cache
-def _executors(engines: tuple[str, ...]) -> tuple[Executor, ...]:
-    return tuple(Executor(engine) for engine in engines)
+def _executors(engines: tuple[str, ...]) -> tuple[TraceCache, ...]:
+    return tuple(TraceCache(engine) for engine in engines)
 
 
 def _lost(design: Design, index: int, lost: Lost) -> Checked:

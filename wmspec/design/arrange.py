@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, combinations, islice
 
 from wmspec.check.ir import Choices, TaskSpec
-from wmspec.design.chain import MOST_COUNTED, Chain, TooMuch
 from wmspec.design.columns import Column, Free, Strata
 from wmspec.design.constrain import Constraint
-from wmspec.design.draws import Level
+from wmspec.design.constraint_chain import MOST_COUNTED, Chain, TooMuch
+from wmspec.design.describe import told
 from wmspec.design.fault import Fault
 from wmspec.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
-from wmspec.design.told import told
+from wmspec.draws import Level
 
 #: So many sets of conditions are looked through for the smallest that leaves nothing.
 MOST_SETS = 500

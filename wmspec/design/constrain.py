@@ -10,13 +10,13 @@ from math import prod
 from typing import Any
 
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Choices, Expr, Factor, Operation, Place, TaskSpec
+from wmspec.check.ir import Choices, Expr, Factor, Location, Operation, TaskSpec
 from wmspec.design.depend import Dependencies
-from wmspec.design.draws import Level
+from wmspec.design.describe import told
 from wmspec.design.fault import Fault
-from wmspec.design.told import told
-from wmspec.design.values import Values
+from wmspec.draws import Level
 from wmspec.errors import WmsError
+from wmspec.layout.values import Values
 
 #: The most combinations on which conditions are tried, for all conditions of a task: about half a second.
 MOST_TRIED = 100_000
@@ -29,7 +29,7 @@ class Constraint:
     spec: TaskSpec
     said: int
     text: str
-    place: Place
+    place: Location
     scope: tuple[str, ...]
     conditions: tuple[Expr, ...]
     domains: Mapping[str, tuple[Level, ...]]
@@ -131,7 +131,7 @@ def _conjuncts(condition: Expr) -> Iterator[Expr]:
         yield condition
 
 
-def _separate(scope: tuple[str, ...], domains: Mapping[str, Any], spec: TaskSpec, place: Place) -> None:
+def _separate(scope: tuple[str, ...], domains: Mapping[str, Any], spec: TaskSpec, place: Location) -> None:
     """A condition looks at factors with separate values alone: nothing else can be tried out."""
     for name in scope:
         if name not in domains:

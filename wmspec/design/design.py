@@ -10,8 +10,8 @@ from typing import overload
 from wmspec.check.ir import Choices, TaskSpec
 from wmspec.design.arrange import arrange
 from wmspec.design.constrain import constraints
-from wmspec.design.draws import Level, Permutation, quantile, uniform
 from wmspec.design.fault import Fault
+from wmspec.draws import Level, Permutation, quantile, uniform
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.check.ir import Place
+from wmspec.check.ir import Location
 from wmspec.errors import WmsError
 
 
@@ -10,7 +10,7 @@ class Fault(WmsError):
     """A design that cannot be made. `notes` are further sentences with their places."""
 
     def __init__(
-        self, code: str, message: str, place: Place, help: str = "", notes: tuple[tuple[str, Place], ...] = ()
+        self, code: str, message: str, place: Location, help: str = "", notes: tuple[tuple[str, Location], ...] = ()
     ) -> None:
         self.code = code
         self.message = message

@@ -11,7 +11,7 @@ from math import gcd, prod
 from typing import Protocol
 
 from wmspec.design.columns import Column, Spread
-from wmspec.design.draws import Permutation
+from wmspec.draws import Permutation
 
 Ranks = tuple[int, ...]
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Tf, Usd
 
-import wmspec.scene.schema  # noqa: F401  importing it registers the schemas
+import wmspec.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.errors import WmsError
 from wmspec.scene.model import Contact, Scene, Trace
-from wmspec.scene.read import read
+from wmspec.usd import read
 
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
 

@@ -13,7 +13,7 @@ from PIL import Image
 
 from wmspec.gallery.records import Put, about, records
 from wmspec.write.files import explained
-from wmspec.write.finished import Finished
+from wmspec.write.reader import Finished
 
 #: How good the pictures inside a page are, which are compressed: of 100.
 QUALITY = 88

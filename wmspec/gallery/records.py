@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from itertools import groupby
 from typing import Any
 
-from wmspec.write.finished import Finished
+from wmspec.write.reader import Finished
 from wmspec.write.rows import Row
 from wmspec.write.words import human, reading
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wmspec.scene.centred import centred
+from wmspec.scene.articulations import Link, Tree, trees
+from wmspec.scene.com_frame import centred
 from wmspec.scene.model import Array, Drive, Joint, Scene
 from wmspec.scene.numbers import placed
 from wmspec.scene.transform import compose, cross, rotate, rotation
-from wmspec.scene.trees import Limb, Tree, trees
 
 STIFFEST = 0.5  # of a vibration, in radians a step, squared; of a decay, the part in a step
 
@@ -50,7 +50,7 @@ def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
     return dict(zip(numbers, lightness.tolist(), strict=True))
 
 
-def _columns(scene: Scene, tree: Tree, limb: Limb) -> list[Array]:
+def _columns(scene: Scene, tree: Tree, limb: Link) -> list[Array]:
     """For each way that a joint moves: the linear and angular velocities (N, 6) of the tree's bodies."""
     bodies = [centred(scene.bodies[one.body]) for one in tree]
     at = next(body for body, one in zip(bodies, tree, strict=True) if one is limb)
@@ -69,7 +69,7 @@ def _columns(scene: Scene, tree: Tree, limb: Limb) -> list[Array]:
     return columns
 
 
-def _below(tree: Tree, limb: Limb) -> set[int]:
+def _below(tree: Tree, limb: Link) -> set[int]:
     found = {limb.body}
     for other in tree:
         if other.parent in found:

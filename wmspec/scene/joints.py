@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from wmspec.scene.articulations import jointed, moves, trees
 from wmspec.scene.model import Body, Drive, Joint, Launch, Release, Scene
-from wmspec.scene.trees import jointed, moves, trees
 
 
 def problems(scene: Scene) -> Iterator[str]:

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmspec.scene.centred import centred, placed
+from wmspec.scene.articulations import Tree, trees
+from wmspec.scene.com_frame import centred, placed
 from wmspec.scene.contact import apart, colliders
 from wmspec.scene.episode import Episode, Vector
 from wmspec.scene.hull import corners
 from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Scene, Sphere
 from wmspec.scene.numbers import floats, numbers
 from wmspec.scene.transform import identity
-from wmspec.scene.trees import Tree, trees
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ from math import ceil
 
 import numpy as np
 
-from wmspec.scene.centred import centred, mount
+from wmspec.scene.articulations import jointed, trees
+from wmspec.scene.com_frame import centred, mount
 from wmspec.scene.episode import Aim, Drag, Episode, Hold, Kick, Push
 from wmspec.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer
 from wmspec.scene.numbers import floats, numbers
 from wmspec.scene.paths import track
-from wmspec.scene.trees import jointed, trees
 
 _REST = (0.0, 0.0, 0.0)
 

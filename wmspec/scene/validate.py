@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from wmspec.errors import WmsError
-from wmspec.scene.deeds import problems as deed_problems
-from wmspec.scene.deeds import sequence
+from wmspec.scene.action_rules import problems as deed_problems
+from wmspec.scene.action_rules import sequence
 from wmspec.scene.joints import problems as joint_problems
 from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Scene, Shape, Sphere
 

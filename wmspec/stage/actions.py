@@ -7,12 +7,12 @@ from collections.abc import Callable
 
 from wmspec.check.ir import TaskSpec, Thing
 from wmspec.check.vocabulary import ROUND
-from wmspec.design import motion
-from wmspec.design.forms import pieces
-from wmspec.design.space import UP, Vector, dot, heading, rotate, times
-from wmspec.design.surfaces import WORLD, holder, under
-from wmspec.design.values import Values
 from wmspec.errors import WmsError
+from wmspec.layout import motion
+from wmspec.layout.geometry import pieces
+from wmspec.layout.space import UP, Vector, dot, heading, rotate, times
+from wmspec.layout.surfaces import WORLD, holder, under
+from wmspec.layout.values import Values
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.joints import has_drive, joined, joint_path
 from wmspec.stage.objects import object_path

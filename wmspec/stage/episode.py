@@ -5,15 +5,15 @@ from __future__ import annotations
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.design.design import Instance
-from wmspec.design.values import Values
 from wmspec.errors import Gathered, WmsError
-from wmspec.scene.version import FORMAT_VERSION
+from wmspec.layout.values import Values
 from wmspec.stage import agents
 from wmspec.stage.actions import add_action, carrier_sources, carriers
+from wmspec.stage.cameras import add_camera, add_light, camera_path
 from wmspec.stage.document import Document
-from wmspec.stage.eyes import add_camera, add_light, camera_path
 from wmspec.stage.joints import add_joint, no_loops
 from wmspec.stage.objects import add_object
+from wmspec.usd.version import FORMAT_VERSION
 
 RATE = 240
 

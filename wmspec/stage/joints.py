@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 
 from wmspec.check.ir import Thing
-from wmspec.design import assets, placement
-from wmspec.design.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
-from wmspec.design.values import Values
 from wmspec.errors import WmsError
+from wmspec.layout import assets, placement
+from wmspec.layout.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
+from wmspec.layout.values import Values
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.objects import object_path
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from pxr import Gf, Sdf, Usd, Vt
 
-import wmspec.scene.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
+import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.stage.document import Attribute, Document, Prim, Relation
 
 _VALUES: dict[str, Callable[[Any], Any]] = {

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from wmspec.design.forms import every_piece, touchable
-from wmspec.design.space import turn
-from wmspec.design.values import Values
 from wmspec.errors import WmsError
+from wmspec.layout.geometry import every_piece, touchable
+from wmspec.layout.space import turn
+from wmspec.layout.values import Values
 from wmspec.stage.document import Prim
 
 #: What is smaller than this (m³) is taken for a mistake: a tenth of a millimetre across.

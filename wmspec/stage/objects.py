@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from wmspec.check.vocabulary import TALL
-from wmspec.design.forms import every_piece, touchable
-from wmspec.design.solids import SLAB, Piece, Solid
-from wmspec.design.space import HERE
-from wmspec.design.values import Values
 from wmspec.errors import WmsError
-from wmspec.stage import looks, masses, polygons
+from wmspec.layout.geometry import every_piece, touchable
+from wmspec.layout.solids import SLAB, Piece, Solid
+from wmspec.layout.space import HERE
+from wmspec.layout.support import supported
+from wmspec.layout.values import Values
+from wmspec.stage import masses, materials, polygons
 from wmspec.stage.document import Document, Prim
-from wmspec.stage.support import supported
 
 if TYPE_CHECKING:
-    from wmspec.design.meshes import Mesh
+    from wmspec.layout.meshes import Mesh
 
 #: What a shape is in USD; a wedge and the mesh of a file are meshes.
 PRIMS = {
@@ -69,7 +69,7 @@ def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
         prim = _piece(doc, f"{object_path(name)}/{below}", piece, part, name, values, touched)
         if touchable(values, part):
             masses.add_mass(prim, name, piece.solid.volume, values)
-        prim.relate("material:binding", looks.add_material(doc, part, name, values))
+        prim.relate("material:binding", materials.add_material(doc, part, name, values))
 
 
 def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values: Values, solid: bool) -> Prim:

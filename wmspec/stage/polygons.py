@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
-from wmspec.design.space import UP, Vector, add, cross, times, unit
+from wmspec.layout.space import UP, Vector, add, cross, times, unit
 from wmspec.stage.document import Prim
 
 if TYPE_CHECKING:
-    from wmspec.design.meshes import Mesh
+    from wmspec.layout.meshes import Mesh
 
 
 @dataclass(frozen=True, eq=False)

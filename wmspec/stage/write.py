@@ -9,8 +9,8 @@ from hashlib import blake2b
 from pathlib import Path
 
 from wmspec.check.ir import Counterfactual
+from wmspec.design.describe import told
 from wmspec.design.design import Design, Instance
-from wmspec.design.told import told
 from wmspec.errors import WmsError
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Sequence
 
 from wmspec.check.ir import Choices, Factor, Interval, Normal
-from wmspec.design.draws import Level
+from wmspec.draws import Level
 from wmspec.write.manifest import Summary, TaskSummary
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import COLUMNS, channels

@@ -11,14 +11,14 @@ from typing import Any
 
 from wmspec.ask.model import Rejected
 from wmspec.errors import WmsError
-from wmspec.write import files, unfinished
+from wmspec.write import checkpoint, files
 from wmspec.write.card import card
 from wmspec.write.croissant import croissant
 from wmspec.write.manifest import Summary, manifest, summary
 from wmspec.write.plan import Plan, Shard, differences
 from wmspec.write.rows import Row
 from wmspec.write.shards import Record, read_record, sidecar, write_shard
-from wmspec.write.work import Outcome
+from wmspec.write.worker import Outcome
 
 _OURS = ("data", files.MANIFEST, files.CARD, files.CROISSANT)
 _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
@@ -74,11 +74,11 @@ class Dataset:
 
     def keep(self, shard: Shard, index: int, outcome: Outcome) -> None:
         """Write down what came of an instance until its shard is whole. Raises WmsError if it cannot be written."""
-        unfinished.keep(self.folder, self.plan, shard, index, outcome)
+        checkpoint.keep(self.folder, self.plan, shard, index, outcome)
 
     def kept(self, shard: Shard) -> dict[int, Outcome]:
         """What a run that was stopped kept of a pending shard, by the instances' indices."""
-        return unfinished.kept(self.folder, self.plan, shard)
+        return checkpoint.kept(self.folder, self.plan, shard)
 
     def write(self, shard: Shard, rows: Iterable[Row], rejected: Iterable[Rejected]) -> None:
         """Write a shard, whole or not at all, in place of what was kept. `rows` come from `rows.encode`, in any order.
@@ -88,7 +88,7 @@ class Dataset:
             ValueError: a question of the shard is missing, foreign or there twice.
         """
         self._records[shard.path] = write_shard(self.folder, self.plan, shard, rows=rows, rejected=rejected)
-        unfinished.discard(self.folder, shard)
+        checkpoint.discard(self.folder, shard)
 
     def finish(self) -> Summary:
         """Write the card, the Croissant metadata, and last the manifest, which says that the dataset is whole.
@@ -145,7 +145,7 @@ class Dataset:
                 task.rmdir()
         for record in (self.folder / files.PROGRESS).glob("*/*.json"):
             record.unlink()
-        unfinished.discard_all(self.folder)
+        checkpoint.discard_all(self.folder)
 
     def _verify(self) -> None:
         """Keep the shards whose files are what their records say; the others are made again."""
@@ -159,7 +159,7 @@ class Dataset:
                 self._again(shard, "is not as it was written")
             else:
                 self._records[shard.path] = record
-                unfinished.discard(self.folder, shard)  # a run was killed between the shard and this
+                checkpoint.discard(self.folder, shard)  # a run was killed between the shard and this
         if self.pending():
             (self.folder / files.MANIFEST).unlink(missing_ok=True)
 

@@ -12,7 +12,7 @@ from wmspec.write.generate import job_of
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import schema, table
 from wmspec.write.shards import parquet
-from wmspec.write.work import Job, Outcome, work
+from wmspec.write.worker import Job, Outcome, work
 
 
 @dataclass(frozen=True)

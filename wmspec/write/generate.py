@@ -16,7 +16,7 @@ from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard
 from wmspec.write.reuse import Before
-from wmspec.write.work import Job, Outcome, work
+from wmspec.write.worker import Job, Outcome, work
 
 
 def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> None:

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from wmspec.scene.camera import project, seeing
 from wmspec.scene.model import Array, Frame, Scene, Shot, Trace
-from wmspec.write.ink import font
+from wmspec.write.typeset import font
 
 FINE = 3
 """Lines are drawn so many times larger, for smooth edges."""

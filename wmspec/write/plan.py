@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from wmspec.ask.agree import Consensus
+from wmspec.ask.consensus import Consensus
 from wmspec.check.ir import TaskSpec
 from wmspec.errors import WmsError
 from wmspec.scene.model import Look

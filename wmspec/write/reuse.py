@@ -17,7 +17,7 @@ from wmspec.errors import WmsError
 from wmspec.write import files
 from wmspec.write.plan import Plan, Shard, Task, differences
 from wmspec.write.shards import Record, read_record
-from wmspec.write.work import Outcome
+from wmspec.write.worker import Outcome
 
 
 @dataclass(frozen=True)

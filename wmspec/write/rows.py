@@ -12,8 +12,8 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.ask.looks import kept
-from wmspec.ask.model import Asked, Change, Option, Picture, Strength, Vote
+from wmspec.ask.model import Change, Option, Picture, QuestionRow, Strength, Vote
+from wmspec.ask.views import kept
 from wmspec.check.ir import Choices, Factor, TaskSpec
 
 Row = dict[str, Any]
@@ -122,7 +122,7 @@ def identity(task: str, index: int, question: int, engine: str) -> str:
     return f"{task}/{index:06d}/q{question}/{engine}"
 
 
-def encode(asked: Asked) -> Row:
+def encode(asked: QuestionRow) -> Row:
     """The row of a question. Encodes its pictures (a few ms each), so call it where the question was made."""
     return {
         "id": identity(asked.task, asked.index, asked.question, asked.engine),

@@ -15,10 +15,10 @@ import pyarrow.dataset as ds
 from PIL import Image
 
 from wmspec.errors import WmsError
-from wmspec.write import ink
-from wmspec.write.finished import Finished
-from wmspec.write.ink import BLACK, GREEN, GREY, PALE, Picture, Style
+from wmspec.write import typeset
+from wmspec.write.reader import Finished
 from wmspec.write.rows import Row
+from wmspec.write.typeset import BLACK, GREEN, GREY, PALE, Picture, Style
 from wmspec.write.words import human, reading
 
 #: The width of everything on the sheet (px), and of what is in its columns.
@@ -49,7 +49,7 @@ def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = No
     dataset.intact()
     parts = [_title(said)]
     parts += [_task(folder, said, name, count) for name in chosen]
-    return ink.padded(ink.above(parts, 70), MARGIN)
+    return typeset.padded(typeset.above(parts, 70), MARGIN)
 
 
 def _inside() -> int:
@@ -64,16 +64,18 @@ def _title(said: dict[str, Any]) -> Picture:
     agreed = AGREED[said["consensus"]]
     tasks = f"{len(said['tasks'])} {'task' if len(said['tasks']) == 1 else 'tasks'}"
     counted = f"{said['rows']:,} questions in {tasks}, executed and drawn in {engines}{agreed}"
-    return ink.above([ink.paragraph("wmspec", TITLE, _inside()), ink.paragraph(counted, SMALL, _inside())], 4)
+    return typeset.above(
+        [typeset.paragraph("wmspec", TITLE, _inside()), typeset.paragraph(counted, SMALL, _inside())], 4
+    )
 
 
 def _task(folder: Path, said: dict[str, Any], name: str, count: int) -> Picture:
     about = said["tasks"][name]
-    head = [ink.rule(_inside(), BLACK, 3), ink.paragraph(about["title"] or name, TASK, _inside())]
-    head += [ink.paragraph(f"{name}  ·  {about['dimension']}  ·  {_kept(about)}", SMALL, _inside())]
+    head = [typeset.rule(_inside(), BLACK, 3), typeset.paragraph(about["title"] or name, TASK, _inside())]
+    head += [typeset.paragraph(f"{name}  ·  {about['dimension']}  ·  {_kept(about)}", SMALL, _inside())]
     shown = [_question(list(rows), units) for rows, units in _picked(folder, said, name, count)]
-    nothing = ink.paragraph("every question was rejected", BODY, _inside())
-    return ink.above([ink.above(head, 8), *(shown or [nothing])], 40)
+    nothing = typeset.paragraph("every question was rejected", BODY, _inside())
+    return typeset.above([typeset.above(head, 8), *(shown or [nothing])], 40)
 
 
 def _kept(about: dict[str, Any]) -> str:
@@ -120,13 +122,16 @@ def _decoded(table: pa.Table) -> list[Row]:
 
 def _question(rows: list[Row], units: dict[str, str]) -> Picture:
     first = rows[0]
-    head = [ink.paragraph(first["text"], QUESTION, _inside()), ink.paragraph(_factors(first, units), SMALL, _inside())]
+    head = [
+        typeset.paragraph(first["text"], QUESTION, _inside()),
+        typeset.paragraph(_factors(first, units), SMALL, _inside()),
+    ]
     side = _side(first)
     lines: list[Picture] = []
     for heading, same in groupby(rows, key=_heading):
         lines.append(_headings(heading, side))
         lines += [_row(row, side) for row in same]
-    return ink.above([ink.above(head, 6), ink.above(lines, 8), _reasons(rows)], 16)
+    return typeset.above([typeset.above(head, 6), typeset.above(lines, 8), _reasons(rows)], 16)
 
 
 def _factors(row: Row, units: dict[str, str]) -> str:
@@ -166,53 +171,55 @@ def _heading(row: Row) -> _Heading:
 
 def _headings(heading: _Heading, side: int) -> Picture:
     wide = side + 2 * ROOM
-    shown = [ink.paragraph(said, SMALL, wide, centred=True) for said in heading.context]
-    left = _over("what is shown", ink.beside(shown, GAP))
+    shown = [typeset.paragraph(said, SMALL, wide, centred=True) for said in heading.context]
+    left = _over("what is shown", typeset.beside(shown, GAP))
     options = [_option(LETTERS[i], option, wide) for i, option in enumerate(heading.options)]
     asked = "which picture is true?" if options else "which is true?"
-    right = _over(asked, ink.beside(options or [ink.blank(WORDS, 1)], GAP))
-    return ink.beside([ink.blank(ENGINE, 1), left, ink.blank(PARTING, 1), right], GAP)
+    right = _over(asked, typeset.beside(options or [typeset.blank(WORDS, 1)], GAP))
+    return typeset.beside([typeset.blank(ENGINE, 1), left, typeset.blank(PARTING, 1), right], GAP)
 
 
 def _over(said: str, part: Picture) -> Picture:
-    return ink.above([ink.paragraph(said, TINY, part.width), ink.rule(part.width), part], 5)
+    return typeset.above([typeset.paragraph(said, TINY, part.width), typeset.rule(part.width), part], 5)
 
 
 def _option(letter: str, option: tuple[str, str, str], wide: int) -> Picture:
     kind, name, change = option
     if kind == "truth":
-        head = ink.beside([ink.paragraph(letter, TRUE, ink.width_of(letter, TRUE)), ink.tick(22)], 8, middle=True)
+        head = typeset.beside(
+            [typeset.paragraph(letter, TRUE, typeset.width_of(letter, TRUE)), typeset.tick(22)], 8, middle=True
+        )
         said = ["this happens"]
     else:
-        head = ink.paragraph(f"{letter}  {name}", NAME, wide)
+        head = typeset.paragraph(f"{letter}  {name}", NAME, wide)
         said = change.replace("->", "→").split(": ", 1)
-    return ink.above([head, *(ink.paragraph(line, TINY, wide) for line in said)], 2)
+    return typeset.above([head, *(typeset.paragraph(line, TINY, wide) for line in said)], 2)
 
 
 # ---------------------------------------------------------------- the pictures
 
 
 def _row(row: Row, side: int) -> Picture:
-    engine = ink.paragraph(row["engine"], NAME, ENGINE)
+    engine = typeset.paragraph(row["engine"], NAME, ENGINE)
     if row["renderer"] != row["engine"]:
-        engine = ink.above([engine, ink.paragraph(f"drawn by {row['renderer']}", TINY, ENGINE)])
-    context = [ink.framed(_sized(p, side), PALE, 1, ROOM) for p in row["context"]]
-    return ink.beside([engine, *context, ink.blank(PARTING, 1), *_choices(row, side)], GAP, middle=True)
+        engine = typeset.above([engine, typeset.paragraph(f"drawn by {row['renderer']}", TINY, ENGINE)])
+    context = [typeset.framed(_sized(p, side), PALE, 1, ROOM) for p in row["context"]]
+    return typeset.beside([engine, *context, typeset.blank(PARTING, 1), *_choices(row, side)], GAP, middle=True)
 
 
 def _choices(row: Row, side: int) -> list[Picture]:
     if not row["option_image"]:
         words = [_word(row, i) for i in range(len(row["option_text"]))]
-        return [ink.above(words or [ink.paragraph("asked for openly", BODY, WORDS)], 4)]
+        return [typeset.above(words or [typeset.paragraph("asked for openly", BODY, WORDS)], 4)]
     frames = [(GREEN, 6) if i == row["answer"] else (PALE, 1) for i in range(len(row["option_image"]))]
-    return [ink.framed(_sized(p, side), *frame, ROOM) for p, frame in zip(row["option_image"], frames, strict=True)]
+    return [typeset.framed(_sized(p, side), *frame, ROOM) for p, frame in zip(row["option_image"], frames, strict=True)]
 
 
 def _word(row: Row, i: int) -> Picture:
     true = i == row["answer"]
-    said = ink.paragraph(f"{LETTERS[i]}  {row['option_text'][i]}", TRUE if true else BODY, WORDS - 80)
-    line = ink.beside([said, ink.tick(24) if true else ink.blank(24, 24)], 8, middle=True)
-    return ink.framed(ink.padded(line, 8), GREEN if true else PALE, 4 if true else 1, ROOM)
+    said = typeset.paragraph(f"{LETTERS[i]}  {row['option_text'][i]}", TRUE if true else BODY, WORDS - 80)
+    line = typeset.beside([said, typeset.tick(24) if true else typeset.blank(24, 24)], 8, middle=True)
+    return typeset.framed(typeset.padded(line, 8), GREEN if true else PALE, 4 if true else 1, ROOM)
 
 
 def _sized(picture: Picture, side: int) -> Picture:
@@ -228,8 +235,8 @@ def _reasons(rows: list[Row]) -> Picture:
     said: dict[str, list[str]] = {}
     for row in rows:
         said.setdefault(_reason(row), []).append(row["engine"])
-    lines = [ink.paragraph(f"{', '.join(engines)}:  {why}", BODY, _inside()) for why, engines in said.items()]
-    return ink.above(lines, 2)
+    lines = [typeset.paragraph(f"{', '.join(engines)}:  {why}", BODY, _inside()) for why, engines in said.items()]
+    return typeset.above(lines, 2)
 
 
 def _reason(row: Row) -> str:

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from tests.language.specs import task_of
 from wmspec.design.design import Design
-from wmspec.design.draws import Level
+from wmspec.draws import Level
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Array, Body, Scene, Trace
-from wmspec.scene.read import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
+from wmspec.usd import read
 
 FOLDER = Path(__file__).parent
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal, Protocol
 
+from wmspec.scene.model.cameras import Frame, Shot
 from wmspec.scene.model.episode import Scene, Trace
-from wmspec.scene.model.eyes import Frame, Shot
 
 Look = Literal["parity", "beauty"]
 """The same picture from every engine, or the best that each can draw."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from wmspec.scene.model.actions import Action
 from wmspec.scene.model.bodies import Body, Joint
-from wmspec.scene.model.eyes import Camera, Light, Observation
+from wmspec.scene.model.cameras import Camera, Light, Observation
 from wmspec.scene.model.geometry import Array, Pose
 
 

@@ -1,0 +1,81 @@
+"""Trees of jointed bodies in PyBullet: a multibody, whose links have their frames at their joints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from wmspec.backends.pybullet.shapes import HERE, inside, xyzw
+from wmspec.scene.articulations import Link
+from wmspec.scene.rigid import Rigid
+from wmspec.scene.silence import silence
+
+with silence():
+    import pybullet
+
+JOINTS = {"fixed": "JOINT_FIXED", "hinge": "JOINT_REVOLUTE", "slider": "JOINT_PRISMATIC", "ball": "JOINT_SPHERICAL"}
+MEETING = ("URDF_USE_SELF_COLLISION", "URDF_USE_SELF_COLLISION_INCLUDE_PARENT")
+
+
+def branches(
+    tree: tuple[Link, ...], bodies: tuple[Rigid, ...], shapes: list[int], client: int
+) -> dict[int, tuple[int, int]]:
+    """Make a tree, with a shape for each limb: body -> its multibody and link. What hangs on the world hangs on a base
+
+    without mass at its joint. Motors are off.
+    """
+    floats = tree[0].kind == "free"
+    base, links = tree[0], tree[1:] if floats else tree
+    place = bodies[base.body].start if floats else base.above
+    number = {limb.body: i + 1 for i, limb in enumerate(links)} | ({base.body: 0} if floats else {-1: 0})
+    frames = {limb.body: limb.below for limb in links}
+    joints = [inside(frames.get(limb.parent, HERE), limb.above) if limb.parent >= 0 else HERE for limb in links]
+    middles = [inside(limb.below, HERE) for limb in links]
+    handle: int = pybullet.createMultiBody(
+        bodies[base.body].mass if floats else 0.0,
+        shapes[0] if floats else -1,
+        -1,
+        place[:3],
+        xyzw(place[3:]),
+        linkMasses=[bodies[limb.body].mass for limb in links],
+        linkCollisionShapeIndices=shapes[1:] if floats else shapes,
+        linkVisualShapeIndices=[-1] * len(links),
+        linkPositions=[joint[:3] for joint in joints],
+        linkOrientations=[xyzw(joint[3:]) for joint in joints],
+        linkInertialFramePositions=[middle[:3] for middle in middles],
+        linkInertialFrameOrientations=[xyzw(middle[3:]) for middle in middles],
+        linkParentIndices=[number[limb.parent] for limb in links],
+        linkJointTypes=[getattr(pybullet, JOINTS[limb.kind]) for limb in links],
+        linkJointAxis=[[1.0, 0.0, 0.0]] * len(links),
+        flags=sum(getattr(pybullet, flag) for flag in MEETING),
+        physicsClientId=client,
+    )
+    for i, limb in enumerate(links):
+        still(handle, i, limb.kind, client)
+    return {limb.body: (handle, number[limb.body] - 1) for limb in tree}
+
+
+def still(handle: int, link: int, kind: str, client: int) -> None:
+    """Switch off the motor that PyBullet gives to every joint."""
+    if kind == "ball":
+        stop: dict[str, Any] = {
+            "targetPosition": [0, 0, 0, 1],
+            "positionGain": 0,
+            "velocityGain": 0,
+            "force": [0, 0, 0],
+        }
+        pybullet.setJointMotorControlMultiDof(handle, link, pybullet.POSITION_CONTROL, physicsClientId=client, **stop)
+    elif kind != "fixed":
+        pybullet.setJointMotorControl2(handle, link, pybullet.VELOCITY_CONTROL, force=0, physicsClientId=client)
+
+
+def put(tree: tuple[Link, ...], made: dict[int, tuple[int, int]], bodies: tuple[Rigid, ...], client: int) -> None:
+    """Put a tree where it begins, at rest."""
+    if tree[0].kind == "free":
+        handle, place = made[tree[0].body][0], bodies[tree[0].body].start
+        pybullet.resetBasePositionAndOrientation(handle, place[:3], xyzw(place[3:]), physicsClientId=client)
+        pybullet.resetBaseVelocity(handle, [0, 0, 0], [0, 0, 0], physicsClientId=client)
+    for limb in tree:
+        if limb.kind == "ball":
+            pybullet.resetJointStateMultiDof(*made[limb.body], [0, 0, 0, 1], [0, 0, 0], physicsClientId=client)
+        elif limb.kind in ("hinge", "slider"):
+            pybullet.resetJointState(*made[limb.body], limb.start, 0.0, physicsClientId=client)

@@ -1,0 +1,19 @@
+"""The looks of a task: from where, when, and what is kept of each."""
+
+from __future__ import annotations
+
+from wmspec.check.evaluate import Environment, evaluate
+from wmspec.check.ir import Channel, TaskSpec
+
+#: A camera and a time (s).
+View = tuple[str, float]
+
+
+def looked(spec: TaskSpec, values: Environment) -> list[View]:
+    """The looks of a task, in order."""
+    return [(o.camera, time) for o in spec.observations for time in evaluate(o.times, values)]
+
+
+def kept(spec: TaskSpec) -> frozenset[Channel]:
+    """What is kept of every picture shown: the colours, and what any of the observations asks for."""
+    return frozenset[Channel]({"rgb"}).union(*(o.channels for o in spec.observations))

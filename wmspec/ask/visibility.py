@@ -1,0 +1,82 @@
+"""What pictures show of a body: how much of it, how much of it is hidden, and how it stands out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageFilter
+
+from wmspec.ask.difference import ciede2000, lab
+from wmspec.ask.observed import Observed
+from wmspec.ask.silhouette import Silhouette, silhouette
+from wmspec.ask.views import View
+from wmspec.scene.model import Frame
+
+#: What lies so many pixels around a body is what it stands out from, in a picture of 256 x 256.
+AROUND = 3 / 256
+
+
+def visible(observed: Observed, name: str, camera: str) -> float:
+    """The share of the picture that shows the body, the least over the looks of the camera."""
+    return min(_over_looks(observed, name, camera, share))
+
+
+def occluded(observed: Observed, name: str, camera: str) -> float:
+    """The share of the body within the picture that others hide, the most over the looks of the camera."""
+    return max(_over_looks(observed, name, camera, hidden))
+
+
+def contrast(observed: Observed, name: str, camera: str) -> float:
+    """The difference (CIEDE2000) of the body's colour from what is around it, the least over the looks of the camera.
+
+    0 where it is not seen.
+    """
+    return min(_over_looks(observed, name, camera, lambda o, i, look: outstanding(o.picture(*look), i)))
+
+
+def _over_looks(
+    observed: Observed, name: str, camera: str, measure: Callable[[Observed, int, View], float]
+) -> list[float]:
+    index = observed.index(name)
+    return [measure(observed, index, look) for look in observed.looks_of(camera)]
+
+
+def share(observed: Observed, index: int, look: View) -> float:
+    """The share of a picture that shows a body, 0..1."""
+    return float((observed.picture(*look).ids == index).mean())
+
+
+def hidden(observed: Observed, index: int, look: View) -> float:
+    """The share of a body within the picture that others hide, 0..1; 1 if it is outside the picture."""
+    whole = outline(observed, index, look).inside
+    seen = int((observed.picture(*look).ids == index).sum())
+    return min(max(1 - seen / whole, 0.0), 1.0) if whole > 0 else 1.0
+
+
+def outline(observed: Observed, index: int, look: View) -> Silhouette:
+    """The silhouette of a body in a look."""
+    camera, time = look
+    height, width = observed.picture(camera, time).ids.shape
+    return silhouette(observed.scene, index, (camera, observed.trace.poses(time)), (width, height))
+
+
+def outstanding(frame: Frame, index: int) -> float:
+    """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen."""
+    mask = frame.ids == index
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    if not len(rows):
+        return 0.0
+    wide = max(1, round(AROUND * len(mask)))
+    near = np.s_[max(rows[0] - wide, 0) : rows[-1] + wide + 1, max(columns[0] - wide, 0) : columns[-1] + wide + 1]
+    mask, colors = mask[near], frame.rgb[near] / 255.0
+    around = _grown(mask, wide) & ~mask
+    if not around.any():
+        return 0.0
+    return float(ciede2000(lab(colors[mask].mean(axis=0)), lab(colors[around])).mean())
+
+
+def _grown(mask: NDArray[np.bool_], wide: int) -> NDArray[np.bool_]:
+    grown = Image.fromarray(mask.astype(np.uint8) * 255).filter(ImageFilter.MaxFilter(2 * wide + 1))
+    return np.asarray(np.asarray(grown) > 0)

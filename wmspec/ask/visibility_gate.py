@@ -1,0 +1,93 @@
+"""Whether pictures show what a question is about: large enough, within the frame, not hidden, standing out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from wmspec.ask import visibility
+from wmspec.ask.model import Reject
+from wmspec.ask.observed import Observed
+from wmspec.ask.views import View
+from wmspec.check.evaluate import evaluate, parts
+from wmspec.check.ir import Expr, Question, Ref, Said, Value
+from wmspec.layout.values import Values
+
+#: A body that covers less of a picture than this cannot be seen in it. (A 6 x 6 patch of 256 x 256 pixels.)
+LEAST_VISIBLE = 36 / 256**2
+#: Of a body that can move, at least this share must be within the frame, and of that no more be hidden by others.
+LEAST_INSIDE, MOST_HIDDEN = 0.5, 0.7
+#: A body's colour must differ by this (CIEDE2000) from what is around it: what is seen at a glance.
+LEAST_CONTRAST = 5.0
+
+
+def named(question: Question, values: Values) -> set[str]:
+    """The objects that the text, the options or the answer speak of and that are there."""
+    spoken: list[Expr] = [part.value for part in question.text if isinstance(part, Said)]
+    spoken += [question.answer] if question.options is None else [question.answer, question.options]
+    found: set[str] = set()
+    for part in (p for expr in spoken for p in parts(expr)):
+        if isinstance(part, Value | Ref):
+            value = evaluate(part, values)
+            found.update(v for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, str))
+    return found
+
+
+def shown(observed: Observed, names: Iterable[str]) -> None:
+    """Raise Reject unless at every moment that was looked at, one of the cameras shows each of the bodies well.
+
+    Cameras that ride see what they come by: where only they look, a body must be well seen once. What carries such a
+    camera need not be seen.
+    """
+    riding = {c.name: c.body for c in observed.scene.cameras if c.body is not None}
+    fixed = [look for look in observed.looks if look[0] not in riding]
+    moments = sorted({time for _, time in fixed})
+    for name in _there(observed, names):
+        if fixed:
+            for time in moments:
+                _seen_once(observed, name, [look for look in observed.looks if look[1] == time])
+        elif name not in riding.values():
+            _seen_once(observed, name, observed.looks)
+
+
+def shown_in(option: str, observed: Observed, names: Iterable[str]) -> None:
+    """Raise Reject unless the one picture of an option shows each of the bodies well; a riding camera's need not."""
+    (look,) = observed.looks
+    if any(c.name == look[0] and c.body is not None for c in observed.scene.cameras):
+        return
+    for name in _there(observed, names):
+        if fault := unseen(observed, name, look):
+            raise Reject("unseen", f"{name} in option {option}: {fault}")
+
+
+def _there(observed: Observed, names: Iterable[str]) -> list[str]:
+    wanted = set(names)
+    return [body.name for body in observed.scene.bodies if body.name in wanted]
+
+
+def _seen_once(observed: Observed, name: str, looks: Sequence[View]) -> None:
+    faults = []
+    for look in looks:
+        fault = unseen(observed, name, look)
+        if not fault:
+            return
+        faults.append(f"{name} from {look[0]} at {look[1]:g} s: {fault}")
+    raise Reject("unseen", "; ".join(faults))
+
+
+def unseen(observed: Observed, name: str, look: View) -> str:
+    """Why a body is not well seen in a look; empty if it is."""
+    index = observed.index(name)
+    frame = observed.picture(*look)
+    pixels = int((frame.ids == index).sum())
+    if pixels < LEAST_VISIBLE * frame.ids.size:
+        return f"{pixels} of {frame.ids.size} pixels"
+    if observed.scene.bodies[index].motion != "static":
+        outline = visibility.outline(observed, index, look)
+        if outline.inside < LEAST_INSIDE * outline.all:
+            return f"{1 - outline.inside / outline.all:.0%} of it is outside the frame"
+        if pixels < (1 - MOST_HIDDEN) * outline.inside:
+            return f"{1 - pixels / outline.inside:.0%} of it is hidden"
+    contrast = visibility.outstanding(frame, index)
+    if contrast < LEAST_CONTRAST:
+        return f"it hardly stands out: its colour differs by {contrast:.1f}, and {LEAST_CONTRAST:g} can be seen"
+    return ""

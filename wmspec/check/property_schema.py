@@ -1,0 +1,88 @@
+"""Which properties a thing has: its kind's, without those that make no sense beside the others that are said."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from functools import cache
+
+from wmspec.check.types import A_LENGTH, AN_ANGLE
+from wmspec.check.vocabulary import PROPERTIES, Slot
+
+_FORM = ("shape", "size", "radius", "height")
+_MESH = ("file", "scale", "collision")
+_DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping")
+#: A property that says nothing without another, and what it is for.
+_NEEDS = {
+    "scale": ("file", "a mesh"),
+    "collision": ("file", "a mesh"),
+    "axes": ("moments", "moments of inertia"),
+    "gap": ("scatter", "what is scattered"),
+    "scatter": ("on", "what rests on something"),
+}
+#: The looks that a part has from its object where it does not say its own.
+LOOKS = ("color", "material", "image", "roughness", "metallic")
+
+
+@dataclass(frozen=True)
+class Sort:
+    """What decides which properties a thing has: its kind, a joint's model, what is said, whether it has parts.
+
+    `asset` is whether it is a link or a joint of one.
+    """
+
+    kind: str
+    said: frozenset[str]
+    model: str = ""
+    parts: bool = False
+    asset: bool = False
+
+
+def sort(kind: str, said: Collection[str], model: str = "", parts: bool = False, asset: bool = False) -> Sort:
+    """The sort of a thing. Only the properties that decide about others are kept, so that there are few sorts."""
+    deciding = {"file", "on", "scatter", "target", "moments"}
+    return Sort(kind, frozenset(deciding & set(said)), model, parts, asset)
+
+
+def unfit(of: Sort, name: str) -> str:
+    """Why a thing cannot have this property of its kind; empty if it can."""
+    if of.kind in ("object", "part"):
+        if of.parts and name in (*_FORM, *_MESH):
+            return f"an object that is made of parts has no `{name}` of its own"
+        if "file" in of.said and name in _FORM:
+            return f"{'an object' if of.kind == 'object' else 'a part'} that is a mesh from a file has no `{name}`"
+        if name == "inside" and "on" in of.said:
+            return "an object rests on something or inside it, not both"
+        if name in _NEEDS and _NEEDS[name][0] not in of.said:
+            other, what = _NEEDS[name]
+            return f"`{name}` is for {what}, and there is no `{other}`"
+    if of.kind == "joint" and of.model not in ("hinge", "slider") and name in _DRIVEN:
+        return f"`{name}` is for a hinge or a slider"
+    if name == "start" and not of.asset:
+        return "`start` is for a joint of an asset; this one holds its objects as they are placed"
+    return ""
+
+
+def remedy(of: Sort, name: str) -> str:
+    """What to do about a property that the thing cannot have."""
+    lonely = of.kind in ("object", "part") and name in _NEEDS and _NEEDS[name][0] not in of.said
+    return f"add `{_NEEDS[name][0]}:` or remove this" if lonely and not of.parts else "remove it"
+
+
+@cache
+def slots(of: Sort) -> dict[str, Slot]:
+    """The properties that a thing can have."""
+    return {name: _fitted(of, name, slot) for name, slot in PROPERTIES[of.kind].items() if not unfit(of, name)}
+
+
+def _fitted(of: Sort, name: str, slot: Slot) -> Slot:
+    if of.kind == "joint" and AN_ANGLE in slot.kinds:
+        return replace(slot, kinds=(AN_ANGLE if of.model == "hinge" else A_LENGTH,))
+    if of.kind == "joint" and name == "stiffness" and "target" in of.said:
+        return replace(slot, default=None)  # a target without stiffness would do nothing
+    return slot
+
+
+def inherited(said: Collection[str], whole: Collection[str]) -> tuple[str, ...]:
+    """The looks that a part has from its object: those that the object has (`whole`) and the part does not say."""
+    return tuple(name for name in LOOKS if name in whole and name not in said)

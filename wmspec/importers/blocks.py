@@ -1,0 +1,180 @@
+"""The links and joints of an asset as objects and joints of the language, and what the spec says of them instead."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+from wmspec.check.property_schema import LOOKS
+from wmspec.importers import frames, model
+from wmspec.importers.model import MOST_FAULTS, Fault, Joint, Link, Refused, Shape
+from wmspec.importers.tree import Placed, Tree
+from wmspec.importers.write import Writer
+from wmspec.parse import syntax as s
+
+#: What a spec may say of a link and of a joint of an asset, instead of its file.
+OF_LINK = (*LOOKS, "mass", "density", "friction", "restitution", "damping", "collision")
+OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping")
+#: What holds for every link where the whole says it, besides looks.
+_COMMON = ("density", "friction", "restitution", "damping")
+
+Said = Mapping[str, tuple[s.Property, ...]]
+
+
+def plain(name: str) -> str:
+    """A name of the file as one of the language: what a name cannot have in it becomes `_`."""
+    made = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return made if not made[:1].isdigit() else f"_{made}"
+
+
+def mattering(of: Tree | Refused, said: Said, whole: Collection[str]) -> tuple[Fault, ...]:
+    """The first faults that matter, with what a spec says of links and of the `whole`, each once."""
+    found = dict.fromkeys(of.faults if isinstance(of, Refused) else ())
+    for link in of.links if isinstance(of, Refused) else (placed.link for placed in of.links):
+        own = {p.name.id for p in said.get(plain(link.name), ())}
+        doubts = (doubt for shape in link.shapes for doubt in (*shape.look.doubts, *shape.doubts))
+        found |= {doubt.fault: None for doubt in doubts if not {*own, *whole}.intersection(doubt.unless)}
+    return tuple(found)[:MOST_FAULTS]
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Makes the blocks of one asset: `base` is the object that names it, `said` what it says of links and joints."""
+
+    base: s.Block
+    tree: Tree
+    said: Said
+    write: Writer
+
+    def name(self, of: str) -> str:
+        """What the block of a link or joint is called."""
+        first = self.tree.links[0].link.name
+        return self.base.name.id if of == first else f"{self.base.name.id}_{plain(of)}"
+
+    def all(self) -> tuple[s.Block, ...]:
+        """The base, the other links, the joints."""
+        first, *others = self.tree.links
+        return self._base(first.link), *(self._link(p) for p in others), *(self._joint(j) for j in self.tree.joints)
+
+    def _base(self, link: Link) -> s.Block:
+        here = {p.name.id for p in self.base.properties}
+        held: dict[str, s.Expr] = {"fixed": self.write.truth(True)} if self.tree.held and "fixed" not in here else {}
+        own = tuple(p for p in self.base.properties if p.name.id not in ("file", "collision"))
+        found = _instead((*own, *self.write.properties(held | self._by_file(link))), self._of(link))
+        made = (*found, *self.write.properties(self._matter(link, found)))
+        return replace(self.base, properties=made, parts=self._parts(link, found))
+
+    def _link(self, placed: Placed) -> s.Block:
+        link, base = placed.link, self.base.name.id
+        yaw, pitch, roll = frames.turn(placed.place[:3, :3])
+        at = self.write.numbers(frames.clean(placed.place[:3, 3]), "m")
+        turns = {"yaw": yaw, "pitch": pitch, "roll": roll}
+        where = {"at": at, **{name: self.write.number(angle, "rad") for name, angle in turns.items()}}
+        whole = {p.name.id for p in self.base.properties}
+        common = ("present", *_COMMON, *(look for look in LOOKS if look in whole))
+        shared = self.write.properties({name: self.write.of(base, name) for name in common} | self._by_file(link))
+        found = _instead((*self.write.properties(where), *shared), self._of(link))
+        made = (*found, *self.write.properties(self._matter(link, found)))
+        parts = self._parts(link, found)
+        name = s.Name(self.name(link.name), self.base.name.span)
+        return s.Block("object", name, made, self.write.span, parts=parts, whole=base)
+
+    def _of(self, link: Link) -> tuple[s.Property, ...]:
+        """What the spec says of a link, but for what is of its parts."""
+        return tuple(p for p in self.said.get(plain(link.name), ()) if p.name.id != "collision")
+
+    # ------------------------------------------------------------ what a link is made of
+
+    def _by_file(self, link: Link) -> dict[str, s.Expr]:
+        """What the file says of a link besides its mass, unless the spec says it of the whole."""
+        whole = {p.name.id for p in self.base.properties}
+        units = {"density": "kg/m^3"}
+        return {n: self.write.number(x, units.get(n)) for n, x in link.said.items() if n not in whole}
+
+    def _matter(self, link: Link, said: tuple[s.Property, ...]) -> dict[str, s.Expr]:
+        """Its mass with its centre and its moments, which go with the mass; nothing if the spec says its density."""
+        names = {p.name.id for p in said}
+        if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._of(link))}:
+            return {}
+        found = {} if "mass" in names else {"mass": self.write.number(link.mass.mass, "kg")}
+        if link.mass.centre is not None:
+            found["centre"] = self.write.numbers(frames.clean(link.mass.centre), "m")
+        if link.mass.tensor is not None:
+            moments, axes = frames.principal(link.mass.tensor)
+            own = self.write.of(self.name(link.name), "mass")
+            found["moments"] = self.write.times((m / link.mass.mass for m in moments), "m^2", own)
+            found["axes"] = self.write.numbers(axes, "rad")
+        return found
+
+    def _parts(self, link: Link, said: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
+        names = {p.name.id for p in said}
+        looks = set(LOOKS) - names if not names.intersection(model.LOOKS) else set()
+        ways = (*self.said.get(plain(link.name), ()), *self.base.properties)
+        touched = next((p.value for p in ways if p.name.id == "collision"), None)
+        return tuple(self._part(i, shape, looks, touched) for i, shape in enumerate(link.shapes))
+
+    def _part(self, i: int, shape: Shape, looks: Collection[str], touched: s.Expr | None) -> s.Part:
+        """A shape; `looks` are those that the file may say, `touched` is how the spec says that meshes are."""
+        yaw, pitch, roll = frames.turn(shape.place[:3, :3])
+        values = {
+            **self._form(shape, touched),
+            "at": self.write.numbers(frames.clean(shape.place[:3, 3]), "m"),
+            **{n: self.write.number(a, "rad") for n, a in (("yaw", yaw), ("pitch", pitch), ("roll", roll)) if a},
+        }
+        values |= {name: made for name, made in self._look(shape).items() if name in looks}
+        if not shape.solid:
+            values["solid"] = self.write.truth(False)
+        if not shape.drawn:
+            values["drawn"] = self.write.truth(False)
+        return s.Part(self.write.name(f"shape_{i}"), self.write.properties(values), self.write.span)
+
+    def _look(self, shape: Shape) -> dict[str, s.Expr]:
+        look = shape.look
+        found = {name: x for name, x in (("roughness", look.roughness), ("metallic", look.metallic)) if x is not None}
+        made: dict[str, s.Expr] = {name: self.write.number(x) for name, x in found.items()}
+        if look.color is not None:
+            made["color"] = self.write.color(look.color)
+        return made | ({"image": self.write.text(look.image)} if look.image else {})
+
+    def _form(self, shape: Shape, touched: s.Expr | None) -> dict[str, s.Expr]:
+        if shape.kind == "mesh":
+            way = touched or self.write.name(shape.collision)
+            return {"file": self.write.text(shape.file), "scale": self.write.numbers(shape.scale), "collision": way}
+        kind: dict[str, s.Expr] = {"shape": self.write.name(shape.kind)}
+        if shape.kind == "box":
+            return kind | {"size": self.write.numbers(shape.size, "m")}
+        sizes = zip(("radius", "height"), shape.size, strict=False)
+        return kind | {name: self.write.number(value, "m") for name, value in sizes}
+
+    # ------------------------------------------------------------ joints
+
+    def _joint(self, joint: Joint) -> s.Block:
+        values: dict[str, s.Expr] = {"of": self.write.name(self.name(joint.child))}
+        if joint.parent:
+            values["to"] = self.write.name(self.name(joint.parent))
+        values["at"] = self.write.numbers(frames.clean(joint.at), "m")
+        if joint.kind in ("hinge", "slider"):
+            values |= self._coordinate(joint)
+        properties = _instead(self.write.properties(values), self.said.get(plain(joint.name), ()))
+        name = s.Name(self.name(joint.name), self.base.name.span)
+        model = self.write.name(joint.kind)
+        return s.Block("joint", name, properties, self.write.span, model, whole=self.base.name.id)
+
+    def _coordinate(self, joint: Joint) -> dict[str, s.Expr]:
+        """Axis, limits, damping; it starts at 0, or at the limit that is nearest to it."""
+        unit = "rad" if joint.kind == "hinge" else "m"
+        low, high = (-math.inf if joint.low is None else joint.low), (math.inf if joint.high is None else joint.high)
+        start = joint.start if joint.start is not None else max(low, min(high, 0.0))
+        numbers = (("low", joint.low), ("high", joint.high), ("start", start or None), ("target", joint.target))
+        found = {name: self.write.number(value, unit) for name, value in numbers if value is not None}
+        plain_numbers = (("stiffness", joint.stiffness), ("damping", joint.damping))
+        found |= {name: self.write.number(value) for name, value in plain_numbers if value}
+        return {"axis": self.write.numbers(frames.clean(joint.axis)), **found}
+
+
+def _instead(made: tuple[s.Property, ...], said: tuple[s.Property, ...]) -> tuple[s.Property, ...]:
+    """Properties with what is said instead of them."""
+    names = {p.name.id for p in said}
+    return *(p for p in made if p.name.id not in names), *said

@@ -1,0 +1,179 @@
+"""The links of an asset as a tree: every link once, each in the asset's frame, mere frames left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wmspec.importers.frames import place, point
+from wmspec.importers.model import Array, Asset, Faults, Joint, Link, Mass
+
+#: The name of a root that is the world itself.
+WORLD = "world"
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A link and the place of its frame in the asset's, with all joints at 0."""
+
+    link: Link
+    place: Array
+
+
+@dataclass(frozen=True)
+class Tree:
+    """The links that have shapes, the base first, and the joints between them or to the world (`parent` is empty).
+
+    The base's frame is the asset's. `held` is whether the base is fixed to the world.
+    """
+
+    links: tuple[Placed, ...]
+    joints: tuple[Joint, ...]
+    held: bool
+
+
+def tree(asset: Asset, where: str, faults: Faults) -> Tree:
+    """The links in their places. Raises Broken if they are no tree; other faults are taken note of."""
+    root = _root(asset, where, faults)
+    below: dict[str, list[Joint]] = {}
+    for joint in asset.joints.values():
+        below.setdefault(joint.parent, []).append(joint)
+    walk = _Walk(asset, below, faults)
+    walk.from_root(root)
+    _solid(walk, faults)
+    return Tree(tuple(walk.links), tuple(walk.joints), walk.held)
+
+
+def _root(asset: Asset, where: str, faults: Faults) -> str:
+    """The one link that nothing holds."""
+    if not asset.links:
+        raise faults.stop(where, "has no links", "is this the right file?")
+    held = _held(asset, faults)
+    roots = [name for name in asset.links if name not in held]
+    if not roots:
+        raise faults.stop(where, "every link is held by another, in a circle", "let one of them be the base")
+    if len(roots) > 1:
+        what = f"`{roots[0]}` and `{roots[1]}` are not joined to one another"
+        raise faults.stop(where, what, "join them, or make an asset of each")
+    _reached(asset, roots[0], faults)
+    return roots[0]
+
+
+def _held(asset: Asset, faults: Faults) -> set[str]:
+    """The links that joints hold, each by one."""
+    holders: dict[str, str] = {}
+    for joint in asset.joints.values():
+        for end in (joint.parent, joint.child):
+            if end not in asset.links:
+                raise faults.stop(joint.where, f"there is no link `{end[:60]}`", "correct the name, or add the link")
+        if joint.child in holders:
+            what = f"`{joint.child}` is held by `{holders[joint.child]}` already: joints that close a loop"
+            raise faults.stop(joint.where, f"{what} are not supported", "remove one of the two joints")
+        holders[joint.child] = joint.name
+    return set(holders)
+
+
+def _reached(asset: Asset, root: str, faults: Faults) -> None:
+    """Complain about links that hold one another in a circle, where the root does not reach."""
+    reached, grown = set[str](), {root}
+    while grown != reached:
+        reached, grown = grown, grown | {j.child for j in asset.joints.values() if j.parent in grown}
+    for name, link in asset.links.items():
+        if name not in reached:
+            raise faults.stop(link.where, "it is held in a circle of links", "let the base hold one of them")
+
+
+class _Walk:
+    """Goes from the root outwards and collects what has matter."""
+
+    def __init__(self, asset: Asset, below: dict[str, list[Joint]], faults: Faults) -> None:
+        self._asset = asset
+        self._below = below
+        self._faults = faults
+        self.links: list[Placed] = []
+        self.joints: list[Joint] = []
+        self.held = False
+
+    def from_root(self, name: str) -> None:
+        """Begin with the base: the root, or what a root without matter holds."""
+        here, link = place(), self._asset.links[name]
+        while not link.shapes:
+            if link.mass is not None or len(self._below.get(name, ())) != 1:
+                raise self._faults.stop(link.where, "the base of the asset has no shape", "give it a `visual`")
+            (joint,) = self._below[name]
+            if joint.kind in ("hinge", "slider", "ball"):
+                self._from_world(name, joint, here)
+                return
+            self.held = self.held or (joint.kind == "fixed" and name == WORLD)
+            here, name = here @ joint.place, joint.child
+            link = self._asset.links[name]
+        self._base(link, here)
+
+    def _from_world(self, name: str, joint: Joint, here: Array) -> None:
+        """A base that a joint holds to the world."""
+        if name != WORLD and not self.held:
+            what = f"`{name}` has neither shape nor mass, so nothing can be joined to it"
+            raise self._faults.stop(joint.where, what, "give it a `visual`; or call it `world`, if it is that")
+        here = here @ joint.place
+        link = self._asset.links[joint.child]
+        if not link.shapes:
+            raise self._faults.stop(link.where, "it has no shape", "give it a `visual`")
+        self._base(link, here)
+        at, axis = point(here, joint.at), here[:3, :3] @ joint.axis
+        self.joints.insert(0, replace(joint, parent="", child=link.name, at=at, axis=axis))
+
+    def _base(self, link: Link, here: Array) -> None:
+        self.links.append(Placed(_moved(link, here), place()))
+        waiting = [(j, link.name, here) for j in reversed(self._below.get(link.name, ()))]
+        while waiting:
+            joint, holder, frame = waiting.pop()
+            here = frame @ joint.place
+            child = self._asset.links[joint.child]
+            name = child.name if child.shapes else holder
+            if child.shapes:
+                self._take(joint, holder, child, here)
+            elif child.mass is not None or joint.kind != "fixed":
+                why = "it has no shape" if child.mass is not None else "it has neither shape nor mass"
+                self._faults.add(
+                    child.where, why, "give it a `visual`, or join it by a `fixed` joint without `inertial`"
+                )
+            waiting += [(j, name, here) for j in reversed(self._below.get(joint.child, ()))]
+
+    def _take(self, joint: Joint, holder: str, child: Link, here: Array) -> None:
+        self.links.append(Placed(child, here))
+        if joint.kind != "free":
+            at, axis = point(here, joint.at), here[:3, :3] @ joint.axis
+            self.joints.append(replace(joint, parent=holder, at=at, axis=axis))
+
+
+def _moved(link: Link, here: Array) -> Link:
+    """A link whose own frame is where `here` is seen from."""
+    if np.array_equal(here, np.eye(4)):
+        return link
+    shapes = tuple(replace(s, place=here @ s.place) for s in link.shapes)
+    mass, axes = link.mass, here[:3, :3]
+    if mass is not None:
+        centre = None if mass.centre is None else point(here, mass.centre)
+        mass = Mass(mass.mass, centre, None if mass.tensor is None else axes @ mass.tensor @ axes.T)
+    return replace(link, shapes=shapes, mass=mass)
+
+
+def _solid(walk: _Walk, faults: Faults) -> None:
+    """Complain about masses that no solid has."""
+    for placed in walk.links:
+        link = placed.link
+        if link.mass is None or link.mass.tensor is None:
+            continue
+        moments = np.linalg.eigvalsh(link.mass.tensor)
+        if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
+            told = ", ".join(f"{m:.3g}" for m in moments)
+            what = f"no solid has its moments of inertia, {told}: each is above 0 and none above the others' sum"
+            faults.add(link.where, what, "correct `inertia`, or remove `inertial` to have it by density")
+
+
+def names(found: Tree) -> Iterator[tuple[str, str]]:
+    """The links and joints by name, each with where it stands."""
+    yield from ((placed.link.name, placed.link.where) for placed in found.links)
+    yield from ((joint.name, joint.where) for joint in found.joints)

@@ -1,0 +1,147 @@
+"""The links of a URDF: what is drawn and what is touched, colours, masses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from wmspec.importers.frames import place
+from wmspec.importers.markup import Element, Reader
+from wmspec.importers.model import LOOKS, Array, Color, Link, Look, Mass, Shape, doubts
+
+#: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
+Find = Callable[[Element, str], str]
+
+
+class Links:
+    """Makes links; `materials` are those that can be meant by their name, which grow as it goes."""
+
+    def __init__(self, read: Reader, find: Find, materials: dict[str, Element]) -> None:
+        self.read = read
+        self.find = find
+        self.materials = materials
+
+    def link(self, e: Element) -> Link:
+        """A link with all its shapes: what is drawn and touched alike is one shape."""
+        self.read.known(e, ("name", "type"), ("inertial", "visual", "collision"))
+        drawn = [s for v in e.all("visual") if (s := self._shape(v)) is not None]
+        touched = [s for c in e.all("collision") if (s := self._shape(c)) is not None]
+        shapes = []
+        for s in drawn:
+            same = next((t for t in touched if _alike(s, t)), None)
+            touched = [t for t in touched if t is not same]
+            shapes.append(replace(s, solid=same is not None))
+        shapes += [replace(t, drawn=not drawn) for t in touched]
+        return Link(e.attributes.get("name", ""), e.where, tuple(shapes), self._mass(e))
+
+    def _mass(self, link: Element) -> Mass | None:
+        """What `inertial` says; None if there is none."""
+        e = self.read.only(link, "inertial")
+        if e is None:
+            return None
+        self.read.known(e, (), ("origin", "mass", "inertia"))
+        mass, inertia = self.read.only(e, "mass"), self.read.only(e, "inertia")
+        if mass is None or inertia is None:
+            self.read.faults.add(
+                link.where, "its `inertial` needs a `mass` and an `inertia`", "add it, or remove `inertial`"
+            )
+            return None
+        self.read.known(mass, ("value",))
+        names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+        self.read.known(inertia, names)
+        kg = self.read.number(mass, "value", above=0.0)
+        xx, yy, zz = (self.read.number(inertia, name, above=0.0) for name in names[:3])
+        xy, xz, yz = (self.read.number(inertia, name, 0.0) for name in names[3:])
+        here, tensor = origin(self.read, e), np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+        axes = here[:3, :3]
+        return Mass(kg, here[:3, 3], axes @ tensor @ axes.T)
+
+    def _shape(self, e: Element) -> Shape | None:
+        """A `visual` or `collision`."""
+        drawn = e.tag == "visual"
+        self.read.known(e, ("name",), ("origin", "geometry", *(("material",) if drawn else ())))
+        geometry = self.read.only(e, "geometry")
+        if geometry is None or len(geometry.children) != 1:
+            self.read.faults.add(e.where, "it needs one `geometry` with one shape in it", "add it")
+            return None
+        self.read.known(geometry, (), ("box", "sphere", "cylinder", "capsule", "mesh"))
+        made = self._form(geometry.children[0], origin(self.read, e))
+        if made is None or not drawn:
+            return made
+        return replace(made, look=self._look(e))
+
+    def _form(self, e: Element, here: Array) -> Shape | None:
+        match e.tag:
+            case "box":
+                self.read.known(e, ("size",))
+                return Shape("box", self.read.numbers(e, "size", 3, above=0.0), here)
+            case "sphere":
+                self.read.known(e, ("radius",))
+                return Shape("sphere", (self.read.number(e, "radius", above=0.0),), here)
+            case "cylinder" | "capsule":
+                self.read.known(e, ("radius", "length"))
+                radius, length = (self.read.number(e, name, above=0.0) for name in ("radius", "length"))
+                if e.tag == "cylinder":
+                    return Shape("cylinder", (radius, length), here)
+                return Shape("capsule", (radius, length + 2 * radius), here)
+            case "mesh":
+                return self._mesh(e, here)
+        return None  # it was complained about
+
+    def _mesh(self, e: Element, here: Array) -> Shape | None:
+        self.read.known(e, ("filename", "scale"))
+        scale = self.read.scale(e)
+        file = self.find(e, self.read.text(e, "filename"))
+        return Shape("mesh", (), here, file, scale) if file else None
+
+    def _look(self, e: Element) -> Look:
+        """The colour of a `visual`, and what is wrong with it."""
+        with self.read.faults.apart() as found:
+            material = self.read.only(e, "material")
+            color = self._color(self._meant(material)) if material is not None else None
+        return Look(color, doubts=doubts(found, LOOKS))
+
+    def _meant(self, material: Element) -> Element:
+        """What says how a `material` looks: itself, or the one that first said so under its name."""
+        name = material.attributes.get("name", "")
+        if material.children:
+            self.materials.setdefault(name, material)
+        elif name not in self.materials:
+            self.read.faults.add(material.where, "there is no material of this name", 'give it `<color rgba="..."/>`')
+        return material if material.children else self.materials.get(name, material)
+
+    def _color(self, e: Element) -> Color | None:
+        self.read.known(e, ("name",), ("color", "texture"))
+        for texture in e.all("texture"):
+            what, help = "textures of an asset are not supported", "remove it"
+            self.read.faults.add(texture.where, what, help)
+        color = self.read.only(e, "color")
+        if color is None:
+            return None
+        self.read.known(color, ("rgba",))
+        r, g, b, a = self.read.numbers(color, "rgba", 4)
+        if not all(0 <= x <= 1 for x in (r, g, b, a)):
+            self.read.faults.add(e.where, "its colour is not four numbers from 0 to 1", "correct it")
+        elif a < 1:
+            self.read.faults.add(
+                e.where, "what is transparent is not supported", "make the last number of its colour 1"
+            )
+        return r, g, b
+
+
+def origin(read: Reader, e: Element) -> Array:
+    """The place that its `origin` says."""
+    said = read.only(e, "origin")
+    if said is None:
+        return place()
+    read.known(said, ("xyz", "rpy"))
+    nowhere = (0.0, 0.0, 0.0)
+    return place(read.numbers(said, "xyz", 3, nowhere), read.numbers(said, "rpy", 3, nowhere))
+
+
+def _alike(a: Shape, b: Shape) -> bool:
+    """Whether two shapes are the same in the same place, whatever they look like."""
+    same = (a.kind, a.size, a.file, a.scale) == (b.kind, b.size, b.file, b.scale)
+    return same and np.allclose(a.place, b.place, rtol=0, atol=1e-9)

@@ -1,0 +1,100 @@
+"""Assets: objects that are joined to one another as their file says, and placed as one.
+
+An asset's frame is what its base is placed by. With all joints at 0 each link is where its `at` and turn say, seen from
+there, and each joint where its `at` and `axis` say. A joint that starts elsewhere takes with it all links beyond.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmspec.check import units
+from wmspec.check.ir import Thing
+from wmspec.errors import WmsError
+from wmspec.layout import geometry
+from wmspec.layout.solids import Piece
+from wmspec.layout.space import HERE, Pose, Vector, about, times, turn, unit
+
+if TYPE_CHECKING:
+    from wmspec.layout.values import Values
+
+
+def base(values: Values, owner: str) -> str | None:
+    """The base of the asset that an object is a link of, itself if it is that; None if it is of no asset."""
+    if owner in values.assets:
+        return owner
+    return next((of for of, members in values.assets.items() if any(t.name == owner for t in members)), None)
+
+
+def links(values: Values, owner: str) -> tuple[str, ...]:
+    """The links of the asset whose base this is, the base first; the object alone if it is of none."""
+    return owner, *(t.name for t in values.assets.get(owner, ()) if t.kind == "object")
+
+
+def within(values: Values, owner: str) -> Pose:
+    """Where a link of an asset is at the start, seen from the asset's frame."""
+    return values.once((owner, "within"), lambda: _shift(values, owner).then(at_zero(values, owner)))
+
+
+def at_zero(values: Values, owner: str) -> Pose:
+    """Where a link of an asset would be with all joints at 0, seen from the asset's frame; what is of none is there."""
+    if owner in values.assets:
+        return HERE
+    return Pose(values.property(owner, "at"), turn(*geometry.own_turn(values, owner)))
+
+
+def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
+    """The solids of an object, with those of all links if it is the base of an asset, seen from its frame."""
+    if owner not in values.assets:
+        return geometry.pieces(values, owner)
+    placed = ((within(values, link), geometry.pieces(values, link)) for link in links(values, owner))
+    return tuple(Piece(piece.solid, here.then(piece.pose)) for here, made in placed for piece in made)
+
+
+def _shift(values: Values, owner: str) -> Pose:
+    """What the joints from the asset's frame to a link, where they start, do to all that is beyond them."""
+    of = base(values, owner) or owner
+    holders = values.once((of, "holders"), lambda: _holders(values, of))
+    found, link = HERE, owner
+    for _ in holders:  # at most through all of them
+        if link not in holders:
+            break
+        joint = holders[link]
+        found = _moved(values, joint).then(found)
+        link = values.property(joint.name, "to") if values.has(joint.name, "to") else ""
+    return found
+
+
+def _holders(values: Values, of: str) -> dict[str, Thing]:
+    """The joint that holds each link of an asset, but for those that nothing holds."""
+    return {values.property(t.name, "of"): t for t in values.assets.get(of, ()) if t.kind == "joint"}
+
+
+def _moved(values: Values, joint: Thing) -> Pose:
+    """What a joint does to all that is beyond it, where it starts, seen from the asset's frame."""
+    if joint.model not in ("hinge", "slider"):
+        return HERE
+    start: float = values.property(joint.name, "start") if values.has(joint.name, "start") else 0.0
+    _within_limits(values, joint, start)
+    axis: Vector = unit(values.property(joint.name, "axis"))
+    if joint.model == "slider":
+        return Pose(times(start, axis))
+    middle: Vector = values.property(joint.name, "at")
+    there = Pose(middle, about(axis, start))
+    return there.then(Pose(times(-1.0, middle)))
+
+
+def _within_limits(values: Values, thing: Thing, start: float) -> None:
+    joint, model = thing.name, thing.model
+    for end, sign in (("low", 1.0), ("high", -1.0)):
+        if values.has(joint, end) and sign * (start - values.property(joint, end)) < 0:
+            limit = values.property(joint, end)
+            place = values.place(joint, "start" if values.has(joint, "start") else end)
+            raise WmsError(
+                f"{place}: `{joint}` starts at {told(start, model)}, beyond its limit of {told(limit, model)}"
+            )
+
+
+def told(coordinate: float, model: str) -> str:
+    """The coordinate (rad or m) of a hinge or slider, as messages tell it."""
+    return units.told(coordinate, units.ANGLE if model == "hinge" else units.LENGTH)

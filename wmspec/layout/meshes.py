@@ -1,0 +1,134 @@
+"""Meshes from files: their triangles, in metres about their own origin, and the convex hull that rests and weighs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from wmspec.check.vocabulary import FILES, MOST_LENGTH, STAGES
+from wmspec.errors import WmsError
+from wmspec.importers.prim_names import parted
+from wmspec.layout.space import Vector
+from wmspec.parse.load import located
+
+if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from wmspec.importers.triangles import Triangles
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles: `points`, `faces` of three indices, texture coordinates `st` of each point or None.
+
+    `edges` (m) are those of the upright box around it, `corners` (n, 3) the points of its convex hull, or of that box
+    if that is what is touched; `volume` (m³) is the hull's, which is 0 if it is flat.
+    """
+
+    points: tuple[Vector, ...]
+    faces: tuple[tuple[int, int, int], ...]
+    st: tuple[tuple[float, float], ...] | None
+    edges: Vector
+    corners: NDArray[np.float64]
+    volume: float
+
+    def reach(self, direction: Vector) -> float:
+        """The largest component (m) of its corners along a direction."""
+        return float((self.corners @ direction).max())
+
+
+def load(path: str, scale: float | Vector, collision: str, solid: bool) -> Mesh:
+    """The mesh in a file, `scale` times as large, along all of its axes or each, touched as its `collision` says.
+
+    A file is read once.
+
+    Raises:
+        WmsError: if the file is missing, of another kind, broken, or has no volume though it is `solid`.
+    """
+    name, prim = parted(path)
+    file = located(name)
+    if file.suffix.lower() not in (STAGES if prim else FILES["file"]):
+        raise WmsError(f"{file.name} is no mesh that can be read; use one of {', '.join(FILES['file'])}")
+    try:
+        found = file.stat()
+    except OSError as error:
+        raise WmsError(f"{name} cannot be read: {error.strerror}") from None
+    made = _load(path, found.st_mtime_ns, found.st_size, scale, collision)
+    if solid and made.volume <= 0:
+        raise WmsError(f"{path} has no volume; use a mesh that is not flat")
+    return made
+
+
+@lru_cache(maxsize=256)
+def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision: str) -> Mesh:
+    import numpy as np
+
+    stretch = np.broadcast_to(np.asarray(scale, float), 3)
+    found = _of_stage(path) if parted(path)[1] else _of_file(path)
+    points, faces = found.points * stretch, found.faces[:, :: -1 if np.sign(stretch).prod() < 0 else 1]
+    low, high = points.min(axis=0), points.max(axis=0)
+    if not (size := float((high - low).max())) <= MOST_LENGTH:
+        what = f"{size / 1000:g} km large with this scale; the most is {MOST_LENGTH / 1000:g} km"
+        raise WmsError(f"{path} is {what}")
+    hull, volume = _hull(path, points)
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
+    x, y, z = (high - low).tolist()
+    return Mesh(
+        tuple((x, y, z) for x, y, z in points.tolist()),
+        tuple((a, b, c) for a, b, c in faces.tolist()),
+        None if found.st is None else tuple((s, t) for s, t in found.st.tolist()),
+        (x, y, z),
+        corners if collision == "bounds" else hull,
+        volume,
+    )
+
+
+def _of_stage(path: str) -> Triangles:
+    """The triangles of a mesh in a USD file. Raises WmsError if it is broken."""
+    from wmspec.importers.triangles import Triangles
+    from wmspec.importers.usd_meshes import triangles
+
+    name, prim = parted(path)
+    found = triangles(located(name), None, name, prim)
+    if not isinstance(found, Triangles):
+        raise WmsError("; ".join(f"{fault.where}: {fault.message}" for fault in found))
+    return found
+
+
+def _of_file(path: str) -> Triangles:
+    """The triangles of a file. Raises WmsError if it is broken."""
+    import numpy as np
+    import trimesh
+
+    from wmspec.importers.triangles import Triangles
+
+    try:
+        found: Any = trimesh.load(located(path), force="mesh", process=False, skip_materials=True)
+        if path.lower().endswith(".dae"):  # which says its unit; the others mean metres, or nothing
+            found.apply_scale(trimesh.units.unit_conversion(found.units, "m"))
+    except Exception as error:  # noqa: BLE001  a parser of files of others can fail in any way
+        raise WmsError(f"{path} is broken: {str(error) or type(error).__name__}") from None
+    if not len(found.faces):
+        raise WmsError(f"{path} is broken: it has no faces")
+    with np.errstate(invalid="ignore"):  # of what is flat trimesh divides by 0
+        inside_out = found.volume < 0
+    points, faces = np.asarray(found.vertices, float), np.asarray(found.faces)
+    st = getattr(found.visual, "uv", None)
+    return Triangles(points, faces[:, :: -1 if inside_out else 1], None if st is None else np.asarray(st, float)[:, :2])
+
+
+def _hull(path: str, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """The corners (n, 3) and the volume (m³) of the convex hull; of what is flat, all points and 0."""
+    import numpy as np
+    import trimesh
+
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if len(spread) < 3 or not spread[-1] > 1e-9 * spread[0]:
+        return points, 0.0
+    try:
+        hull = trimesh.convex.convex_hull(points)
+    except Exception as error:  # noqa: BLE001  Qhull's own exception, of what is too nearly flat
+        raise WmsError(f"{path} is broken: {str(error).partition(chr(10))[0]}") from None
+    return np.asarray(hull.vertices, float), float(hull.volume)

@@ -1,0 +1,82 @@
+"""Where objects are carried: what `glide`, `follow` and `teleport` do to one object, one after the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from wmspec.check.ir import Thing
+from wmspec.check.vocabulary import HEADINGS
+from wmspec.errors import WmsError
+from wmspec.layout import paths
+from wmspec.layout.geometry import own_turn
+from wmspec.layout.placement import rest
+from wmspec.layout.space import Pose, Vector, add, heading, times, turn
+from wmspec.layout.surfaces import WORLD
+
+if TYPE_CHECKING:
+    from wmspec.layout.values import Values
+
+#: Verbs that carry an object whatever is in its way, which makes it kinematic.
+CARRYING = ("glide", "follow", "teleport")
+
+
+@dataclass(frozen=True)
+class Stand:
+    """Where an object is between two moves, and its yaw (rad) then."""
+
+    pose: Pose
+    yaw: float
+
+
+def before(values: Values, action: Thing) -> Stand:
+    """Where the object of a carrying action is when it begins."""
+    owner = values.property(action.name, "object")
+    stand = Stand(values.pose(owner), values.property(owner, "yaw"))
+    moves = sorted((a for verb in CARRYING for a in values.acting(verb, owner)), key=lambda a: _start(values, a))
+    for move in moves[: next(i for i, m in enumerate(moves) if m.name == action.name)]:
+        stand = after(values, move, stand)
+    return stand
+
+
+def _start(values: Values, action: Thing) -> float:
+    start: float = values.property(action.name, "start")
+    return start
+
+
+def after(values: Values, move: Thing, stand: Stand) -> Stand:
+    """Where the object is when a move is over that began with it so."""
+    if move.verb == "teleport":
+        return landed(values, move, stand)
+    if move.verb == "follow":
+        return replace(stand, pose=Pose(way(values, move, stand.pose.position)[0][-1], stand.pose.orientation))
+    speed, duration = values.property(move.name, "speed"), values.property(move.name, "duration")
+    gone = times(speed * duration, heading(angle(values.property(move.name, "direction"))))
+    return replace(stand, pose=Pose(add(stand.pose.position, gone), stand.pose.orientation))
+
+
+def landed(values: Values, action: Thing, stand: Stand) -> Stand:
+    """Where a teleport puts its object: at a point in space, or resting on what it rested on at another place."""
+    owner, to = values.property(action.name, "object"), values.property(action.name, "to")
+    yaw = values.property(action.name, "yaw") if values.has(action.name, "yaw") else stand.yaw
+    _, pitch, roll = own_turn(values, owner)
+    if len(to) == 3 and to[0] != WORLD:
+        return Stand(Pose(to, turn(yaw, pitch, roll)), yaw)
+    return Stand(rest(values, owner, to, yaw, pitch, roll), yaw)
+
+
+def way(values: Values, action: Thing, origin: Vector) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
+    """The points (m, in the world) of a path that begins at `origin`, and the times (s) since its start."""
+    form, length, width, leads = (values.property(action.name, n) for n in ("path", "length", "width", "direction"))
+    points = paths.named(form, length, width) if isinstance(form, str) else form
+    found, moments = paths.walked(paths.turned(points, angle(leads)), values.property(action.name, "duration"))
+    if len(found) < 2 or moments[-1] <= 0:
+        raise WmsError(
+            f"{action.place}: the path of `{action.name}` leads nowhere; give it a length and a time above 0"
+        )
+    return tuple(add(origin, point) for point in found), moments
+
+
+def angle(direction: str | float) -> float:
+    """The heading (rad) that a direction word or an angle says."""
+    return HEADINGS[direction] if isinstance(direction, str) else direction

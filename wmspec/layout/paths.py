@@ -1,0 +1,82 @@
+"""Ways that objects are carried along: forms by name, or given points, turned and walked at constant speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+from wmspec.layout.space import ORIGIN, Vector, add, times
+
+#: Into how many straight pieces a full circle is cut: at 40 cm across they stray 0.1 mm from it.
+PIECES = 96
+
+
+def named(form: str, length: float, width: float) -> tuple[Vector, ...]:
+    """The points (m) of a form of path that sets out from the origin along +x, and strays to +y.
+
+    straight: to (length, 0). arc: a part of a circle to the same end that bulges by `width`. zigzag: to the same end by
+    four legs that stray by `width`. circle: around, through (length, 0). back_and_forth: to (length, 0) and back again.
+    """
+    return _FORMS[form](length, width)
+
+
+def turned(points: Sequence[Sequence[float]], angle: float) -> tuple[Vector, ...]:
+    """Points (x, y) or (x, y, z) turned about the vertical, the origin first."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    found = tuple((cos * x - sin * y, sin * x + cos * y, z[0] if z else 0.0) for x, y, *z in points)
+    return found if found and found[0] == ORIGIN else (ORIGIN, *found)
+
+
+def walked(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
+    """The points, none twice in a row, and the times (s) at which something as fast everywhere is there.
+
+    Fewer than two points are left if the way has no length.
+    """
+    kept = list(points[:1])
+    kept += [here for before, here in pairwise(points) if math.dist(before, here) > 1e-12]
+    gone = [0.0]
+    for before, here in pairwise(kept):
+        gone.append(gone[-1] + math.dist(before, here))
+    return tuple(kept), tuple(duration * way / gone[-1] if gone[-1] else 0.0 for way in gone)
+
+
+def _straight(length: float, _width: float) -> tuple[Vector, ...]:
+    return (ORIGIN, (length, 0.0, 0.0))
+
+
+def _zigzag(length: float, width: float) -> tuple[Vector, ...]:
+    return tuple((length * i / 4, width * (i % 2), 0.0) for i in range(5))
+
+
+def _back_and_forth(length: float, _width: float) -> tuple[Vector, ...]:
+    return (ORIGIN, (length, 0.0, 0.0), ORIGIN)
+
+
+def _circle(length: float, _width: float) -> tuple[Vector, ...]:
+    return (*_around((length / 2, 0.0, 0.0), length / 2, math.pi, 3 * math.pi)[:-1], ORIGIN)
+
+
+def _arc(length: float, width: float) -> tuple[Vector, ...]:
+    """From the sagitta formula: radius = (length² / 4 + width²) / (2 width)."""
+    radius = (length * length / 4 + width * width) / (2 * width)
+    half = math.atan2(length / 2, radius - width)
+    points = _around((length / 2, width - radius, 0.0), radius, math.pi / 2 + half, math.pi / 2 - half)
+    return (ORIGIN, *points[1:-1], (length, 0.0, 0.0))
+
+
+def _around(middle: Vector, radius: float, start: float, stop: float) -> tuple[Vector, ...]:
+    count = 2 * max(4, math.ceil(PIECES / 2 * abs(stop - start) / (2 * math.pi)))  # even: half way is a point
+    angles = (start + (stop - start) * i / count for i in range(count + 1))
+    points = (add(middle, times(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
+    first, *rest = points
+    return (ORIGIN if math.hypot(*first) < 1e-9 else first, *rest)
+
+
+_FORMS: dict[str, Callable[[float, float], tuple[Vector, ...]]] = {
+    "straight": _straight,
+    "arc": _arc,
+    "zigzag": _zigzag,
+    "circle": _circle,
+    "back_and_forth": _back_and_forth,
+}

@@ -1,0 +1,35 @@
+"""Whether what is put on something touches it anywhere."""
+
+from __future__ import annotations
+
+from wmspec.check import units
+from wmspec.errors import WmsError
+from wmspec.layout import assets
+from wmspec.layout.geometry import pieces
+from wmspec.layout.placement import frame
+from wmspec.layout.solids import bounds
+from wmspec.layout.space import UP
+from wmspec.layout.surfaces import tops
+from wmspec.layout.values import Values
+
+
+def supported(name: str, values: Values) -> None:
+    """Raise WmsError with its place if an object that rests on another is beside it, in the air.
+
+    Both count as the upright boxes around them, a ball on a level top as the point on which it rests.
+    """
+    if not values.has(name, "on"):
+        return
+    base: str = values.property(name, "on")
+    made, pose = assets.pieces(values, name), frame(values, name) if name in values.assets else values.pose(name)
+    low, high = bounds(made, pose)
+    if len(made) == 1 and made[0].solid.kind == "sphere" and tops(values, base)[0].normal == UP:
+        low = high = pose.then(made[0].pose).position
+    least, most = bounds(pieces(values, base), values.pose(base))
+    if any(low[i] > most[i] + 1e-9 or high[i] < least[i] - 1e-9 for i in range(2)):
+        said = "scatter" if values.has(name, "scatter") else "at"
+        size = " by ".join(units.told(most[i] - least[i], units.LENGTH) for i in range(2))
+        raise WmsError(
+            f"{values.place(name, said)}: `{name}` is in the air beside `{base}`, on which it should rest and which is "
+            f"{size} large; move it there, or leave `on:` out and say `at: (x, y, z)`"
+        )

@@ -1,0 +1,149 @@
+"""Objects that are inside one another at the start, and how deep."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, cast
+
+from wmspec.layout.geometry import pieces
+from wmspec.layout.solids import SLAB, Piece, bounds
+from wmspec.layout.space import Pose, Vector, add, cross, rotate, times
+from wmspec.layout.values import Values
+from wmspec.stage.polygons import wedge
+
+if TYPE_CHECKING:  # most scenes need no more than the axes, and checking those should not wait for numpy
+    from wmspec.layout.meshes import Mesh
+    from wmspec.scene import model
+    from wmspec.scene.model import Shape
+
+#: So deep (m) objects may be in one another: less is a matter of rounding, and of resting on a curved thing.
+SLACK = 1e-3
+
+#: Axes of a solid along which it may be apart from another: those of its edges.
+_EDGES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """Two objects and how deep (m) one is in the other: the diameter of the largest ball within both."""
+
+    first: str
+    second: str
+    depth: float
+
+
+@dataclass(frozen=True)
+class _Body:
+    """An object in its place: its convex pieces in the world, and the upright box around it."""
+
+    name: str
+    fixed: bool
+    pieces: tuple[Piece, ...]
+    low: Vector
+    high: Vector
+
+
+def overlaps(values: Values) -> Iterator[Overlap]:
+    """Pairs of objects that are inside one another, unless both are fixed or a joint connects them.
+
+    Meshes that are touched in several convex pieces are left out: how they are cut is the engine's business.
+    """
+    joined = _joined(values)
+    for a, b in combinations(_bodies(values), 2):
+        apart = any(a.low[i] >= b.high[i] - SLACK or b.low[i] >= a.high[i] - SLACK for i in range(3))
+        if apart or (a.fixed and b.fixed) or frozenset((a.name, b.name)) in joined:
+            continue
+        depth = max(_depth(p, q) for p in a.pieces for q in b.pieces)
+        if depth > SLACK:
+            yield Overlap(a.name, b.name, depth)
+
+
+def _bodies(values: Values) -> Iterator[_Body]:
+    for thing in values.spec.things:
+        name = thing.name
+        if thing.kind != "object" or not values.there(name) or not values.property(name, "solid"):
+            continue
+        if any(_in_pieces(values, part) for part in (name, *values.parts(name))):
+            continue
+        made, pose = pieces(values, name), values.pose(name)
+        placed = tuple(Piece(piece.solid, pose.then(piece.pose)) for piece in made)
+        yield _Body(name, values.property(name, "fixed"), placed, *bounds(made, pose))
+
+
+def _in_pieces(values: Values, part: str) -> bool:
+    return values.has(part, "file") and bool(values.property(part, "collision") == "pieces")
+
+
+def _joined(values: Values) -> set[frozenset[str]]:
+    joints = [t.name for t in values.spec.things if t.kind == "joint"]
+    return {frozenset((values.property(j, "of"), values.property(j, "to"))) for j in joints if values.has(j, "to")}
+
+
+# ---------------------------------------------------------------- how deep
+
+
+def _depth(a: Piece, b: Piece) -> float:
+    """The diameter (m) of the largest ball within two convex pieces, or 0 if it is less than SLACK.
+
+    Two convex bodies are apart if there is a direction along which they are. For boxes one of a few is it; those are
+    tried first, because what it takes to be exact is slow to import.
+    """
+    if any(_overlap(a, b, d) <= SLACK for d in _directions(a, b)):
+        return 0.0
+    from wmspec.scene.overlap import overlap
+
+    (first, at), (second, there) = _placed(a), _placed(b)
+    return overlap(first, at, second, there, SLACK)
+
+
+def _overlap(a: Piece, b: Piece, d: Vector) -> float:
+    """How far (m) `a` reaches beyond where `b` begins, along a unit vector."""
+    return a.reach(d) + b.reach(times(-1.0, d))
+
+
+def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
+    """Both ways along the axes on which two boxes can be apart, and along the line between the middles.
+
+    A box's are the axes of either and those at right angles to an edge of each (Gottschalk, Lin & Manocha, "OBBTree",
+    1996).
+    """
+    own = [rotate(a.pose.orientation, axis) for axis in _EDGES]
+    others = [rotate(b.pose.orientation, axis) for axis in _EDGES]
+    faces = [rotate(p.pose.orientation, normal) for p in (a, b) for normal, _ in p.solid.faces]
+    between = add(b.pose.position, times(-1.0, a.pose.position))
+    for axis in (*own, *others, *faces, *(cross(x, y) for x in own for y in others), between):
+        size = math.hypot(*axis)
+        if size > 1e-6:
+            yield times(1 / size, axis)
+            yield times(-1 / size, axis)
+
+
+def _placed(piece: Piece) -> tuple[Shape, model.Pose]:
+    """A convex piece as a shape of a scene, and where that is."""
+    import numpy as np
+
+    from wmspec.scene import model
+
+    x, y, z = piece.solid.edges
+    made: Shape
+    pose = piece.pose
+    match piece.solid.kind:
+        case "sphere":
+            made = model.Sphere(x / 2)
+        case "cylinder":
+            made = model.Cylinder(x / 2, z)
+        case "cone":
+            made = model.Cone(x / 2, z)
+        case "capsule":
+            made = model.Capsule(x / 2, z - x)
+        case "box" | "cube":
+            made = model.Box(np.array((x, y, z)) / 2)
+        case "plane":
+            made, pose = model.Box(np.array((x, y, SLAB)) / 2), pose.then(Pose((0.0, 0.0, -SLAB / 2)))
+        case kind:
+            corners = wedge(x, y, z).points if kind == "wedge" else cast("Mesh", piece.solid.hull).corners
+            made = model.Mesh(np.array(corners), np.empty((0, 3), np.int32))
+    return made, model.Pose(np.array(pose.position), np.array(pose.orientation))

@@ -1,0 +1,24 @@
+"""When the picture is taken that answers a question, as far as that is known before the episode."""
+
+from __future__ import annotations
+
+from wmspec.check.evaluate import NoValue, evaluate
+from wmspec.check.ir import Call, Operation, Question
+from wmspec.check.measured import measured
+from wmspec.layout.values import Values
+
+
+def pictured(question: Question, values: Values) -> float | None:
+    """The time (s) of the picture that answers a question; None if it has another answer, or if it is measured."""
+    answer = question.answer
+    while isinstance(answer, Operation) and answer.operator == "if":
+        condition, then, otherwise = answer.operands
+        if measured(values.spec, condition):
+            return None
+        answer = then if evaluate(condition, values) else otherwise
+    if not isinstance(answer, Call) or answer.function != "frame" or measured(values.spec, answer.arguments[1]):
+        return None
+    try:
+        return float(evaluate(answer.arguments[1], values))
+    except NoValue:
+        return None

@@ -1,0 +1,184 @@
+"""Jointed bodies as trees, which every engine solves in joint coordinates: exactly held together, whatever the step.
+
+The native scripts contain `Link` as it stands here, and the `repr` of one is the Python text of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import atan2, pi
+
+import numpy as np
+
+from wmspec.errors import WmsError
+from wmspec.scene.com_frame import mount
+from wmspec.scene.model import Body, Follow, Glide, Joint, Pose, Scene, Teleport
+from wmspec.scene.numbers import floats, numbers
+from wmspec.scene.transform import compose, identity, inverse, turned
+
+WORLD = -1
+NEAR, ALIGNED = 1e-3, 1e-2  # m and rad: how well the two frames of a joint must fit at the start
+_OVER = Pose(np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))  # half a turn about z: x backwards
+
+
+@dataclass(frozen=True)
+class Link:
+    """A body of a tree and what holds it to its `parent`, a body's number or -1 for the world.
+
+    `kind` is free (a root that floats), fixed, hinge, slider or ball; `joint` is the joint's number, -1 if free.
+    `above` and `below`: the joint's frame, position and quaternion (w, x, y, z), in the parent (or the world) and in
+    the body, in their centre-of-mass frames; its axis is x. `start`: the coordinate at the start. `limits`: least and
+    greatest coordinate, or nothing. `drive`: stiffness, damping, target, velocity, greatest force, or nothing.
+    """
+
+    body: int
+    parent: int
+    joint: int
+    kind: str
+    above: tuple[float, ...]
+    below: tuple[float, ...]
+    start: float
+    limits: tuple[float, ...]
+    drive: tuple[float, ...]
+
+
+Tree = tuple[Link, ...]
+
+
+def trees(scene: Scene) -> tuple[Tree, ...]:
+    """The jointed bodies, parents before children, in the order of each tree's root among the bodies.
+
+    A tree's root is what is jointed to the world, or else its first body. Raises WmsError, with the joint's path, for
+    loops and for joints that do not fit.
+    """
+    index = {body.name: i for i, body in enumerate(scene.bodies)}
+    links = [_ends(joint, scene.bodies, index) for joint in scene.joints]
+    seen: set[int] = set()
+    used: set[int] = set()
+    found = [tuple(_grow(root, scene, links, seen, used)) for root in _roots(links) if root not in seen]
+    for j in sorted(set(range(len(links))) - used):
+        raise WmsError(
+            f"{scene.joints[j].path}: it closes a loop of joints, or holds bodies to the world a second time, "
+            "which the engines here don't solve; deactivate it"
+        )
+    return tuple(sorted(found, key=lambda tree: tree[0].body))
+
+
+def jointed(scene: Scene) -> frozenset[str]:
+    """The names of the bodies that have joints."""
+    return frozenset(
+        name for j in scene.joints for name in (j.first, j.second) if name and _dynamic(scene.bodies, name)
+    )
+
+
+def moves(scene: Scene) -> frozenset[str]:
+    """The names of the kinematic bodies that do not stand still."""
+    return frozenset(a.body for a in scene.actions if isinstance(a, Glide | Follow | Teleport))
+
+
+def _dynamic(bodies: Sequence[Body], name: str) -> bool:
+    return any(body.name == name and body.motion == "dynamic" for body in bodies)
+
+
+def _ends(joint: Joint, bodies: Sequence[Body], index: Mapping[str, int]) -> tuple[int, int]:
+    """The numbers of the two bodies; what stands still is the world."""
+    first = WORLD if joint.first is None or not _dynamic(bodies, joint.first) else index[joint.first]
+    return first, index[joint.second] if _dynamic(bodies, joint.second) else WORLD
+
+
+def _roots(links: Sequence[tuple[int, int]]) -> list[int]:
+    """Where trees may begin: at what is jointed to the world, then anywhere."""
+    anchored = [max(ends) for ends in links if WORLD in ends]
+    return [*anchored, *sorted({body for ends in links for body in ends} - {WORLD})]
+
+
+def _grow(root: int, scene: Scene, links: Sequence[tuple[int, int]], seen: set[int], used: set[int]) -> Iterator[Link]:
+    anchor = next((j for j, ends in enumerate(links) if set(ends) == {WORLD, root}), None)
+    seen.add(root)
+    if anchor is None:
+        yield Link(root, WORLD, -1, "free", numbers(identity()), numbers(identity()), 0.0, (), ())
+    else:
+        used.add(anchor)
+        yield _limb(scene, anchor, WORLD, root)
+    waiting = [root]
+    while waiting:
+        parent = waiting.pop(0)
+        for j, ends in enumerate(links):
+            if j in used or parent not in ends:
+                continue
+            child = ends[0] if ends[1] == parent else ends[1]
+            if child != WORLD and child not in seen:
+                seen.add(child)
+                used.add(j)
+                waiting.append(child)
+                yield _limb(scene, j, parent, child)
+
+
+def _limb(scene: Scene, number: int, parent: int, child: int) -> Link:
+    joint = scene.joints[number]
+    below_first = scene.bodies[child].name != joint.second
+    above, below = joint.first_frame, joint.second_frame
+    upper, lower = joint.first, joint.second
+    if below_first:  # the axis is turned round with the two bodies, so that the coordinate keeps its sign
+        upper, lower = lower, str(joint.first)
+        above, below = compose(joint.second_frame, _OVER), compose(joint.first_frame, _OVER)
+    bodies = {body.name: body for body in scene.bodies}
+    found = relative(bodies, upper, lower, above, below)
+    start = coordinate(joint, found)
+    if joint.kind == "ball" and joint.limits is None:  # any two frames do: these are the same at the start
+        below = Pose(below.position, compose(below, inverse(found)).orientation)
+    if upper is not None:
+        above = compose(bodies[upper].pose if parent == WORLD else mount(bodies[upper]), above)
+    drive = joint.drive
+    return Link(
+        body=child,
+        parent=parent,
+        joint=number,
+        kind=joint.kind,
+        above=numbers(above),
+        below=numbers(compose(mount(bodies[lower]), below)),
+        start=start,
+        limits=tuple(map(float, joint.limits or ())),
+        drive=floats(np.array([drive.stiffness, drive.damping, drive.target, drive.velocity, drive.max_force]))
+        if drive
+        else (),
+    )
+
+
+def relative(bodies: Mapping[str, Body], upper: str | None, lower: str, above: Pose, below: Pose) -> Pose:
+    """Where the lower frame is at the start, seen from the upper one."""
+    outer = compose(bodies[upper].pose, above) if upper is not None else above
+    return compose(inverse(outer), compose(bodies[lower].pose, below))
+
+
+def coordinate(joint: Joint, found: Pose) -> float:
+    """The joint's coordinate where its second frame is `found` in the first. Raises WmsError if they don't fit."""
+    gap, turn = found.position.copy(), turned(found.orientation)
+    start = 0.0
+    match joint.kind:
+        case "slider":
+            start, gap[0] = float(gap[0]), 0.0
+        case "hinge":
+            q = found.orientation
+            start = _within(2 * atan2(q[1], q[0]), joint.limits)
+            turn = np.array([0.0, 2 * q[2], 2 * q[3]])
+        case "ball":
+            turn = np.zeros(3)
+        case "fixed":
+            pass
+    if np.abs(gap).max() > NEAR or np.abs(turn).max() > ALIGNED:
+        raise WmsError(
+            f"{joint.path}: its two frames are {np.linalg.norm(gap):.3g} m apart, or turned against each other by "
+            f"{np.linalg.norm(turn):.3g} rad, at the start; put the bodies where the joint holds them"
+        )
+    if joint.limits and joint.kind != "ball" and not joint.limits[0] - ALIGNED < start < joint.limits[1] + ALIGNED:
+        raise WmsError(f"{joint.path}: it starts at {start:.4g}, outside its limits {joint.limits}; put it inside")
+    return start
+
+
+def _within(angle: float, limits: tuple[float, float] | None) -> float:
+    """The angle, or one some whole turns away that lies within the limits."""
+    low, high = limits or (-pi, pi)
+    options = [angle + 2 * pi * k for k in (0, -1, 1, -2, 2)]
+    return next((a for a in options if low - ALIGNED <= a <= high + ALIGNED), (angle + pi) % (2 * pi) - pi)

@@ -1,0 +1,76 @@
+"""Materials: how an object looks and how it rubs in one, since some importers know a single binding only."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wmspec.errors import WmsError
+from wmspec.layout.values import Values
+from wmspec.materials import MATERIALS
+from wmspec.materials.colors import linear, rgb
+from wmspec.parse.load import located
+from wmspec.stage.document import Document, Prim
+
+
+def add_material(doc: Document, part: str, owner: str, values: Values) -> str:
+    """The material of an object, or of one part of it; returns its path."""
+    path = f"/World/Materials/{part.replace('.', '/')}"
+    there = (f"{owner}.present", f"{owner}.form")
+    if part != owner and f"/World/Materials/{owner}" not in doc.prims:
+        doc.add(f"/World/Materials/{owner}", "Scope", (), there)
+    material = doc.add(path, "Material", ("PhysicsMaterialAPI",), there)
+    material.connect("outputs:surface", "token", f"{path}/surface.outputs:surface")
+    friction = values.property(owner, "friction")
+    material.set("physics:staticFriction", "float", friction, f"{owner}.friction")
+    material.set("physics:dynamicFriction", "float", friction, f"{owner}.friction")
+    material.set("physics:restitution", "float", values.property(owner, "restitution"), f"{owner}.restitution")
+    surface = doc.add(f"{path}/surface", "Shader", (), there)
+    surface.set("info:id", "token", "UsdPreviewSurface", uniform=True)
+    _color(doc, surface, path, part, values, there)
+    for name in ("roughness", "metallic"):
+        surface.set(f"inputs:{name}", "float", values.property(part, name), f"{part}.{name}")
+    surface.set("outputs:surface", "token", None)
+    return path
+
+
+def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, there: tuple[str, ...]) -> None:
+    """The colour itself, or an image that it tints."""
+    red, green, blue = (linear(c) for c in rgb(values.property(part, "color")))
+    image, repeats = _image(part, values)
+    patterned = (f"{part}.material", f"{part}.image")
+    if image is None:
+        surface.set("inputs:diffuseColor", "color3f", (red, green, blue), f"{part}.color", *patterned)
+        return
+    surface.connect("inputs:diffuseColor", "color3f", f"{path}/texture.outputs:rgb", f"{part}.color", *patterned)
+    reader = doc.add(f"{path}/st", "Shader", (), (*patterned, *there))
+    reader.set("info:id", "token", "UsdPrimvarReader_float2", uniform=True)
+    reader.set("inputs:varname", "string", "st")
+    reader.set("outputs:result", "float2", None)
+    texture = doc.add(f"{path}/texture", "Shader", (), (*patterned, *there))
+    texture.set("info:id", "token", "UsdUVTexture", uniform=True)
+    texture.set("inputs:file", "asset", str(image), *patterned)
+    texture.set("inputs:sourceColorSpace", "token", "sRGB")
+    texture.set("inputs:wrapS", "token", "repeat")
+    texture.set("inputs:wrapT", "token", "repeat")
+    texture.set("inputs:scale", "float4", (red, green, blue, 1.0), f"{part}.color")
+    st = f"{path}/st.outputs:result"
+    if repeats:
+        transform = doc.add(f"{path}/repeats", "Shader", (), (*patterned, *there))
+        transform.set("info:id", "token", "UsdTransform2d", uniform=True)
+        transform.connect("inputs:in", "float2", st)
+        transform.set("inputs:scale", "float2", (repeats, repeats), *patterned)
+        transform.set("outputs:result", "float2", None)
+        st = f"{path}/repeats.outputs:result"
+    texture.connect("inputs:st", "float2", st, *patterned)
+    texture.set("outputs:rgb", "float3", None)
+
+
+def _image(part: str, values: Values) -> tuple[Path | None, float]:
+    """The image on a surface, and how often it is repeated on a metre; 0 for one that is laid out once."""
+    if values.has(part, "image"):
+        path = located(values.property(part, "image"))
+        if not path.is_file():
+            raise WmsError(f"{values.place(part, 'image')}: there is no picture {path}")
+        return path, 0.0
+    material = MATERIALS[values.property(part, "material")]
+    return material.path, material.repeats

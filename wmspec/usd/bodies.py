@@ -1,0 +1,64 @@
+"""The bodies of a scene: every rigid body of the stage, and every group of geometries that never moves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from pxr import Gf
+
+from wmspec.scene.model import Array, Body, Geom
+from wmspec.scene.transform import conjugate, rotate
+from wmspec.usd.colliders import DOWN, collider
+from wmspec.usd.frames import World, split, vector
+from wmspec.usd.geoms import Materials, geoms
+from wmspec.usd.masses import body_inertia
+from wmspec.usd.prims import Names, Problems, refuse, value
+from wmspec.usd.shapes import Placed, placed
+from wmspec.usd.walk import Owner
+
+
+def bodies(owners: Sequence[Owner], world: World, problems: Problems) -> tuple[Body, ...]:
+    """The bodies, in the stage's order; what is wrong with them goes to `problems`."""
+    materials = Materials(piece for owner in owners for piece in owner.pieces)
+    names, found = Names(), []
+    for owner in owners:
+        name = names.give(owner.prim.GetName(), str(owner.prim.GetPath()))
+        with problems.gathered():
+            found.append(_body(owner, name, world, materials))
+    return tuple(found)
+
+
+def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
+    prim, path = owner.prim, str(owner.prim.GetPath())
+    place = split(world.matrix(prim), prim)
+    inverse = place.rigid.GetInverse()
+    down = rotate(conjugate(place.pose.orientation), DOWN)
+    problems, names = Problems(), Names()
+    found: list[Geom] = []
+    colliders: list[tuple[Placed, float]] = []
+    for piece in owner.pieces:
+        with problems.gathered():
+            here = placed(piece.prim, split(world.matrix(piece.prim) * inverse, piece.prim))
+            below = str(piece.prim.GetPath()).removeprefix(path)
+            touched = collider(here, owner.motion, down) if piece.collides else ()
+            found += geoms(piece, here, touched, names.give(below or prim.GetName()), names, materials)
+            if piece.collides:
+                colliders.append((here, materials.density(piece.prim)))
+    problems.report()
+    inertia = body_inertia(prim, place, colliders, world) if owner.motion == "dynamic" else None
+    damping = (float(value(prim, f"physxRigidBody:{kind}Damping", 0.0)) for kind in ("linear", "angular"))
+    return Body(name, path, owner.motion, place.pose, tuple(found), inertia, *_velocities(owner, world), *damping)
+
+
+def _velocities(owner: Owner, world: World) -> tuple[Array, Array]:
+    """Linear (m/s) and angular (rad/s), from the space in which the prim's own transform is given, to the world."""
+    linear = Gf.Vec3d(value(owner.prim, "physics:velocity", Gf.Vec3f(0)))
+    angular = Gf.Vec3d(value(owner.prim, "physics:angularVelocity", Gf.Vec3f(0)))
+    if owner.motion == "static" or not (any(linear) or any(angular)):
+        return np.zeros(3), np.zeros(3)
+    if owner.motion == "kinematic":
+        refuse(owner.prim, "a kinematic body with a velocity is not supported", "move it by a WmsAction that glides")
+    parent = world.parent(owner.prim)
+    turn = split(parent, owner.prim).rigid
+    return vector(parent.TransformDir(linear)), np.radians(vector(turn.TransformDir(angular)))

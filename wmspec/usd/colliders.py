@@ -1,0 +1,77 @@
+"""What collides for a geometry: itself, or for a mesh what its `physics:approximation` says."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd
+
+from wmspec.errors import WmsError
+from wmspec.scene.decompose import pieces
+from wmspec.scene.model import Array, Box, Mesh, Motion, Pose, Shape, Sphere
+from wmspec.scene.transform import apply, conjugate, rotate
+from wmspec.usd import meshes
+from wmspec.usd.prims import refuse, value
+from wmspec.usd.shapes import Placed
+from wmspec.usd.thin_shells import sheets
+
+APART = ("convexDecomposition", "none", "meshSimplification")
+WAYS = ("convexHull", "boundingCube", "boundingSphere", *APART)
+
+
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def collider(here: Placed, motion: Motion, down: Array = DOWN) -> tuple[tuple[Shape, Pose], ...]:
+    """The shapes that collide for a geometry, in the body's frame, where `down` (3,) is the way down.
+
+    Raises:
+        StageError: if a mesh is flat and not static, or can't collide as it is meant to.
+    """
+    prim, mesh = here.prim, here.shape
+    if not isinstance(mesh, Mesh):
+        return ((mesh, here.pose),)
+    way = value(prim, "physics:approximation", "none")
+    if way not in WAYS:
+        refuse(prim, f"the approximation '{way}' is not supported", f"set it to one of: {', '.join(WAYS)}")
+    flat = meshes.is_flat(mesh)
+    if way == "boundingSphere" or (way == "boundingCube" and not flat):
+        return (_bounds(mesh, here.pose, way),)
+    if not flat and as_hull(prim, mesh):
+        return ((mesh, here.pose),)
+    if flat or way != "convexDecomposition":
+        return _surface(here, mesh, motion, down)
+    try:
+        return tuple((piece, here.pose) for piece in pieces(mesh))
+    except WmsError as error:
+        refuse(prim, str(error), "or split it into convex meshes")
+
+
+def _surface(here: Placed, mesh: Mesh, motion: Motion, down: Array) -> tuple[tuple[Shape, Pose], ...]:
+    remedy = "set physics:approximation to convexDecomposition or convexHull"
+    if motion == "dynamic" and meshes.is_flat(mesh):
+        refuse(
+            here.prim, "a dynamic mesh that collides has no volume", "use a Cube, a Plane or a mesh that is not flat"
+        )
+    if motion == "dynamic":
+        refuse(here.prim, "a dynamic mesh that is not convex can't collide as it is", remedy)
+    below = rotate(conjugate(here.pose.orientation), down) if motion == "static" else None
+    try:
+        return tuple((sheet, here.pose) for sheet in sheets(mesh, below))
+    except WmsError as error:
+        refuse(here.prim, f"it can't collide as it is: {error}", remedy)
+
+
+def as_hull(prim: Usd.Prim, mesh: Mesh) -> bool:
+    """Whether the mesh is taken for its convex hull: it is meant so, or is convex."""
+    way = value(prim, "physics:approximation", "none")
+    return way == "convexHull" or (way in APART and meshes.is_convex(mesh))
+
+
+def _bounds(mesh: Mesh, pose: Pose, way: str) -> tuple[Shape, Pose]:
+    """The box along the prim's own axes around a mesh, or the sphere around the middle of that box."""
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    middle = (low + high) / 2
+    at = Pose(apply(pose, middle), pose.orientation)
+    if way == "boundingCube":
+        return Box((high - low) / 2), at
+    return Sphere(float(np.linalg.norm(mesh.points - middle, axis=1).max())), at

@@ -1,0 +1,56 @@
+"""The drives of joints: PhysicsDriveAPI, in SI units and radians."""
+
+from __future__ import annotations
+
+import math
+
+from pxr import Usd
+
+from wmspec.scene.model import Drive
+from wmspec.usd.frames import World
+from wmspec.usd.prims import applied, refuse, value
+
+DEGREES = math.radians(1)
+
+
+def drive(prim: Usd.Prim, name: str, world: World) -> Drive | None:
+    """The drive `name` (angular, linear, or a degree of freedom such as rotX), or None if it has none; of a ball joint,
+    whose drives have no name, there may be none.
+
+    Raises:
+        StageError: if it drives a ball joint or something that the joint does not leave free, or by acceleration.
+    """
+    found = [api.partition(":")[2] for api in applied(prim) if api.startswith("PhysicsDriveAPI:")]
+    names = {name, {"rot": "angular", "tra": "linear"}.get(name[:3], name)}
+    strange = [other for other in found if other not in names and _drives(prim, other)]
+    if strange and not name:
+        refuse(prim, f"its drive '{strange[0]}' is of a ball joint", "remove that PhysicsDriveAPI, or use hinges")
+    if strange:
+        refuse(prim, f"its drive '{strange[0]}' is of no axis that it leaves free", "remove that PhysicsDriveAPI")
+    mine = next((other for other in found if other in names), None)
+    if mine is None or not _drives(prim, mine):
+        return None
+    if value(prim, f"drive:{mine}:physics:type", "force") != "force":
+        reason = "drives by acceleration are not supported"
+        refuse(prim, reason, f"author drive:{mine}:physics:type = force, and a stiffness and damping for the masses")
+    turns = mine == "angular" or mine.startswith("rot")
+    length = world.meters
+    way = DEGREES if turns else length
+    force = world.kilograms * length * (length if turns else 1.0)
+    number = {what: float(value(prim, f"drive:{mine}:physics:{what}", 0.0)) for what in _NUMBERS}
+    most = float(value(prim, f"drive:{mine}:physics:maxForce", math.inf))
+    return Drive(
+        stiffness=number["stiffness"] * force / way,
+        damping=number["damping"] * force / way,
+        target=number["targetPosition"] * way,
+        velocity=number["targetVelocity"] * way,
+        max_force=most * force if most < 1e30 else math.inf,
+    )
+
+
+_NUMBERS = ("stiffness", "damping", "targetPosition", "targetVelocity")
+
+
+def _drives(prim: Usd.Prim, name: str) -> bool:
+    """Whether the drive does anything."""
+    return any(value(prim, f"drive:{name}:physics:{what}", 0.0) for what in ("stiffness", "damping"))

@@ -1,0 +1,133 @@
+"""Mass properties by the rules of UsdPhysics (`PhysicsMassAPI`).
+
+A body's mass beats its colliders' masses, which beat densities; a collider's density beats its body's, which beats its
+material's, which beats 1000 kg/m³. Of the rest, what is authored is taken and what is not is computed from the shapes;
+only principal axes without moments mean nothing, and moments without axes are along the prim's own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from pxr import Gf, Usd
+
+from wmspec.errors import WmsError
+from wmspec.scene.decompose import whole
+from wmspec.scene.inertia import inertia, principal, volume
+from wmspec.scene.model import Array, Inertia, Mesh
+from wmspec.scene.transform import multiply, rotation
+from wmspec.usd.colliders import as_hull, collider
+from wmspec.usd.frames import Place, World, quaternion, vector
+from wmspec.usd.prims import refuse, value
+from wmspec.usd.shapes import Placed
+
+WATER = 1000.0
+"""The density (kg/m³) of what has none authored: UsdPhysics, PhysicsMassAPI, physics:density."""
+
+
+def body_inertia(prim: Usd.Prim, place: Place, colliders: Sequence[tuple[Placed, float]], world: World) -> Inertia:
+    """The mass properties of the dynamic body `prim`, in its own frame; `colliders` with their materials' densities.
+
+    Raises:
+        StageError: if they are not positive or can't be computed.
+    """
+    mass = _amount(prim, "mass") * world.kilograms
+    if not colliders:
+        return _authored_alone(prim, place, mass, world)
+    common = _amount(prim, "density")
+    found = [_collider_inertia(c, common or own, world) for c, own in colliders]
+    total = found[0] if len(found) == 1 else _merge(found)
+    if mass:
+        total = replace(total, mass=mass, moments=total.moments * (mass / total.mass))
+    return _override(prim, Place(Gf.Matrix4d(1.0), place.stretch), total, world)
+
+
+def _collider_inertia(c: Placed, density: float, world: World) -> Inertia:
+    mass = _amount(c.prim, "mass") * world.kilograms
+    per_volume = (_amount(c.prim, "density") or density) * world.kilograms / world.meters**3
+    try:
+        if isinstance(c.shape, Mesh) and not as_hull(c.prim, c.shape):
+            size, unit = whole(
+                c.shape, c.pose, [shape for shape, _ in collider(c, "static") if isinstance(shape, Mesh)]
+            )
+            mass = mass or (per_volume or WATER) * size
+            found = replace(unit, mass=mass, moments=unit.moments * mass)
+        else:
+            found = inertia([(c.shape, c.pose, mass or (per_volume or WATER) * volume(c.shape))])
+    except WmsError as error:
+        refuse(c.prim, str(error), "author a shape with a volume")
+    return _override(c.prim, c.place, found, world)
+
+
+def _override(prim: Usd.Prim, place: Place, computed: Inertia, world: World) -> Inertia:
+    """The computed mass properties with the centre and the moments that are authored on the prim."""
+    center, moments = _center(prim, place), _moments(prim, world)
+    if moments is not None:
+        axes = multiply(quaternion(place.rigid.ExtractRotationQuat()), _axes(prim))
+        return Inertia(computed.mass, computed.center if center is None else center, axes, moments)
+    if center is None:
+        return computed
+    axes, about = principal(_tensor(computed) + _steiner(computed.mass, center - computed.center))
+    return Inertia(computed.mass, center, axes, about)
+
+
+def _authored_alone(prim: Usd.Prim, place: Place, mass: float, world: World) -> Inertia:
+    moments = _moments(prim, world)
+    if not mass or moments is None:
+        refuse(prim, "a dynamic body without colliders has no mass", "give it a collider, or mass and diagonalInertia")
+    center = _center(prim, Place(Gf.Matrix4d(1.0), place.stretch))
+    return Inertia(mass, np.zeros(3) if center is None else center, _axes(prim), moments)
+
+
+def _amount(prim: Usd.Prim, name: str) -> float:
+    """The mass or density in the stage's units; 0 if it is left to others."""
+    found = float(value(prim, f"physics:{name}", 0.0))
+    if not 0 <= found < math.inf:
+        refuse(prim, f"physics:{name} = {found:g}", f"expected a {name} above 0, or 0 to have it computed")
+    return found
+
+
+def _center(prim: Usd.Prim, place: Place) -> Array | None:
+    found = value(prim, "physics:centerOfMass")
+    if found is None or all(number == -math.inf for number in found):  # the fallback of the schema
+        return None
+    if not all(map(math.isfinite, found)):
+        refuse(prim, f"physics:centerOfMass = {found} is not finite", "author finite numbers, or remove it")
+    return vector((place.stretch * place.rigid).Transform(Gf.Vec3d(found)))
+
+
+def _moments(prim: Usd.Prim, world: World) -> Array | None:
+    found = np.array(value(prim, "physics:diagonalInertia", (0, 0, 0)), np.float64)
+    if not found.any():
+        return None
+    if not (found > 0).all() or 2 * found.max() > found.sum() * (1 + 1e-6):
+        refuse(
+            prim, f"physics:diagonalInertia = {found.tolist()}", "expected three moments, none above the others' sum"
+        )
+    return np.asarray(found * (world.kilograms * world.meters**2))
+
+
+def _axes(prim: Usd.Prim) -> Array:
+    found = value(prim, "physics:principalAxes")
+    return quaternion(found) if found and found.GetLength() > 0 else np.array((1.0, 0.0, 0.0, 0.0))
+
+
+def _tensor(part: Inertia) -> Array:
+    turn = rotation(part.axes)
+    return np.asarray(turn @ np.diag(part.moments) @ turn.T)
+
+
+def _steiner(mass: float, arm: Array) -> Array:
+    return np.asarray(mass * (arm @ arm * np.eye(3) - np.outer(arm, arm)))
+
+
+def _merge(parts: Sequence[Inertia]) -> Inertia:
+    """The parts as one rigid body."""
+    mass = sum(part.mass for part in parts)
+    center = np.sum([part.mass * part.center for part in parts], axis=0) / mass
+    tensor = np.sum([_tensor(part) + _steiner(part.mass, part.center - center) for part in parts], axis=0)
+    axes, moments = principal(tensor)
+    return Inertia(mass, center, axes, moments)

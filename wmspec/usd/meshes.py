@@ -1,0 +1,98 @@
+"""Meshes: polygons to triangles in metres, counter-clockwise from outside, with texture coordinates per vertex."""
+
+from __future__ import annotations
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from pxr import Gf, Usd, UsdGeom, UsdShade
+
+from wmspec.scene.model import Array, Mesh
+from wmspec.usd.prims import NOW, refuse, still, value
+
+_Indices = NDArray[np.int32]
+_CONVEX = 1e-5
+
+
+def mesh(prim: Usd.Prim, stretch: Gf.Matrix4d, faces: _Indices | None = None) -> Mesh:
+    """The polygons `faces` (or all) of a Mesh prim, its `stretch` baked in: the control cage, not subdivided.
+
+    Points that no face uses are dropped; a point with several texture coordinates becomes several.
+
+    Raises:
+        StageError: if the topology or the texture coordinates are broken.
+    """
+    points = np.asarray(value(prim, "points", []), np.float64).reshape(-1, 3)
+    vertices = np.asarray(value(prim, "faceVertexIndices", []), np.int32)
+    corners = _triangulate(prim, points, vertices, faces)
+    linear = np.array(stretch, np.float64)[:3, :3]
+    if (np.linalg.det(linear) < 0) != (value(prim, "orientation") == "leftHanded"):
+        corners = corners[:, ::-1]
+    used = corners.reshape(-1)
+    keys = vertices[used][:, None].astype(np.float64)
+    if (st := _texture_coordinates(prim, vertices)) is not None:
+        keys = np.hstack([keys, st[used]])
+    rows, back = np.unique(keys, axis=0, return_inverse=True)
+    moved = np.ascontiguousarray(points[rows[:, 0].astype(np.int32)] @ linear)
+    return Mesh(moved, back.reshape(-1, 3).astype(np.int32), rows[:, 1:].copy() if st is not None else None)
+
+
+def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
+    """The pieces of a mesh that look different: each material subset with its polygons, and the prim with the rest."""
+    subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.GetTypeName() == "Mesh" else []
+    if not subsets:
+        return []
+    found = [(s.GetPrim(), np.asarray(still(s.GetIndicesAttr()), np.int32)) for s in subsets]
+    count = len(value(prim, "faceVertexCounts", []))
+    rest = np.setdiff1d(np.arange(count, dtype=np.int32), np.concatenate([faces for _, faces in found]))
+    return [(prim, rest)] * bool(len(rest)) + found
+
+
+def is_convex(found: Mesh) -> bool:
+    """Whether it is closed and no point is in front of any face, within 1e-5 of the mesh's size."""
+    if not trimesh.Trimesh(found.points, found.faces).is_watertight:
+        return False
+    a, b, c = (found.points[found.faces[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    front = normals @ found.points.T - (normals * a).sum(axis=1)[:, None]
+    return bool(front.max() <= _CONVEX * np.ptp(found.points, axis=0).max())
+
+
+def is_flat(found: Mesh) -> bool:
+    """Whether all points lie in a plane, on a line or coincide, within 1e-6 of the mesh's size."""
+    spread = np.linalg.svd(found.points - found.points.mean(axis=0), compute_uv=False)
+    return len(spread) < 3 or not spread[-1] > 1e-6 * spread[0]
+
+
+def _triangulate(prim: Usd.Prim, points: Array, vertices: _Indices, faces: _Indices | None) -> _Indices:
+    """Fans of triangles (m, 3) of corners, which are indices into faceVertexIndices."""
+    counts = np.asarray(value(prim, "faceVertexCounts", []), np.int32)
+    if counts.sum() != len(vertices) or (counts < 3).any() or not len(counts):
+        refuse(prim, "its faceVertexCounts and faceVertexIndices do not fit", "author polygons of 3 or more points")
+    if vertices.min() < 0 or vertices.max() >= len(points):
+        refuse(prim, "its faceVertexIndices and points do not fit", "author indices in 0 .. len(points) - 1")
+    wanted = np.arange(len(counts)) if faces is None else faces
+    wanted = np.setdiff1d(wanted, np.asarray(value(prim, "holeIndices", []), np.int32))
+    if not len(wanted) or wanted.min() < 0 or wanted.max() >= len(counts):
+        refuse(prim, "it has no faces, or a subset names faces it has not", "author face indices that exist")
+    first = np.cumsum(counts) - counts
+    fan = np.repeat(first[wanted], counts[wanted] - 2)
+    step = np.concatenate([np.arange(1, n - 1) for n in counts[wanted]])
+    return np.column_stack([fan, fan + step, fan + step + 1]).astype(np.int32)
+
+
+def _texture_coordinates(prim: Usd.Prim, vertices: _Indices) -> Array | None:
+    """`st` for every corner (k, 2), or None."""
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("st")
+    if not primvar or not primvar.HasValue():
+        return None
+    for attribute in filter(None, (primvar.GetAttr(), primvar.GetIndicesAttr())):
+        still(attribute)
+    st = np.asarray(primvar.ComputeFlattened(NOW), np.float64).reshape(-1, 2)
+    interpolation = primvar.GetInterpolation()
+    per_point = interpolation in (UsdGeom.Tokens.vertex, UsdGeom.Tokens.varying) and len(st) > vertices.max()
+    if not per_point and not (interpolation == UsdGeom.Tokens.faceVarying and len(st) == len(vertices)):
+        reason = f"its primvars:st ({interpolation}, {len(st)} values) does not fit"
+        refuse(prim, reason, "author it vertex or faceVarying")
+    return np.asarray(st[vertices]) if per_point else st

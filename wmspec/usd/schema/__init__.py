@@ -1,0 +1,13 @@
+"""The codeless USD schemas `WmsEpisode`, `WmsAction` and `WmsObservation`; importing this registers them.
+
+USD reads its schemas once, when the first stage is opened: import this before that, or they stay untyped. The reader
+does not mind, since it goes by type names and knows the fallbacks itself.
+"""
+
+from pathlib import Path
+
+from pxr import Plug
+
+from wmspec.usd.version import FORMAT_VERSION as FORMAT_VERSION
+
+Plug.Registry().RegisterPlugins(str(Path(__file__).parent))

@@ -1,0 +1,76 @@
+"""What a stage may hold and the engines are not given, and what it lacks: refused, never skipped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pxr import Usd, UsdGeom
+
+from wmspec.usd.frames import operations
+from wmspec.usd.prims import Problems, present, refuse
+
+_GEAR = ("gears, tendons and joints that mimic others are not supported", "remove it")
+_SOFT = ("particles and deformable bodies are not supported", "deactivate the prim")
+_SHAPE = ("this kind of geometry is not supported", "use a Cube, Sphere, Cylinder, Cone, Capsule or Mesh")
+_VEHICLE = ("vehicles are not supported", "deactivate the prim")
+_LAMP = ("only a DistantLight and a DomeLight are supported", "deactivate the light")
+
+TYPES = {
+    **{f"PhysxPhysics{kind}Joint": _GEAR for kind in ("Gear", "RackAndPinion")},
+    **dict.fromkeys(("Points", "BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "TetMesh"), _SHAPE),
+    **{f"{kind}Light": _LAMP for kind in ("Sphere", "Rect", "Disk", "Cylinder", "Geometry", "Portal", "Plugin")},
+    "DomeLight_1": ("DomeLight_1 is not supported", "use a DomeLight"),
+    "PointInstancer": ("point instancers are not supported", "author each instance as a prim of its own"),
+    "SkelRoot": ("skeletons are not supported", "deactivate the prim"),
+    "Volume": _SHAPE,
+    "PhysxParticleSystem": _SOFT,
+    "PhysxParticleInstancer": _SOFT,
+}
+"""Type of prim -> reason and remedy."""
+
+APIS = {
+    "PhysxMimicJointAPI": _GEAR,
+    "NewtonMimicAPI": _GEAR,
+    "PhysxTendon": _GEAR,
+    "PhysxSDFMeshCollisionAPI": ("colliders made of signed distance fields are not supported", "use convexHull"),
+    "PhysxTriggerAPI": ("trigger volumes are not supported", "remove PhysxTriggerAPI"),
+    "PhysxForceAPI": ("force fields are not supported", "remove PhysxForceAPI"),
+    "PhysxSurfaceVelocityAPI": ("conveyors are not supported", "remove PhysxSurfaceVelocityAPI"),
+    "PhysxParticle": _SOFT,
+    "PhysxDeformable": _SOFT,
+    "PhysxAutoParticle": _SOFT,
+    "PhysxVehicle": _VEHICLE,
+    "PhysicsDeformable": _SOFT,
+    "PhysicsVolumeDeformable": _SOFT,
+    "PhysicsSurfaceDeformable": _SOFT,
+}
+"""Beginning of an applied API schema's name -> reason and remedy."""
+
+_STARTS = tuple(APIS)
+_BINDINGS = ("material:binding", "material:binding:preview", "material:binding:physics")
+
+
+def incomplete(stage: Usd.Stage, problems: Problems) -> None:
+    """Note the references, payloads, layers and the like that are not found, by prim, as USD tells them."""
+    for error in sorted(stage.GetCompositionErrors(), key=str):  # USD finds them in any order
+        with problems.gathered():
+            prim = stage.GetPrimAtPath(error.rootSite.path) or stage.GetPseudoRoot()
+            refuse(prim, " ".join(str(error).split()).rstrip("."), "mend the path, or remove what is not there")
+
+
+def examine(prim: Usd.Prim, apis: Sequence[str]) -> None:
+    """Refuse a prim, with its applied schemas, that asks for something the engines are not given or that is not there.
+
+    Raises:
+        StageError: naming the prim, the reason and the remedy.
+    """
+    if row := TYPES.get(prim.GetTypeName()):
+        refuse(prim, *row)
+    for api in apis:
+        if api.startswith(_STARTS):
+            refuse(prim, *next(row for start, row in APIS.items() if api.startswith(start)))
+    for binding in _BINDINGS:
+        present(prim, binding)
+    operations(prim)
+    if (place := UsdGeom.Xformable(prim)) and place.TransformMightBeTimeVarying():
+        refuse(prim, "its transform is animated", "author one transform without time samples; move it by a WmsAction")
