@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from wmspec.usd.sheets import DEPTH, sheets
+from wmspec.usd.thin_shells import DEPTH, sheets
 
 from tests.physics.scenes import ENGINES
 from tests.stage.stages import stage
