@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from tools.reference import table
-from wmspec.crosscheck.model import Cause, Verdict
-from wmspec.crosscheck.say import dispute
+from wmspec.compare.model import Cause, Verdict
+from wmspec.compare.say import dispute
 
 PAGE = Path(__file__).parent.parent / "docs/crosscheck.md"
 MARK = "<!-- measured -->\n"

@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.language.specs import task_of
-from wmspec.crosscheck.allow import impacts
-from wmspec.crosscheck.compare import compare
-from wmspec.crosscheck.model import Comparison
-from wmspec.crosscheck.tolerance import Tolerances, tolerances
-from wmspec.crosscheck.turn import turned
+from wmspec.compare.allow import impacts
+from wmspec.compare.compare import compare
+from wmspec.compare.model import Comparison
+from wmspec.compare.tolerance import Tolerances, tolerances
+from wmspec.compare.turn import turned
 from wmspec.design.design import Design
 from wmspec.errors import WmsError
 from wmspec.execute.backends import backend

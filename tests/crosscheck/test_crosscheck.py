@@ -10,11 +10,11 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from tests.language.specs import task_from
-from wmspec.crosscheck.check import check
-from wmspec.crosscheck.model import Checked, Verdict
-from wmspec.crosscheck.say import dispute
-from wmspec.crosscheck.summary import Share, lines, suspects
-from wmspec.crosscheck.tolerance import Tolerances
+from wmspec.compare.check import check
+from wmspec.compare.model import Checked, Verdict
+from wmspec.compare.say import dispute
+from wmspec.compare.summary import Share, lines, suspects
+from wmspec.compare.tolerance import Tolerances
 from wmspec.design.design import Design
 from wmspec.execute.trace_cache import TraceCache
 

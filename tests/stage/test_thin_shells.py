@@ -10,7 +10,6 @@ import pytest
 import trimesh
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from wmspec.usd.thin_shells import DEPTH, sheets
 
 from tests.physics.scenes import ENGINES
 from tests.stage.stages import stage
@@ -19,6 +18,7 @@ from wmspec.errors import StageError
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Body, Mesh
 from wmspec.usd import read
+from wmspec.usd.thin_shells import DEPTH, sheets
 
 Points = NDArray[np.float64]
 SHEET = """

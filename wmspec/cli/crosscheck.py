@@ -70,9 +70,9 @@ def crosscheck_command(
     execute an instance. With --strict, and for tasks without questions, trajectories must be within tolerance too.
     """
     from wmspec.check.record import to_json
-    from wmspec.crosscheck.record import junit, record
-    from wmspec.crosscheck.sweep import Job, sweep
-    from wmspec.crosscheck.tolerance import tolerances
+    from wmspec.compare.record import junit, record
+    from wmspec.compare.sweep import Job, sweep
+    from wmspec.compare.tolerance import tolerances
     from wmspec.execute.backends import chosen
     from wmspec.execute.pool import Effort
 
@@ -111,9 +111,9 @@ def _print(checked: Sequence[Any], engines: Sequence[str], strict: bool) -> None
     from rich.console import Console
     from rich.table import Table
 
-    from wmspec.crosscheck.say import complaints
-    from wmspec.crosscheck.summary import lines, suspects
-    from wmspec.crosscheck.sweep import pairs
+    from wmspec.compare.say import complaints
+    from wmspec.compare.summary import lines, suspects
+    from wmspec.compare.sweep import pairs
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     headings = ("task", "engines", "answers", "before gates", "within tolerance", "gap, median", "largest", "event")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.crosscheck.tolerance import Tolerances
+from wmspec.compare.tolerance import Tolerances
 from wmspec.scene.model import Contact, Scene, Trace
 
 Array = NDArray[np.float64]

@@ -10,9 +10,9 @@ from itertools import combinations
 
 from wmspec.check.ir import TaskSpec
 from wmspec.check.record import from_json
-from wmspec.crosscheck.check import check
-from wmspec.crosscheck.model import Checked, Failure, Pair
-from wmspec.crosscheck.tolerance import Tolerances
+from wmspec.compare.check import check
+from wmspec.compare.model import Checked, Failure, Pair
+from wmspec.compare.tolerance import Tolerances
 from wmspec.design.design import Design
 from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.execute.trace_cache import TraceCache

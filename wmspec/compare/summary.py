@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from wmspec.crosscheck.model import Checked, Comparison, Pair
+from wmspec.compare.model import Checked, Comparison, Pair
 from wmspec.draws import Level
 
 

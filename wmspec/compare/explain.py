@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wmspec.crosscheck.allow import impacts
-from wmspec.crosscheck.model import Cause, Event, Gap, Rest
+from wmspec.compare.allow import impacts
+from wmspec.compare.model import Cause, Event, Gap, Rest
 from wmspec.scene.contact import colliders, mix
 from wmspec.scene.model import Body, Cone, Contact, Cylinder, Friction, Scene, Sphere, Trace
 

@@ -9,10 +9,10 @@ from itertools import combinations
 
 from wmspec.ask.runs import EnginePair, Run, values_of
 from wmspec.check.ir import Counterfactual, Question, TaskSpec
-from wmspec.crosscheck.answers import Answer, agree, answer, told
-from wmspec.crosscheck.compare import compare
-from wmspec.crosscheck.model import TRUTH, Cause, Checked, Comparison, Failure, Pair, Verdict
-from wmspec.crosscheck.tolerance import Tolerances
+from wmspec.compare.answers import Answer, agree, answer, told
+from wmspec.compare.compare import compare
+from wmspec.compare.model import TRUTH, Cause, Checked, Comparison, Failure, Pair, Verdict
+from wmspec.compare.tolerance import Tolerances
 from wmspec.design.design import Design, Instance
 from wmspec.errors import WmsError
 from wmspec.execute.render_cache import RenderCache

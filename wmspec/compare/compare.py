@@ -6,11 +6,11 @@ from collections.abc import Iterator, Set
 
 import numpy as np
 
-from wmspec.crosscheck.allow import STILL, Array, allowance, closing, impacts, sample
-from wmspec.crosscheck.explain import cause
-from wmspec.crosscheck.model import Comparison, Event, Gap, Rest
-from wmspec.crosscheck.tolerance import Tolerances
-from wmspec.crosscheck.turn import turned
+from wmspec.compare.allow import STILL, Array, allowance, closing, impacts, sample
+from wmspec.compare.explain import cause
+from wmspec.compare.model import Comparison, Event, Gap, Rest
+from wmspec.compare.tolerance import Tolerances
+from wmspec.compare.turn import turned
 from wmspec.scene.model import Body, Scene, Trace
 
 

@@ -6,7 +6,7 @@ from math import degrees
 
 from wmspec.check.types import TRUTH
 from wmspec.check.vocabulary import WORDS
-from wmspec.crosscheck.model import Cause, Checked, Comparison, Failure, Gap, Verdict
+from wmspec.compare.model import Cause, Checked, Comparison, Failure, Gap, Verdict
 
 
 def failure(found: Failure) -> str:

@@ -19,7 +19,7 @@ from wmspec.ask.runs import EnginePair, Run
 from wmspec.ask.views import looked
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Question
-from wmspec.crosscheck.model import TRUTH
+from wmspec.compare.model import TRUTH
 from wmspec.errors import WmsError
 
 

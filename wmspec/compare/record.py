@@ -9,10 +9,10 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from wmspec import __version__
-from wmspec.crosscheck.model import Checked
-from wmspec.crosscheck.say import complaints, failure, parting
-from wmspec.crosscheck.summary import lines, suspects
-from wmspec.crosscheck.sweep import Job, pairs
+from wmspec.compare.model import Checked
+from wmspec.compare.say import complaints, failure, parting
+from wmspec.compare.summary import lines, suspects
+from wmspec.compare.sweep import Job, pairs
 from wmspec.execute.backends import engine_version
 
 #: The version of the JSON's layout.
