@@ -12,15 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.backends.mujoco.filament import filament
-from wmspec.backends.mujoco.ktx import environment
-from wmspec.backends.mujoco.render import Renderer as Parity
-from wmspec.backends.mujoco.render import build
 from wmspec.scene.camera import seeing
 from wmspec.scene.model import Array, Camera, Frame, Scene, Shot
 from wmspec.scene.silence import silence
 from wmspec.scene.tonemap import develop, shrink
 from wmspec.scene.transform import rotation
+
+from .filament import filament
+from .ktx import environment
+from .render import Renderer as Parity
+from .render import build
 
 with silence():
     import mujoco

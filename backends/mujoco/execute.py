@@ -7,10 +7,6 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from wmspec.backends.mujoco.impact import solref
-from wmspec.backends.mujoco.joints import FAR
-from wmspec.backends.mujoco.mjcf import mjcf
-from wmspec.backends.mujoco.world import World
 from wmspec.errors import EngineError, WmsError
 from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
@@ -23,6 +19,11 @@ from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
+
+from .impact import solref
+from .joints import FAR
+from .mjcf import mjcf
+from .world import World
 
 with silence():
     import mujoco

@@ -7,11 +7,12 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from wmspec.backends.mujoco.impact import IMPEDANCE, solref
-from wmspec.backends.mujoco.text import text
 from wmspec.scene.articulations import Link
 from wmspec.scene.model import Friction, Scene
 from wmspec.scene.transform import rotate
+
+from .impact import IMPEDANCE, solref
+from .text import text
 
 KINDS = {"hinge": "hinge", "slider": "slide", "ball": "ball"}
 X = np.array([1.0, 0.0, 0.0])

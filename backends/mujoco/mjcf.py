@@ -8,10 +8,6 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from wmspec.backends.mujoco.impact import IMPEDANCE, solref, solreffriction
-from wmspec.backends.mujoco.joints import actuator, control, hang
-from wmspec.backends.mujoco.text import text
-from wmspec.backends.mujoco.world import HEAVY
 from wmspec.scene.articulations import WORLD, Link, Tree
 from wmspec.scene.com_frame import centred, mount, placed
 from wmspec.scene.contact import mix, touchable
@@ -34,6 +30,11 @@ from wmspec.scene.model import (
     Sphere,
 )
 from wmspec.scene.transform import compose, conjugate, inverse, rotate
+
+from .impact import IMPEDANCE, solref, solreffriction
+from .joints import actuator, control, hang
+from .text import text
+from .world import HEAVY
 
 SPIN, ROLL = 0.005, 0.0001  # required by the format, without effect at condim 3
 _HIDDEN = "3"  # the group of geoms that viewers don't show at first

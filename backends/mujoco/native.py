@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from wmspec.backends.mujoco.execute import prepare
-from wmspec.backends.mujoco.mjcf import mjcf
-from wmspec.backends.mujoco.world import HEAVY, World
 from wmspec.scene.articulations import Link
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
+
+from .execute import prepare
+from .mjcf import mjcf
+from .world import HEAVY, World
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))
 world = World(model, ASSEMBLY)"""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from wmspec.backends.pybullet.execute import execute
-from wmspec.backends.pybullet.native import native
 from wmspec.errors import WmsError
 from wmspec.scene.model import Look, Renderer, Scene
+
+from .execute import execute
+from .native import native
 
 __all__ = ["execute", "looks", "name", "native", "renderer"]
 
@@ -20,6 +21,6 @@ def renderer(scene: Scene, width: int, height: int, look: Look = "parity", sampl
     """
     if look not in looks or samples is not None:
         raise WmsError(f"PyBullet can't draw the look '{look}'; let mujoco or sapien draw, with `--renderer`")
-    from wmspec.backends.pybullet import render
+    from . import render
 
     return render.Renderer(scene, width, height)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from wmspec.backends.pybullet.shapes import HERE, inside, xyzw
 from wmspec.scene.articulations import Link
 from wmspec.scene.rigid import Rigid
 from wmspec.scene.silence import silence
+
+from .shapes import HERE, inside, xyzw
 
 with silence():
     import pybullet

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from wmspec.backends.pybullet.world import World
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play
 from wmspec.scene.model import Scene, Trace
@@ -12,6 +11,8 @@ from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
+
+from .world import World
 
 with silence():
     import pybullet

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from wmspec.backends.pybullet import articulations, shapes, world
-from wmspec.backends.pybullet.execute import prepare
 from wmspec.scene.articulations import Link
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
+
+from . import articulations, shapes, world
+from .execute import prepare
 
 CONSTANTS = {
     world: ("HEAVY_MASS", "HEAVY_INERTIA", "DYNAMIC", "GIVEN", "ROUND", "SOFT_ERP", "FASTEST"),

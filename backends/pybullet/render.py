@@ -8,10 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.backends.pybullet.layer import Layer
-from wmspec.backends.pybullet.lists import lists
-from wmspec.backends.pybullet.shadow import Sun
-from wmspec.backends.pybullet.sides import sides
 from wmspec.errors import WmsError
 from wmspec.scene.camera import projection_matrix, seeing, view_matrix
 from wmspec.scene.color import texture, whole
@@ -22,6 +18,11 @@ from wmspec.scene.silence import silence
 from wmspec.scene.tessellate import Facets
 from wmspec.scene.texcoords import unwrap
 from wmspec.scene.transform import apply, compose, inverse
+
+from .layer import Layer
+from .lists import lists
+from .shadow import Sun
+from .sides import sides
 
 with silence():
     import pybullet

@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.backends.pybullet.articulations import branches, put
-from wmspec.backends.pybullet.shapes import HERE, shape, xyzw
 from wmspec.scene.articulations import Link
 from wmspec.scene.episode import MEET, TOUCH
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.silence import silence
+
+from .articulations import branches, put
+from .shapes import HERE, shape, xyzw
 
 with silence():
     import pybullet

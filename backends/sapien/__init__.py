@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from wmspec.backends.sapien.execute import execute
-from wmspec.backends.sapien.native import native
 from wmspec.scene.model import Look, Renderer, Scene
+
+from .execute import execute
+from .native import native
 
 __all__ = ["execute", "looks", "name", "native", "renderer"]
 
@@ -18,9 +19,9 @@ def renderer(scene: Scene, width: int, height: int, look: Look = "parity", sampl
     Raises WmsError where the graphics that the look needs are missing.
     """
     if look == "beauty":
-        from wmspec.backends.sapien import beauty
+        from . import beauty
 
         return beauty.Renderer(scene, width, height, samples or beauty.SAMPLES)
-    from wmspec.backends.sapien import render
+    from . import render
 
     return render.Renderer(scene, width, height)

@@ -15,9 +15,6 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from wmspec.backends.sapien.denoise import denoise
-from wmspec.backends.sapien.render import Renderer as Parity
-from wmspec.backends.sapien.render import bodies, eye, place, stand
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import to_bytes, to_linear, to_srgb
 from wmspec.scene.environment import PEAK, cube, radiance
@@ -25,6 +22,10 @@ from wmspec.scene.model import Array, Camera, Frame, Scene, Shot
 from wmspec.scene.shadow import Casters
 from wmspec.scene.silence import silence
 from wmspec.scene.tonemap import develop, shrink
+
+from .denoise import denoise
+from .render import Renderer as Parity
+from .render import bodies, eye, place, stand
 
 with silence():
     import sapien

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from wmspec.backends.sapien.joints import ignored
-from wmspec.backends.sapien.shapes import BITS, lanes, mean
-from wmspec.backends.sapien.world import World
 from wmspec.errors import WmsError
 from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
@@ -15,6 +12,10 @@ from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
+
+from .joints import ignored
+from .shapes import BITS, lanes, mean
+from .world import World
 
 STEPS_PER_SECOND = 1920
 SINGLE = 1e-6  # PhysX computes with 32 bits

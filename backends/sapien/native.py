@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from wmspec.backends.sapien import joints, shapes, world
-from wmspec.backends.sapien.execute import prepare
 from wmspec.scene.articulations import Link
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
+
+from . import joints, shapes, world
+from .execute import prepare
 
 CONSTANTS = {
     world: ("FASTEST_SPIN", "APART", "POSITION_ITERATIONS", "VELOCITY_ITERATIONS", "JUMP"),

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.backends.sapien.joints import frame
 from wmspec.scene.episode import Vector
 from wmspec.scene.rigid import Piece, Rigid
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import multiply
+
+from .joints import frame
 
 with silence():
     import sapien

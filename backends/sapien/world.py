@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.backends.sapien.joints import HERE, ball, branches, connect, frame, ignored
-from wmspec.backends.sapien.shapes import groups, lanes, mean, shape
 from wmspec.scene.articulations import Link
 from wmspec.scene.rigid import Assembly, Rigid
 from wmspec.scene.silence import silence
+
+from .joints import HERE, ball, branches, connect, frame, ignored
+from .shapes import groups, lanes, mean, shape
 
 with silence():
     import sapien

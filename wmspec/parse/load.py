@@ -14,6 +14,7 @@ from wmspec.parse.diagnostics import Diagnostic, Note, Report
 from wmspec.parse.parser import parse
 from wmspec.parse.source import Source, Span
 from wmspec.parse.syntax import File, Name, Task, Use
+from wmspec.resources import resource
 
 #: A longer file is refused: no hand writes it.
 MAX_CHARACTERS = 1_000_000
@@ -71,7 +72,7 @@ def located(name: str) -> Path:
 
 def library_folder() -> Path:
     """The folder of the libraries that come with wmspec."""
-    return Path(__file__).parents[1] / "specs/library"
+    return resource("specs/library")
 
 
 def search_path() -> tuple[Path, ...]:

@@ -16,6 +16,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wmspec.resources import resource
+
 if TYPE_CHECKING:
     from lark import Lark
 
@@ -72,7 +74,7 @@ def tables() -> Tables:
 
 def grammar() -> str:
     """The text of the grammar."""
-    return Path(__file__).parents[1].joinpath("grammar/wms.lark").read_text(encoding="utf-8")
+    return resource("grammar/wms.lark").read_text(encoding="utf-8")
 
 
 def lark_parser(text: str) -> Lark:
