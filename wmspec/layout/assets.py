@@ -13,7 +13,7 @@ from wmspec.check.ir import Thing
 from wmspec.errors import WmsError
 from wmspec.layout import geometry
 from wmspec.layout.solids import Piece
-from wmspec.layout.space import HERE, Pose, Vector, about, times, turn, unit
+from wmspec.space import HERE, Pose, Vector, about, times, turn, unit
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

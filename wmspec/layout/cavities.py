@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import bounds
-from wmspec.layout.space import HERE, Pose, Vector, inverse, multiply
+from wmspec.space import HERE, Pose, Vector, inverse, multiply
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

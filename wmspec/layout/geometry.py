@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmspec.check.vocabulary import TALL
 from wmspec.errors import WmsError
 from wmspec.layout.solids import SLAB, Piece, Solid
-from wmspec.layout.space import HERE, Pose, Vector, turn
+from wmspec.space import HERE, Pose, Vector, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from wmspec.check.vocabulary import FILES, MOST_LENGTH, STAGES
 from wmspec.errors import WmsError
 from wmspec.importers.prim_names import parted
-from wmspec.layout.space import Vector
 from wmspec.parse.load import located
+from wmspec.space import Vector
 
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
     import numpy as np

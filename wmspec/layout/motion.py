@@ -11,8 +11,8 @@ from wmspec.errors import WmsError
 from wmspec.layout import paths
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.placement import rest
-from wmspec.layout.space import Pose, Vector, add, heading, times, turn
 from wmspec.layout.surfaces import WORLD
+from wmspec.space import Pose, Vector, add, heading, times, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from wmspec.layout.space import ORIGIN, Vector, add, times
+from wmspec.space import ORIGIN, Vector, add, times
 
 #: Into how many straight pieces a full circle is cut: at 40 cm across they stray 0.1 mm from it.
 PIECES = 96

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from wmspec.layout import assets, scatter
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.solids import Face, reach
-from wmspec.layout.space import Pose, add, inverse, multiply, rotate, tilt, times, turn
 from wmspec.layout.surfaces import WORLD, under
+from wmspec.space import Pose, add, inverse, multiply, rotate, tilt, times, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

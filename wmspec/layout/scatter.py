@@ -15,8 +15,8 @@ from wmspec.errors import WmsError
 from wmspec.layout import assets
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.solids import Face, footprint
-from wmspec.layout.space import UP, turn
 from wmspec.layout.surfaces import seen_from, tops
+from wmspec.space import UP, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

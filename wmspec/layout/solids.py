@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from wmspec.check.vocabulary import ROUND
-from wmspec.layout.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times, unit
+from wmspec.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times, unit
 
 #: How thick (m) the slab below a plane is.
 SLAB = 0.1

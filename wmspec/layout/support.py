@@ -8,9 +8,9 @@ from wmspec.layout import assets
 from wmspec.layout.geometry import pieces
 from wmspec.layout.placement import frame
 from wmspec.layout.solids import bounds
-from wmspec.layout.space import UP
 from wmspec.layout.surfaces import tops
 from wmspec.layout.values import Values
+from wmspec.space import UP
 
 
 def supported(name: str, values: Values) -> None:

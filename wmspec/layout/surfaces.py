@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from wmspec.errors import WmsError
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import Face, bounds, surface, upward
-from wmspec.layout.space import UP, Vector, add, inverse, rotate, tilt, times
+from wmspec.space import UP, Vector, add, inverse, rotate, tilt, times
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

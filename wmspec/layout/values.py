@@ -15,8 +15,8 @@ from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
 from wmspec.errors import WmsError
 from wmspec.layout import functions, placement
-from wmspec.layout.space import Pose
 from wmspec.materials import MATERIALS, colors
+from wmspec.space import Pose
 
 T = TypeVar("T")
 

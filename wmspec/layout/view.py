@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wmspec.layout.space import add, rotate, times
+from wmspec.space import add, rotate, times
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, cast
 
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import SLAB, Piece, bounds
-from wmspec.layout.space import Pose, Vector, add, cross, rotate, times
 from wmspec.layout.values import Values
+from wmspec.space import Pose, Vector, add, cross, rotate, times
 from wmspec.stage.polygons import wedge
 
 if TYPE_CHECKING:  # most scenes need no more than the axes, and checking those should not wait for numpy

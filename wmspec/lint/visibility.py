@@ -11,8 +11,8 @@ from wmspec.check.ir import Expr, Property, Ref, Said, TaskSpec, Thing, Value
 from wmspec.layout.geometry import pieces
 from wmspec.layout.motion import CARRYING, after, angle, before, way
 from wmspec.layout.solids import bounds
-from wmspec.layout.space import Vector, add, cross, dot, heading, times
 from wmspec.layout.values import Values
+from wmspec.space import Vector, add, cross, dot, heading, times
 
 Box = tuple[Vector, Vector]
 

@@ -10,9 +10,9 @@ from wmspec.check.vocabulary import ROUND
 from wmspec.errors import WmsError
 from wmspec.layout import motion
 from wmspec.layout.geometry import pieces
-from wmspec.layout.space import UP, Vector, dot, heading, rotate, times
 from wmspec.layout.surfaces import WORLD, holder, under
 from wmspec.layout.values import Values
+from wmspec.space import UP, Vector, dot, heading, rotate, times
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.joints import has_drive, joined, joint_path
 from wmspec.stage.objects import object_path

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from wmspec.errors import WmsError
-from wmspec.layout.space import Vector
 from wmspec.layout.values import Values
 from wmspec.materials.colors import linear, rgb
+from wmspec.space import Vector
 from wmspec.stage.document import Document
 from wmspec.stage.objects import object_path
 

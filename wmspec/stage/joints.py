@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from wmspec.check.ir import Thing
 from wmspec.errors import WmsError
 from wmspec.layout import assets, placement
-from wmspec.layout.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
 from wmspec.layout.values import Values
+from wmspec.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.objects import object_path
 

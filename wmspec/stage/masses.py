@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from wmspec.errors import WmsError
 from wmspec.layout.geometry import every_piece, touchable
-from wmspec.layout.space import turn
 from wmspec.layout.values import Values
+from wmspec.space import turn
 from wmspec.stage.document import Prim
 
 #: What is smaller than this (m³) is taken for a mistake: a tenth of a millimetre across.

@@ -8,9 +8,9 @@ from wmspec.check.vocabulary import TALL
 from wmspec.errors import WmsError
 from wmspec.layout.geometry import every_piece, touchable
 from wmspec.layout.solids import SLAB, Piece, Solid
-from wmspec.layout.space import HERE
 from wmspec.layout.support import supported
 from wmspec.layout.values import Values
+from wmspec.space import HERE
 from wmspec.stage import masses, materials, polygons
 from wmspec.stage.document import Document, Prim
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
-from wmspec.layout.space import UP, Vector, add, cross, times, unit
+from wmspec.space import UP, Vector, add, cross, times, unit
 from wmspec.stage.document import Prim
 
 if TYPE_CHECKING:
