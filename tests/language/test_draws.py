@@ -110,8 +110,8 @@ def test_what_is_added_fixed_or_reordered_moves_no_other_draw(text: str, data: s
         changed = [line.replace("pace in [0.3, 0.6] m/s", "pace in [0.6] m/s") for line in changed]
     seed = data.draw(st.integers(0, 3))
     before, after = (Design(task_from("\n".join([f"{head}custom {{", *x, "}\n"])), seed) for x in (lines, changed))
-    here = before[data.draw(st.integers(0, before.block_size - 1))]
-    there = after[data.draw(st.integers(0, after.block_size - 1))]
+    here = before[data.draw(st.integers(0, len(before.blocks.members(0)) - 1))]
+    there = after[data.draw(st.integers(0, len(after.blocks.members(0)) - 1))]
     assert here.nuisances.items() <= there.nuisances.items()
     assert _scattered(before, here.index) == _scattered(after, there.index)
 
@@ -124,7 +124,7 @@ def _scattered(design: Design, index: int) -> list[object]:
 
 def test_bricks_and_seeds_differ() -> None:
     plain = Design(task_from(SPEC), seed=7)
-    draws = {plain[b * plain.block_size].nuisances["n"] for b in range(3)}
+    draws = {plain[b * len(plain.blocks.members(0))].nuisances["n"] for b in range(3)}
     assert len(draws) == 3
     assert Design(task_from(SPEC), seed=8)[0].nuisances != plain[0].nuisances
 

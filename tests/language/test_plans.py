@@ -40,10 +40,10 @@ def test_a_sample_is_of_what_is_allowed(spec: TaskSpec, count: int, seed: int) -
     everything = list(allowed(spec))
     assume(everything)
     design = Design(replace(spec, plan=sample(count)), seed)
-    assert design.block_size == min(count, len(everything))
+    assert len(design.blocks.members(0)) == min(count, len(everything))
     assert all(i.factors in everything for i in design)
     found = {tuple(i.factors.items()) for i in design}
-    assert len(found) == design.block_size
+    assert len(found) == len(design.blocks.members(0))
     for values in everything:
         assert (design.index(values) is not None) == (tuple(values.items()) in found)
 
@@ -140,7 +140,9 @@ def test_one_factor_at_a_time_around_a_baseline() -> None:
     design = Design(spec)
     baseline = {"a": 0.0, "b": 2.0, "c": 0.0}
     assert design[0].factors == baseline
-    changed = [{k: v for k, v in i.factors.items() if v != baseline[k]} for i in design[: design.block_size]]
+    changed = [
+        {k: v for k, v in i.factors.items() if v != baseline[k]} for i in design[: len(design.blocks.members(0))]
+    ]
     assert changed == [{}, {"a": 1.0}, {"b": 1.0}, {"b": 3.0}]  # a = 2 and b = 0 are excluded
     assert len(design) == 8
     assert design.neighbours(0, "b") == (2, 3)

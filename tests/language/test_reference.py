@@ -64,7 +64,7 @@ def test_the_tables_of_domains_are_what_factors_and_nuisances_take(form: Form) -
 
 @pytest.mark.parametrize("plan", PLANS.values(), ids=lambda p: p.written)
 def test_the_table_of_designs_is_what_is_taken(plan: Plan) -> None:
-    assert codes(f"factor x in 1 .. 200 by 1  {plan.written}") == set()
+    assert codes(f"factor x in 1 .. 200 by 1  factor y in [1, 2]  {plan.written}") == set()
 
 
 def codes(statements: str) -> set[str]:

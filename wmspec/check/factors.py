@@ -14,9 +14,12 @@ from wmspec.check.vocabulary import PLANS
 from wmspec.errors import suggestion
 from wmspec.parse import syntax as s
 from wmspec.parse.diagnostics import Note
+from wmspec.parse.source import Span
 
 #: More instances are not drawn.
 MOST_DRAWN = 10_000_000
+#: What a design in groups says: the factors that are crossed in every group, and those that take turns.
+GROUPED = ("cross", "turn")
 
 
 class Factors:
@@ -116,12 +119,50 @@ class Factors:
             self.check.fail(
                 "WMS408", f"the number of instances of `{kind}` follows from the factors", design.count.span, remedy
             )
-        if design.baseline and kind != "one_at_a_time":
+        if design.baseline and kind not in ("one_at_a_time", "groups"):
             remedy = "only `design one_at_a_time { ... }` varies factors around one"
             self.check.fail("WMS408", f"`{kind}` has no baseline", design.baseline[0].span, remedy)
         count = None if design.count is None else self._count(design.count)
-        plan = cast(ir.PlanKind, kind)
-        return ir.Plan(kind=plan, count=count, baseline=self._baseline(design), place=ir.Location.of(design.span))
+        plan, place = cast(ir.PlanKind, kind), ir.Location.of(design.span)
+        if kind == "groups":
+            cross, turn = self._crossed(design)
+            return ir.Plan(kind=plan, count=count, cross=cross, turn=turn, place=place)
+        return ir.Plan(kind=plan, count=count, baseline=self._baseline(design), place=place)
+
+    def _crossed(self, design: s.Design) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The factors that are crossed in every group, and those that take turns."""
+        named: dict[str, tuple[str, ...]] = {}
+        taken: dict[str, Span] = {}
+        for p in design.baseline:
+            if p.name.id not in GROUPED:
+                remedy = suggestion(p.name.id, GROUPED)
+                self.check.fail("WMS203", f"groups have no `{p.name.id}`", p.name.span, remedy)
+            if p.name.id in named:
+                self.check.fail("WMS202", f"`{p.name.id}` is set twice", p.name.span, "put the factors in one list")
+            names = p.value.items if isinstance(p.value, s.Items) else (p.value,)
+            named[p.name.id] = tuple(self._factor(e, taken) for e in names)
+        if not named:
+            remedy = "write `{ cross: FACTOR }`, or `{ turn: [FACTOR, ...] }` for factors that take turns"
+            self.check.fail("WMS408", "groups do not say what is crossed in them", design.kind.span, remedy)
+        return named.get("cross", ()), named.get("turn", ())
+
+    def _factor(self, e: s.Expr, taken: dict[str, Span]) -> str:
+        """The name of a factor, none of which may be named twice."""
+        name = e.span.text
+        self._declared(name, e.span)
+        if name in taken:
+            notes = (Note("named here first", taken[name]),)
+            self.check.fail("WMS202", f"`{name}` is named twice", e.span, "name it once", notes)
+        taken[name] = e.span
+        return name
+
+    def _declared(self, name: str, span: Span) -> s.Factor:
+        """The factor of that name."""
+        factor = self.check.scope.names.get(name)
+        if not isinstance(factor, s.Factor) or factor.nuisance:
+            factors = [f for f, x in self.check.scope.names.items() if isinstance(x, s.Factor) and not x.nuisance]
+            self.check.fail("WMS201", f"there is no factor `{name}`", span, suggestion(name, factors))
+        return factor
 
     def _count(self, e: s.Expr) -> int:
         count = constant(self.check.value(e, (A_NUMBER,), "`of`").expr)
@@ -133,10 +174,7 @@ class Factors:
         found: dict[str, Level] = {}
         for p in design.baseline:
             name = p.name.id
-            factor = self.check.scope.names.get(name)
-            if not isinstance(factor, s.Factor) or factor.nuisance:
-                factors = [f for f, x in self.check.scope.names.items() if isinstance(x, s.Factor) and not x.nuisance]
-                self.check.fail("WMS201", f"there is no factor `{name}`", p.name.span, suggestion(name, factors))
+            factor = self._declared(name, p.name.span)
             if name in found:
                 self.check.fail("WMS202", f"`{name}` is set twice", p.name.span, "remove one")
             if p.at is not None:

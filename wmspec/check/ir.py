@@ -279,19 +279,22 @@ class Question(Node):
     place: Location
 
 
-PlanKind = Literal["factorial", "sample", "latin", "one_at_a_time"]
+PlanKind = Literal["factorial", "sample", "latin", "one_at_a_time", "groups"]
 
 
 class Plan(Node):
     """Which combinations of the factors make up the design.
 
     factorial: all of them. sample: `count` different ones, balanced. latin: a Latin hypercube of `count`.
-    one_at_a_time: the `baseline` and what differs from it in one factor.
+    one_at_a_time: the `baseline` and what differs from it in one factor. groups: `count` control groups; in each the
+    factors `cross` are crossed, and one of `turn`, which take turns; all else is drawn anew for each group.
     """
 
     kind: PlanKind = "factorial"
     count: int | None = None
     baseline: dict[str, Scalar | tuple[float, ...]] = field(default_factory=dict)
+    cross: tuple[str, ...] = ()
+    turn: tuple[str, ...] = ()
     place: Location | None = None
 
 

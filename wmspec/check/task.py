@@ -183,6 +183,9 @@ class _Task:
                 "WMS304", "`repeat` is a whole constant from 1 to 1000000", self._settings["repeat"].value.span
             )
             return 1
+        if typed is not None and any(d.kind.id == "groups" for d in self.check.scope.designs):
+            remedy = "remove it, and ask for more groups: `design groups of ...`"
+            self.report.add("WMS408", "groups are not repeated", self._settings["repeat"].value.span, remedy)
         return int(count)
 
     def horizon(self, observations: list[ir.Observation]) -> ir.Expr:

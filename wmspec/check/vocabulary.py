@@ -303,6 +303,11 @@ PLANS: dict[str, Plan] = {
     "factorial": Plan("design factorial", "all of them; the same if there is no `design`"),
     "sample": Plan("design sample of 500", "so many of them, the values of a factor equally often", counted=True),
     "latin": Plan("design latin of 200", "a Latin hypercube: factors may be intervals, covered evenly", counted=True),
+    "groups": Plan(
+        "design groups of 120 { cross: x  turn: [y] }",
+        "so many control groups: in each some factors are crossed, all others are drawn anew for each group",
+        counted=True,
+    ),
     "one_at_a_time": Plan("design one_at_a_time { speed: 1 m/s }", "a baseline, and each factor varied by itself"),
 }
 

@@ -19,6 +19,8 @@ from wmspec.cli.common import dimension_option, json_option, load_tasks, of_dime
 def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_json: bool) -> None:
     """List tasks with their dimensions, factors and numbers of instances (× questions), beside the paper's cases.
 
+    Groups share every draw: their number is the sample size that nuisances have, and factors that are not crossed.
+
     Without SPECS: the tasks that come with wmspec.
     """
     from wmspec.parse.load import library_folder
@@ -49,6 +51,7 @@ def _row(path: Path, spec: Any) -> dict[str, Any]:
         "images": len(looked(spec, Values(spec, first.values, None, first.key))),
         "paper": None if there is None else {"task": there.name, "instances": there.cases, "images": there.images},
         "design": spec.plan.kind,
+        "groups": design.draws,
         "factors": {f.name: len(f.domain.values) if isinstance(f.domain, Choices) else None for f in design.factors},
         "nuisances": [n.name for n in design.nuisances],
         "questions": len(spec.questions),
@@ -62,14 +65,16 @@ def _print(found: Sequence[dict[str, Any]]) -> None:
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("task", "dimension", "instances", "paper's", "factors"):
-        table.add_column(name, justify="right" if name in ("instances", "paper's") else "left", overflow="fold")
+    for name in ("task", "dimension", "instances", "groups", "paper's", "factors"):
+        table.add_column(
+            name, justify="right" if name in ("instances", "groups", "paper's") else "left", overflow="fold"
+        )
     for row in found:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
         factors = ", ".join(f"{name} ({count or 'continuous'})" for name, count in row["factors"].items())
         asked = f" × {row['questions']}" if row["questions"] > 1 else ""
         name = row["task"] if row["executable"] else f"{row['task']} *"
-        table.add_row(name, row["dimension"], f"{row['instances']:,}{asked}", paper, factors)
+        table.add_row(name, row["dimension"], f"{row['instances']:,}{asked}", f"{row['groups']:,}", paper, factors)
     console = Console()
     if not console.is_terminal:  # programs read lines: one a task, however long
         console.width = 10_000

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, combinations, islice
 
 from wmspec.check.ir import Choices, TaskSpec
+from wmspec.design.blocks import Blocks, Groups, Repeated, TooManyTied
 from wmspec.design.columns import Column, Free, Strata
 from wmspec.design.constrain import Constraint
 from wmspec.design.constraint_chain import MOST_COUNTED, Chain, TooMuch
@@ -18,20 +19,33 @@ from wmspec.draws import Level
 MOST_SETS = 500
 
 
-def arrange(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> tuple[tuple[Column, ...], Arrangement]:
-    """The columns of a task's design and how they are combined. Raises Fault if that cannot be."""
+def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Blocks:
+    """The control groups of a task's design. Raises Fault if there can be none."""
     columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
     key = (seed, spec.name, spec.plan.kind)
+    if spec.plan.kind != "groups":
+        return Repeated(columns, _arranged(spec, conditions, columns, key), spec.repeat)
+    try:
+        return Groups(columns, spec.plan.cross, spec.plan.turn, spec.plan.count or 1, key)
+    except TooManyTied as tied:
+        place = spec.plan.place or spec.factors[0].place
+        names = ", ".join(tied.names[:6])
+        what = f"conditions tie what is crossed to too much else ({names}): groups cannot be counted up"
+        raise Fault("WMS404", what, place, "cross other factors, or tie fewer to one another") from None
+
+
+def _arranged(
+    spec: TaskSpec, conditions: Sequence[Constraint], columns: tuple[Column, ...], key: tuple[object, ...]
+) -> Arrangement:
     count = spec.plan.count or 1
     match spec.plan.kind:
-        case "factorial":
-            return columns, Factorial(columns)
         case "sample":
-            return columns, Sample(columns, count, key)
+            return Sample(columns, count, key)
         case "latin":
-            return columns, Latin(columns, count, key)
+            return Latin(columns, count, key)
         case "one_at_a_time":
-            return columns, Listed(tuple(_around(spec, columns, conditions)))
+            return Listed(tuple(_around(spec, columns, conditions)))
+    return Factorial(columns)
 
 
 def _strata(spec: TaskSpec, seed: int) -> Iterator[Strata]:
@@ -52,7 +66,7 @@ def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, .
     They are in the order of the spec, or by name where combinations are drawn: draws do not look at the order.
     """
     domains = {f.name: f.domain.values for f in spec.factors if not f.nuisance and isinstance(f.domain, Choices)}
-    if spec.plan.kind in ("sample", "latin"):
+    if spec.plan.kind in ("sample", "latin", "groups"):
         domains = dict(sorted(domains.items()))
     try:
         found = tuple(_tied(domains, conditions))

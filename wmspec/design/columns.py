@@ -108,8 +108,7 @@ class Spread:
             permutation = Permutation(column.size, *self._key, "order")
             self.rank, self.number = permutation, permutation.inverse
             if column.size <= MOST_LISTED:
-                tied = len(column.names) > 1 and column.size <= MOST_BALANCED
-                order = _balanced(column, self._key) if tied else list(map(permutation, range(column.size)))
+                order = balanced(column, self._key)
                 self.rank = order.__getitem__
                 self.number = {rank: number for number, rank in enumerate(order)}.get
 
@@ -123,7 +122,14 @@ class Spread:
         return number if self._drawn(number) == rank else None
 
 
-def _balanced(column: Column, key: tuple[object, ...]) -> list[int]:
+def balanced(column: Column, key: tuple[object, ...]) -> list[int]:
+    """All ranks of a column in a random order; of factors that are tied, one in which every beginning is balanced."""
+    if len(column.names) > 1 and column.size <= MOST_BALANCED:
+        return _evened(column, key)
+    return list(map(Permutation(column.size, *key, "order"), range(column.size)))
+
+
+def _evened(column: Column, key: tuple[object, ...]) -> list[int]:
     """The ranks of a column in an order in which each value of each factor comes at even intervals, else at random."""
     rows = {rank: list(enumerate(column.values(rank))) for rank in range(column.size)}
     total: dict[tuple[int, Level], int] = {}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import overload
 
 from wmspec.check.ir import Choices, TaskSpec
-from wmspec.design.arrange import arrange
+from wmspec.design.arrange import blocks
 from wmspec.design.constrain import constraints
 from wmspec.design.fault import Fault
 from wmspec.draws import Level, Permutation, quantile, uniform
@@ -16,10 +16,10 @@ from wmspec.draws import Level, Permutation, quantile, uniform
 
 @dataclass(frozen=True)
 class Instance:
-    """One instance: its index, the repetition (block) it belongs to, and the value of every factor and nuisance.
+    """One instance: its index, the control group (block) it belongs to, and the value of every factor and nuisance.
 
-    `key` is what every draw for this instance begins with: the seed, the task and its control group, within which
-    nothing varies but the factors.
+    `crossed` are the factors that vary within its group. `key` is what every draw for this instance begins with: the
+    seed, the task and its control group, within which nothing varies but these factors.
     """
 
     index: int
@@ -27,6 +27,7 @@ class Instance:
     factors: dict[str, Level]
     nuisances: dict[str, Level]
     key: tuple[object, ...] = ()
+    crossed: tuple[str, ...] = ()
 
     @property
     def values(self) -> dict[str, Level]:
@@ -35,12 +36,13 @@ class Instance:
 
 
 class Design:
-    """The combinations of a task's factors that its plan picks and its `require`s allow, `repeat`ed as blocks.
+    """The combinations of a task's factors that its plan picks and its `require`s allow, in control groups (blocks).
 
-    Nuisances are drawn once per block, so that instances of a block differ in factors alone; in a Latin hypercube,
-    whose instances differ in everything, once per instance. Indices count blocks first, then the combinations; in a
-    factorial design those follow the order of the spec, the last factor fastest, and factors that `require`s tie
-    together count where the first of them stands.
+    A block is all that the plan picks, made again as often as `repeat` says, or one of many small groups. Nuisances are
+    drawn once per block, so that instances of a block differ in factors alone; in a Latin hypercube, whose instances
+    differ in everything, once per instance. Indices count blocks first, then the combinations; in a factorial design
+    those follow the order of the spec, the last factor fastest, and factors that `require`s tie together count where
+    the first of them stands.
 
     Raises Fault if there is no such design.
     """
@@ -51,17 +53,21 @@ class Design:
         self.factors = tuple(f for f in spec.factors if not f.nuisance)
         self.nuisances = tuple(f for f in spec.factors if f.nuisance)
         self.conditions = constraints(spec)
-        self._columns, self._plan = arrange(spec, self.conditions, seed)
+        self.blocks = blocks(spec, self.conditions, seed)
         self._alone = spec.plan.kind == "latin"
         self._drawn: tuple[object, dict[str, Level]] = (None, {})
-        self.block_size = self._plan.size
-        if self.block_size * spec.repeat > sys.maxsize:
+        if self.blocks.size > sys.maxsize:
             place = spec.plan.place or (spec.factors or spec.things)[0].place
-            what = f"this design has {self.block_size * spec.repeat:.2g} instances, more than can be numbered"
+            what = f"this design has {self.blocks.size:.2g} instances, more than can be numbered"
             raise Fault("WMS408", what, place, "draw some of them: `design sample of 1000`")
 
     def __len__(self) -> int:
-        return self.block_size * self.spec.repeat
+        return self.blocks.size
+
+    @property
+    def draws(self) -> int:
+        """How many times everything that is drawn is drawn: the number of independent control groups."""
+        return len(self) if self._alone else self.blocks.count
 
     @overload
     def __getitem__(self, index: int) -> Instance: ...
@@ -76,41 +82,44 @@ class Design:
             return Part(self, range(len(self))[index])
         if not 0 <= index < len(self):
             raise IndexError(f"{self.spec.name} has instances 0 to {len(self) - 1}, not {index}")
-        block, position = divmod(index, self.block_size)
-        picked: dict[str, Level] = {}
-        for column, rank in zip(self._columns, self._plan.ranks(position), strict=True):
-            picked.update(zip(column.names, column.values(rank), strict=True))
-        key = (self.seed, self.spec.name, f"{block}.{position}" if self._alone else block)
-        return Instance(index, block, {f.name: picked[f.name] for f in self.factors}, self._draw(key), key)
+        block, place = self.blocks.locate(index)
+        picked = self.blocks.values(block, place)
+        key = (self.seed, self.spec.name, f"{block}.{place}" if self._alone else block)
+        factors = {f.name: picked[f.name] for f in self.factors}
+        return Instance(index, block, factors, self._draw(key), key, self.blocks.crossed(block))
 
     def __iter__(self) -> Iterator[Instance]:
         return (self[i] for i in range(len(self)))
 
     def index(self, factors: Mapping[str, Level], block: int = 0) -> int | None:
         """The index of a combination; None if the design leaves it out."""
-        ranks = []
-        for column in self._columns:
-            rank = column.rank([factors[n] for n in column.names])
-            if rank is None:
-                return None
-            ranks.append(rank)
-        position = self._plan.position(tuple(ranks))
-        return None if position is None else block * self.block_size + position
+        return self.blocks.index(factors, block)
 
     def neighbours(self, index: int, factor: str) -> tuple[int, ...]:
         """The indices of the instances that differ from this one in one factor alone."""
-        if self._alone:
-            return ()
         here = self[index]
+        if self._alone or factor not in here.crossed:
+            return ()
         domain = next(f.domain for f in self.factors if f.name == factor)
         assert isinstance(domain, Choices)
         others = (self.index(here.factors | {factor: value}, here.block) for value in domain.values)
         return tuple(other for other in others if other is not None and other != index)
 
     def sample(self, count: int) -> tuple[int, ...]:
-        """`count` different indices in a random order that depends on the seed alone; all if there are fewer."""
-        order = Permutation(len(self), self.seed, self.spec.name, "sample")
-        return tuple(order(i) for i in range(min(count, len(self))))
+        """`count` different indices in a random order that depends on the seed alone; all if there are fewer.
+
+        Of a design in groups, whole groups: as many as do not exceed `count`, but at least one.
+        """
+        if self.spec.plan.kind != "groups":
+            order = Permutation(len(self), self.seed, self.spec.name, "sample")
+            return tuple(order(i) for i in range(min(count, len(self))))
+        order = Permutation(self.blocks.count, self.seed, self.spec.name, "sample")
+        sampled: list[int] = []
+        for group in (self.blocks.members(order(number)) for number in range(self.blocks.count)):
+            if sampled and len(sampled) + len(group) > count:
+                break
+            sampled += group
+        return tuple(sampled)
 
     def shard(self, number: int, count: int) -> Part:
         """Shard `number`, 1 .. `count`: equal shares of the design, to within one, which in order make up the whole."""

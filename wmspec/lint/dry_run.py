@@ -46,7 +46,7 @@ def trial(spec: TaskSpec, report: Report) -> int:
         _doubt(doubts(spec), pointer, report)
         design = Design(spec)
         _doubt(idle_requires(spec, design.conditions), pointer, report)
-        _doubt(short_sample(spec, design.block_size), pointer, report)
+        _doubt(short_sample(spec, len(design.blocks.members(0))), pointer, report)
         tried = _Trial(without(spec), design, pointer, report)
         for count, index in enumerate(design.sample(TRIED)):
             with tried.telling():

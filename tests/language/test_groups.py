@@ -1,0 +1,99 @@
+"""Designs in groups: what is crossed in each, what takes turns, and what is drawn anew for each group."""
+
+from collections import Counter
+from dataclasses import replace
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from tests.language.designs import allowed, compare, design_of, random_design
+from wmspec.check.ir import Plan, TaskSpec
+from wmspec.design.design import Design
+
+
+def groups(count: int, cross: str = "", turn: str = "") -> Plan:
+    return Plan(kind="groups", count=count, cross=tuple(cross), turn=tuple(turn))
+
+
+@settings(max_examples=120, deadline=None)
+@given(spec=random_design(), count=st.integers(1, 40), seed=st.integers(0, 9), data=st.data())
+def test_a_group_crosses_what_it_says_and_nothing_else(
+    spec: TaskSpec, count: int, seed: int, data: st.DataObject
+) -> None:
+    everything = list(allowed(spec))
+    assume(everything)
+    names = data.draw(st.permutations([f.name for f in spec.factors if not f.nuisance]))
+    cross = names[: data.draw(st.integers(0, len(names)))]
+    turn = names[len(cross) :][: data.draw(st.integers(0, 2))]
+    design = Design(replace(spec, repeat=1, plan=groups(count, "".join(cross), "".join(turn))), seed)
+    instances = list(design)
+    assert [design.index(i.factors, i.block) for i in instances] == list(range(len(design)))
+    assert design.draws == count
+    for block in range(count):
+        members = [instances[i] for i in design.blocks.members(block)]
+        crossed = {*cross, *([turn[block % len(turn)]] if turn else [])}
+        assert {*members[0].crossed} == crossed
+        fixed = {name: value for name, value in members[0].factors.items() if name not in crossed}
+        wanted = [c for c in everything if fixed.items() <= c.items()]
+        assert sorted(map(repr, (dict(sorted(m.factors.items())) for m in members))) == sorted(map(repr, wanted))
+        assert len({m.nuisances["n"] for m in members}) == 1
+        assert all(m.block == block and m.key == members[0].key for m in members)
+    drawn = [instances[design.blocks.members(block)[0]].nuisances["n"] for block in range(count)]
+    assert len(set(drawn)) == count
+
+
+@settings(max_examples=60, deadline=None)
+@given(spec=random_design(), count=st.integers(2, 30), data=st.data())
+def test_neighbours_are_in_the_group_and_differ_in_one_factor(spec: TaskSpec, count: int, data: st.DataObject) -> None:
+    assume(list(allowed(spec)))
+    names = [f.name for f in spec.factors if not f.nuisance]
+    design = Design(replace(spec, repeat=1, plan=groups(count, names[0], "".join(names[1:]))))
+    here = design[data.draw(st.integers(0, len(design) - 1))]
+    for factor in here.factors:
+        for other in design.neighbours(here.index, factor):
+            there = design[other]
+            assert there.block == here.block
+            assert [n for n in here.values if here.values[n] != there.values[n]] == [factor]
+        assert factor in here.crossed or not design.neighbours(here.index, factor)
+
+
+def test_over_the_groups_of_a_turn_each_value_comes_equally_often() -> None:
+    design = Design(design_of({"a": 2, "b": 3, "c": 4, "d": 5}, compare("!=", "c", "d"), plan=groups(240, "a", "bc")))
+    firsts = [design[design.blocks.members(block)[0]].factors for block in range(240)]
+    counts = (
+        Counter(i["b"] for i in firsts[1::2]),
+        Counter(i["d"] for i in firsts[1::2]),  # while c is crossed
+        Counter((i["c"], i["d"]) for i in firsts[::2]),  # the allowed pairs
+    )
+    for often, levels in zip(counts, (3, 5, 16), strict=True):
+        assert len(often) == levels
+        assert max(often.values()) - min(often.values()) <= 1
+
+
+def test_more_groups_and_more_factors_move_no_draw() -> None:
+    small = design_of({"a": 2, "b": 3, "c": 4}, plan=groups(20, "a", "b"))
+    design = Design(small, seed=3)
+    longer = Design(replace(small, plan=groups(50, "a", "b")), seed=3)
+    wider = Design(design_of({"z": 3, "c": 4, "b": 3, "a": 2}, plan=groups(20, "a", "b")), seed=3)
+    for i in range(len(design)):
+        assert design[i].values == longer[i].values
+        there = wider[i].values
+        assert design[i].values == {name: value for name, value in there.items() if name != "z"}
+
+
+def test_a_sample_is_of_whole_groups() -> None:
+    design = Design(design_of({"a": 4, "b": 3}, plan=groups(30, "a")))
+    sampled = design.sample(22)
+    assert len(sampled) == 20
+    assert Counter(design[i].block for i in sampled) == dict.fromkeys((design[i].block for i in sampled), 4)
+    assert len(design.sample(1)) == 4
+
+
+@pytest.mark.parametrize("tied", [False, True])
+def test_an_instance_of_very_many_groups_is_found_without_the_others(tied: bool) -> None:
+    conditions = [compare("!=", "b", "c")] if tied else []
+    design = Design(design_of({"a": 4, "b": 3, "c": 3}, *conditions, plan=groups(5_000_000, "a", "b")))
+    last = design[len(design) - 1]
+    assert last.block == 4_999_999
+    assert design.index(last.factors, last.block) == len(design) - 1
