@@ -65,10 +65,9 @@ def _print(found: Sequence[dict[str, Any]]) -> None:
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("task", "dimension", "instances", "groups", "paper's", "factors"):
-        table.add_column(
-            name, justify="right" if name in ("instances", "groups", "paper's") else "left", overflow="fold"
-        )
+    numbers = ("instances", "groups", "paper's")
+    for name in ("task", "dimension", *numbers, "factors"):
+        table.add_column(name, justify="right" if name in numbers else "left", overflow="fold")
     for row in found:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
         factors = ", ".join(f"{name} ({count or 'continuous'})" for name, count in row["factors"].items())
