@@ -40,7 +40,7 @@ def test_check_and_list_the_specs_that_come_with_it(tmp_path: Path) -> None:
     assert sizes["collide"] >= 1728, "fewer than the paper's instances"
     assert all(len(row["factors"]) >= 3 for row in listed)
     lines = wmspec("list", folder=tmp_path, COLUMNS="40").stdout.splitlines()
-    assert lines[0].split() == ["task", "dimension", "instances", "paper's", "factors"]
+    assert lines[0].split() == ["task", "dimension", "instances", "groups", "paper's", "factors"]
     assert [line.split()[0] for line in lines[1 : len(listed) + 1]] == [row["task"] for row in listed], "a line a task"
     for line, row in zip(lines[1:], listed, strict=False):
         assert f"{row['instances']:,}" in line
