@@ -1,1 +1,1 @@
-"""The engines: one package each, of equal shape. Each needs only `wmspec.scene` and `wmspec.errors`."""
+"""The engines: one package each, of equal shape. Each needs only `wmspec.scene` and `wmspec.diagnostics`."""

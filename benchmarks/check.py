@@ -24,7 +24,7 @@ from statistics import median
 from wmspec.check.task import check
 from wmspec.cli.common import spec_files
 from wmspec.design.design import Design
-from wmspec.parse.diagnostics import Report
+from wmspec.diagnostics import Report
 from wmspec.parse.load import library_folder
 
 MOST_SECONDS = 0.3

@@ -27,12 +27,11 @@ from types import FrameType
 
 from benchmarks.inputs import ROOT, text_of
 from wmspec.check.task import check_program
-from wmspec.errors import WmsError
+from wmspec.diagnostics import Report, SpecError, WmsError
 from wmspec.lint.dry_run import trial
-from wmspec.parse.diagnostics import Report, SpecError
 from wmspec.parse.format import format_spec
 from wmspec.parse.load import load_source
-from wmspec.parse.source import Source
+from wmspec.places import Source
 
 #: Processor seconds that an input may take.
 MOST_SECONDS = 2.0

@@ -13,9 +13,9 @@ from PIL import Image
 
 from wmspec.check.task import check
 from wmspec.design.design import Design
+from wmspec.diagnostics import Report
 from wmspec.execute.render_cache import RenderCache
 from wmspec.materials import MATERIALS
-from wmspec.parse.diagnostics import Report
 from wmspec.scene.model import Look, Shot
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose

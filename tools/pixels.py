@@ -13,8 +13,8 @@ from PIL import Image
 
 from wmspec.check.task import check
 from wmspec.design.design import Design
+from wmspec.diagnostics import Report
 from wmspec.execute.render_cache import RenderCache
-from wmspec.parse.diagnostics import Report
 from wmspec.scene.model import Look, Scene, Shot
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose

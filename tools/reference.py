@@ -31,7 +31,7 @@ from wmspec.check.vocabulary import (
     Slot,
 )
 from wmspec.materials import MATERIALS
-from wmspec.parse.diagnostics import CODES
+from wmspec.parse.codes import CODES
 
 PAGE = Path(__file__).parent.parent / "docs/language.md"
 MARK = "<!-- reference -->\n"

@@ -7,13 +7,19 @@ node is left to the type checker.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import dataclass_transform
+from typing import ClassVar, dataclass_transform
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
 class Node:
-    """Base of frozen dataclasses, compared by value; they need no decorator."""
+    """Base of frozen dataclasses, compared by value; they need no decorator.
+
+    What pydantic reads as one has no more fields than it says, and numbers in it are finite.
+    """
+
+    __pydantic_config__: ClassVar[Mapping[str, str | bool]] = {"extra": "forbid", "allow_inf_nan": False}
 
     def __init_subclass__(cls, kw_only: bool = False) -> None:
         dataclass(eq=False, repr=False, kw_only=kw_only)(cls)

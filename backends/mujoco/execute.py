@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from wmspec.errors import EngineError, WmsError
+from wmspec.diagnostics import EngineError, WmsError
 from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable

@@ -11,7 +11,7 @@ import sys
 from functools import cache
 from typing import Any
 
-from wmspec.errors import GraphicsError
+from wmspec.diagnostics import GraphicsError
 from wmspec.scene.silence import silence
 
 

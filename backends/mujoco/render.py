@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.errors import GraphicsError
+from wmspec.diagnostics import GraphicsError
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, whole
 from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot

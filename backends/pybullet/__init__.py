@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.model import Look, Renderer, Scene
 
 from .execute import execute

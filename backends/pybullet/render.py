@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.camera import projection_matrix, seeing, view_matrix
 from wmspec.scene.color import texture, whole
 from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot

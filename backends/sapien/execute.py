@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.errors import GraphicsError
+from wmspec.diagnostics import GraphicsError
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, to_bytes, to_linear, to_srgb
 from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot

@@ -14,7 +14,7 @@ from wmspec.check.evaluate import evaluate
 from wmspec.check.functions import FUNCTIONS
 from wmspec.check.ir import Call, Items, Value
 from wmspec.check.make import observe, task, thing
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
 from wmspec.scene.model import Body, Box, Contact, Geom, Pose, Sphere, Trace
 

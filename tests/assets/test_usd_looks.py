@@ -11,7 +11,7 @@ from pxr import Sdf, Usd, UsdShade, UsdUtils
 
 from tests.assets.specs import checked, named, scene, spec
 from tests.assets.test_usd_meshes import QUADS, SIDES
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.model import Geom, Mesh
 
 CORNERS = ", ".join(str(i) for side in SIDES for i in side)

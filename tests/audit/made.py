@@ -15,8 +15,8 @@ from wmspec.ask.model import Change, Option, Picture, QuestionRow, Vote
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
 from wmspec.design.design import Design
+from wmspec.diagnostics import Report
 from wmspec.draws import permuted
-from wmspec.parse.diagnostics import Report
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import encode

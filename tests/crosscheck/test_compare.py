@@ -15,7 +15,7 @@ from wmspec.compare.model import Comparison
 from wmspec.compare.tolerance import Tolerances, tolerances
 from wmspec.compare.turn import turned
 from wmspec.design.design import Design
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Body, Box, Cylinder, Geom, Pose, Scene, Shape, Sphere, Trace
 from wmspec.scene.transform import identity

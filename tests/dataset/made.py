@@ -13,7 +13,7 @@ from wmspec.ask.model import Change, Option, Picture, QuestionRow, Rejected, Vot
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
 from wmspec.design.design import Design, Instance
-from wmspec.parse.diagnostics import Report
+from wmspec.diagnostics import Report
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard, Task
 from wmspec.write.rows import Row, encode

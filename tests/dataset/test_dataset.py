@@ -21,7 +21,7 @@ import yaml
 
 from tests.dataset.made import filling, make, plan
 from wmspec.ask.model import Rejected
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan
 

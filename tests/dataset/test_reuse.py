@@ -13,7 +13,7 @@ import pytest
 from tests.dataset.made import filling, make, plan
 from tests.dataset.test_dataset import contents
 from wmspec.design.design import share
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Task
 from wmspec.write.reuse import Before

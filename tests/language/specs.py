@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check_program
-from wmspec.parse.diagnostics import Report
+from wmspec.diagnostics import Report
 from wmspec.parse.load import library_folder, load, load_source
-from wmspec.parse.source import Source
+from wmspec.places import Source
 
 ROOT = library_folder().parent
 SPECS = [p for p in sorted(ROOT.rglob("*.wms")) if p.parent != library_folder()]

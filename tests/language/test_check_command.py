@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from wmspec.cli import check, main
-from wmspec.parse.diagnostics import CODES
+from wmspec.parse.codes import CODES
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 

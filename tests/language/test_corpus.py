@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 from wmspec.check.task import check
+from wmspec.diagnostics import Report
 from wmspec.lint.dry_run import trial
-from wmspec.parse.diagnostics import CODES, Report
-from wmspec.parse.source import Span
+from wmspec.parse.codes import CODES
+from wmspec.places import Place, Span
 
 CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
 
@@ -24,13 +25,14 @@ def diagnose(path: Path) -> str:
     for d in report.diagnostics:
         assert d.code in CODES
         helped = f" | {d.help}" if d.help else ""
-        lines.append(f"{d.severity} {d.code} {d.span.line}:{d.span.column} {d.message}{helped}\n")
-        lines += [f"    note {told(n.span, path)} {n.message}\n" for n in d.notes]
+        lines.append(f"{d.severity} {d.code} {told(d.place, path)} {d.message}{helped}\n")
+        lines += [f"    note {told(n.place, path)} {n.message}\n" for n in d.notes]
     return "".join(lines) or "no mistakes\n"
 
 
-def told(span: Span, path: Path) -> str:
+def told(span: Place | None, path: Path) -> str:
     """Where in the case's own text, or in which library, whose lines may move."""
+    assert isinstance(span, Span)
     return f"{span.line}:{span.column}" if span.source.name == str(path) else f"in {Path(span.source.name).name}"
 
 

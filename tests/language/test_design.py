@@ -11,7 +11,7 @@ from tests.language.designs import allowed, compare, design_of, random_design
 from tests.language.specs import random_spec, task_from
 from wmspec.check.ir import Plan, TaskSpec
 from wmspec.design.design import Design
-from wmspec.design.fault import Fault
+from wmspec.diagnostics import SpecError
 
 SPEC = """
 use tabletop
@@ -43,7 +43,7 @@ def test_counting_finds_what_trying_finds(spec: TaskSpec) -> None:
     """Numbering by counts gives each allowed combination once, and its index back."""
     expected = list(allowed(spec))
     if not expected:
-        with pytest.raises(Fault, match="no "):
+        with pytest.raises(SpecError, match="no "):
             Design(spec)
         return
     design = Design(spec)
@@ -101,9 +101,9 @@ def test_an_order_is_found_where_that_of_the_spec_is_too_costly() -> None:
 
 
 def test_too_much_to_try_or_to_number_is_refused() -> None:
-    with pytest.raises(Fault, match=r"100,000,000 combinations .* 300,000 are the most"):
+    with pytest.raises(SpecError, match=r"100,000,000 combinations .* 300,000 are the most"):
         Design(design_of(dict.fromkeys("abcd", 100), *(compare("!=", *pair) for pair in combinations("abcd", 2))))
-    with pytest.raises(Fault, match="more than can be numbered"):
+    with pytest.raises(SpecError, match="more than can be numbered"):
         Design(design_of({f"f{i}": 1000 for i in range(7)}))
     assert len(Design(design_of({f"f{i}": 1000 for i in range(7)}, plan=Plan(kind="sample", count=10)))) == 10
 
@@ -115,9 +115,9 @@ def test_too_much_to_try_or_to_number_is_refused() -> None:
 @given(spec=random_design())
 def test_the_fewest_conflicting_conditions_are_named(spec: TaskSpec) -> None:
     assume(not list(allowed(spec)))
-    with pytest.raises(Fault) as caught:
+    with pytest.raises(SpecError) as caught:
         Design(spec)
-    fault = caught.value
+    (fault,) = caught.value.diagnostics
     assert fault.code == "WMS402"
     named = {int(part) for part in fault.message.split("`")[1::2]}
 

@@ -7,8 +7,9 @@ from click.testing import CliRunner
 
 from wmspec.check.task import check
 from wmspec.cli import main
+from wmspec.diagnostics import Report
 from wmspec.lint.dry_run import trial
-from wmspec.parse.diagnostics import CODES, Report
+from wmspec.parse.codes import CODES
 from wmspec.parse.pages import Example, page
 
 FOLDER = Path(__file__).parents[2] / "wmspec/parse/codes"
@@ -35,7 +36,7 @@ def test_examples_do_what_they_say(code: str, tmp_path: Path) -> None:
 
 
 def test_there_is_no_page_without_a_code() -> None:
-    assert {file.stem for file in FOLDER.iterdir()} == set(CODES)
+    assert {file.stem for file in FOLDER.glob("*.md")} == set(CODES)
 
 
 def test_the_command_shows_one_page_or_lists_all() -> None:

@@ -7,9 +7,8 @@ import trimesh
 
 from wmspec.check.ir import Operation, Ref, TaskSpec, Value
 from wmspec.check.task import check
-from wmspec.errors import WmsError
+from wmspec.diagnostics import Report, WmsError
 from wmspec.layout.meshes import load
-from wmspec.parse.diagnostics import Report
 
 TASK = "use tabletop\ntask t : custom {{\n  {0}\n  observe front at [0 s]\n}}\n"
 

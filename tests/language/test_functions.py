@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from wmspec.check import ir
 from wmspec.check.make import compound, objects, observe, task, thing
 from wmspec.design.design import Design
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.layout.cavities import room
 from wmspec.layout.values import Values
 

@@ -15,10 +15,9 @@ from wmspec.check.ir import TaskSpec
 from wmspec.check.record import from_json, plain, schema, to_json
 from wmspec.check.task import check_program
 from wmspec.cli import main
-from wmspec.errors import WmsError
-from wmspec.parse.diagnostics import Report
+from wmspec.diagnostics import Report, WmsError
 from wmspec.parse.load import load_source
-from wmspec.parse.source import Source
+from wmspec.places import Source
 
 DOCS = Path(__file__).parents[2] / "docs"
 

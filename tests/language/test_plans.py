@@ -12,7 +12,7 @@ from tests.language.designs import allowed, compare, design_of, random_design
 from tests.language.specs import task_from
 from wmspec.check.ir import Plan, TaskSpec
 from wmspec.design.design import Design
-from wmspec.design.fault import Fault
+from wmspec.diagnostics import SpecError
 from wmspec.draws import quantile
 
 
@@ -147,5 +147,5 @@ def test_one_factor_at_a_time_around_a_baseline() -> None:
     assert len(design) == 8
     assert design.neighbours(0, "b") == (2, 3)
     assert design.neighbours(1, "b") == ()
-    with pytest.raises(Fault, match="a = 0, b = 0, is excluded"):
+    with pytest.raises(SpecError, match="a = 0, b = 0, is excluded"):
         Design(replace(spec, plan=Plan(kind="one_at_a_time")))

@@ -13,11 +13,11 @@ from wmspec.check.ir import TaskSpec
 from wmspec.check.record import plain
 from wmspec.check.task import check_program
 from wmspec.check.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHTED, Form, Plan
+from wmspec.diagnostics import Report
 from wmspec.lint.dry_run import trial
-from wmspec.parse.diagnostics import Report
 from wmspec.parse.format import format_spec
 from wmspec.parse.load import load_source
-from wmspec.parse.source import Source
+from wmspec.places import Source
 
 ROOT = Path(__file__).parents[2]
 PAGE_PATH = ROOT / "docs/language.md"

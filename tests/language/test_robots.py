@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from tests.language.specs import SPECS, task_of
 from wmspec.cli import main
 from wmspec.design.design import Design
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.stage.agents import without
 from wmspec.stage.episode import document
 

@@ -8,11 +8,10 @@ from hypothesis import strategies as st
 
 from tests.language.specs import SPECS
 from wmspec.check.task import check_program
-from wmspec.errors import WmsError
+from wmspec.diagnostics import Report, WmsError
 from wmspec.lint.dry_run import trial
-from wmspec.parse.diagnostics import Report
 from wmspec.parse.load import load_source
-from wmspec.parse.source import Source
+from wmspec.places import Source
 
 TEXTS = [p.read_text() for p in [*SPECS, *sorted((Path(__file__).parent.parent / "corpus").glob("[a-c]*.wms"))]]
 FRAGMENTS = st.sampled_from(

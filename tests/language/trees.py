@@ -7,7 +7,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from wmspec.parse import syntax as s
-from wmspec.parse.source import Source, Span
+from wmspec.places import Source, Span
 
 NOWHERE = Span(Source("tree", ""), 0, 0)
 

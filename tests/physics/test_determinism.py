@@ -56,7 +56,7 @@ print(digest(execute(lively())), digest(execute(limbs())), end="")
 @pytest.mark.parametrize("engine", ENGINES)
 def test_nothing_is_left_behind(engine: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip(engine)
-    errors = import_module("wmspec.errors")
+    errors = import_module("wmspec.diagnostics")
     execute = import_module(f"wmspec.backends.{engine}").execute
     monkeypatch.chdir(tmp_path)
     wild = body("b", Box(np.full(3, 0.05)), (0, 0, 1), velocity=(1e30, 0, 0), spin=(1e30, 1e30, 0))

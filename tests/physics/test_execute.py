@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.physics.scenes import ENGINES, UPRIGHT, G, body, floor, scene, turn
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.inertia import inertia
 from wmspec.scene.model import (
     Array,

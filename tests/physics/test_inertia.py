@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.inertia import inertia, volume
 from wmspec.scene.model import Array, Box, Capsule, Cone, Cylinder, Inertia, Mesh, Pose, Shape, Sphere
 from wmspec.scene.transform import compose, identity, inverse, multiply, quaternion, rotate, rotation

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.pixels.scenes import body, scene
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.camera import look_at, project
 from wmspec.scene.environment import PEAK, cube, radiance

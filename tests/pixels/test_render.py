@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks import memory
 from tests.pixels.scenes import SUN, body, scene, turned
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.camera import look_at, project
 from wmspec.scene.model import Box, Camera, Pose, Scene, Shot, Sphere, Surface
 from wmspec.scene.shadow import SHADE

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests.stage.stages import assert_same, stage
-from wmspec.errors import StageError
+from wmspec.diagnostics import StageError
 from wmspec.scene.model import Follow, Force, Impulse, Pose, Release, Teleport
 from wmspec.usd import read
 
@@ -77,7 +77,7 @@ def test_what_makes_no_sense_is_refused(case: str) -> None:
     verb, body, more, message = REFUSED[case]
     with pytest.raises(StageError, match=message) as caught:
         action(verb, body, more)
-    assert [problem.path for problem in caught.value.problems] == ["/World/a"]
+    assert [str(problem.place) for problem in caught.value.diagnostics] == ["/World/a"]
 
 
 def test_moves_of_one_body_do_not_overlap() -> None:

@@ -16,7 +16,7 @@ from wmspec.check import ir
 from wmspec.check.make import HERE, action, compound, factor, joint, observe, robot, task, thing
 from wmspec.check.record import from_json, to_json
 from wmspec.design.design import Design
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.materials import MATERIALS
 from wmspec.scene.model import Box, Follow, Force, Impulse, Launch, Mesh, Scene, Steer, Teleport
 from wmspec.scene.transform import apply, rotate

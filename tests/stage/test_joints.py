@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests.stage.stages import assert_same, stage
-from wmspec.errors import StageError
+from wmspec.diagnostics import StageError
 from wmspec.scene.articulations import coordinate
 from wmspec.scene.model import Camera, Drive, Joint, Steer
 from wmspec.scene.transform import apply, compose, inverse, rotate
@@ -210,7 +210,7 @@ def test_what_is_not_supported_is_refused(case: str) -> None:
     text, reason = REFUSED[case]
     with pytest.raises(StageError, match=reason) as caught:
         read(stage(BODIES + text))
-    assert [problem.path for problem in caught.value.problems] == ["/World/j"]
+    assert [str(problem.place) for problem in caught.value.diagnostics] == ["/World/j"]
 
 
 def test_a_drive_is_steered() -> None:

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from tests.physics.scenes import ENGINES
 from tests.stage.stages import stage
-from wmspec.errors import StageError, WmsError
+from wmspec.diagnostics import StageError, WmsError
 from wmspec.scene.inertia import volume
 from wmspec.scene.model import Body, Box, Mesh, Sphere
 from wmspec.usd import read

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from wmspec.check import ir
 from wmspec.check.make import action, compound, objects, observe, task, thing
 from wmspec.design.design import Design
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
 from wmspec.scene.model import Array, Body, Scene
 from wmspec.scene.tessellate import tessellate

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from pxr import Gf, Usd, UsdPhysics, UsdValidation
 
 from tests.stage.stages import DATA, assert_same, lines, stage
-from wmspec.errors import StageError
+from wmspec.diagnostics import StageError
 from wmspec.scene.inertia import volume
 from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Friction, Glide, Launch, Mesh, Sphere
 from wmspec.scene.transform import rotation
@@ -44,8 +44,8 @@ def problems(text: str) -> dict[str, str]:
     """Path -> reason of everything that is refused."""
     with pytest.raises(StageError) as caught:
         read(stage(text))
-    assert all(p.remedy for p in caught.value.problems)
-    return {p.path: p.reason for p in caught.value.problems}
+    assert all(p.help for p in caught.value.diagnostics)
+    return {str(p.place): p.message for p in caught.value.diagnostics}
 
 
 # ---------------------------------------------------------------- our own stages
@@ -626,7 +626,7 @@ def test_layers_that_are_not_there(tmp_path: Path) -> None:
 def test_units_are_above_0(unit: str, number: float) -> None:
     with pytest.raises(StageError) as caught:
         read(stage(BALL % "" + REFUSED["joint"][0], **{unit: number}))
-    told = [(problem.path, problem.reason) for problem in caught.value.problems]
+    told = [(str(problem.place), problem.message) for problem in caught.value.diagnostics]
     assert told == [("/", f"{unit}PerUnit = {number:g}"), ("/World/j", "distance joints are not supported")]
 
 
@@ -669,5 +669,5 @@ def test_a_stage_error_survives_a_process_border() -> None:
     with pytest.raises(StageError) as caught:
         read(stage(REFUSED["joint"][0]))
     again = pickle.loads(pickle.dumps(caught.value))
-    assert (str(again), again.problems) == (str(caught.value), caught.value.problems)
+    assert (str(again), again.diagnostics) == (str(caught.value), caught.value.diagnostics)
     assert str(again).startswith("/World/j: distance joints are not supported; ")

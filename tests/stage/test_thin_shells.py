@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tests.physics.scenes import ENGINES
 from tests.stage.stages import stage
 from tests.stage.test_meshes import RING, angle, prim
-from wmspec.errors import StageError
+from wmspec.diagnostics import StageError
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Body, Mesh
 from wmspec.usd import read

@@ -8,7 +8,7 @@ import pytest
 
 from tests.language.specs import SPECS, task_of
 from wmspec.design.design import Design
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.stage.write import write_stages
 
 

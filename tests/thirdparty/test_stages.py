@@ -17,7 +17,7 @@ from pxr import Usd
 from tests.physics.scenes import ENGINES, scene
 from tests.physics.test_joints import joint, rod
 from tests.thirdparty.environments import CACHE, PIP, python_with
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.model import Force, Scene, Trace
 from wmspec.usd import read
 

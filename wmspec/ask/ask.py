@@ -23,8 +23,8 @@ from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Channel, Question, TaskSpec
 from wmspec.check.measured import measured as is_measured
 from wmspec.design.design import Design, Instance
+from wmspec.diagnostics import GraphicsError, WmsError
 from wmspec.draws import bits, permuted
-from wmspec.errors import GraphicsError, WmsError
 from wmspec.layout.values import Values
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from wmspec.ask.difference import ciede2000, lab
 from wmspec.check.vocabulary import COLORS
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.layout.geometry import volume
 from wmspec.layout.values import Values
 from wmspec.layout.view import front, seen

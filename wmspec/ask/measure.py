@@ -9,7 +9,7 @@ from typing import Any
 from wmspec.ask import motion, outcome, visibility
 from wmspec.ask.observed import Observed
 from wmspec.check.functions import FUNCTIONS
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.layout.functions import extreme
 from wmspec.layout.values import Values
 from wmspec.layout.view import front

@@ -16,7 +16,7 @@ from wmspec.ask.runs import EnginePair, Run, free, nudged
 from wmspec.ask.views import View
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Question
-from wmspec.errors import GraphicsError, WmsError
+from wmspec.diagnostics import GraphicsError, WmsError
 
 #: Unless the spec says how far: by 0.5 mm, once, where something free moves. A spec's own distance is tried twice.
 NUDGE, NUDGES, NUDGES_SAID = 0.0005, 1, 2

@@ -14,8 +14,8 @@ from wmspec.ask.observed import MOVED, Observed
 from wmspec.ask.views import View
 from wmspec.check.ir import Counterfactual
 from wmspec.design.design import Design, Instance
+from wmspec.diagnostics import EngineError, WmsError
 from wmspec.draws import uniform
-from wmspec.errors import EngineError, WmsError
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.layout.values import Values

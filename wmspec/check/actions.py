@@ -10,9 +10,9 @@ from wmspec.check.typed import Typed
 from wmspec.check.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, ROBOT, Kind
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import Slot
-from wmspec.errors import suggestion
+from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 if TYPE_CHECKING:
     from wmspec.check.expressions import Expressions

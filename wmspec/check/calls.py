@@ -9,7 +9,7 @@ from wmspec.check.functions import FUNCTIONS, Function
 from wmspec.check.typed import Typed, joined
 from wmspec.check.types import ITEM, LABEL, OBJECT, QUANTITY, Kind, List, Quantity, article
 from wmspec.check.verbs import VERBS
-from wmspec.errors import suggestion
+from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
 
 if TYPE_CHECKING:

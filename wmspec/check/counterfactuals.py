@@ -13,6 +13,7 @@ from wmspec.check.typed import Typed, constant
 from wmspec.check.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
 from wmspec.check.vocabulary import FILES, Slot
 from wmspec.parse import syntax as s
+from wmspec.places import Location
 
 #: What has properties that a counterfactual can change.
 _CHANGED = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)
@@ -52,7 +53,7 @@ class Counterfactuals:
             property=prop,
             value=value,
             sort=sort,
-            place=ir.Location.of(change.span),
+            place=Location.of(change.span),
         )
 
     def _action(self, e: s.Expr, what: str) -> str:

@@ -13,10 +13,9 @@ from wmspec.check.functions import FUNCTIONS
 from wmspec.check.lists import MOST_VALUES
 from wmspec.check.typed import constant, joined
 from wmspec.check.types import A_NUMBER, TRUTH, Kind, List, Quantity, Vector, article
-from wmspec.errors import suggestion
+from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 Level = ir.Scalar | tuple[float, ...]
 #: A condition as it was written, and whether it must hold or must not.

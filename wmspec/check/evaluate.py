@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 from wmspec.check.ir import Call, Expr, Items, Operation, Property, Ref, Value
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 
 
 class Environment(Protocol):
@@ -23,7 +23,7 @@ class Environment(Protocol):
         """A function of arguments that have been evaluated."""
 
 
-class NoValue(WmsError):
+class NoValue(ImpossibleValue):
     """An expression has no value; whoever wanted it knows where it stands."""
 
 

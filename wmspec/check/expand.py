@@ -10,9 +10,8 @@ from wmspec.check.files import is_asset, there
 from wmspec.check.substitute import Substitute, TooLarge
 from wmspec.check.typed import Failed
 from wmspec.check.vocabulary import ASSETS, PROPERTIES
-from wmspec.errors import suggestion
+from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note
 from wmspec.parse.load import located
 
 if TYPE_CHECKING:  # most specs have no assets, and checking those should not wait for what reads them

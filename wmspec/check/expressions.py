@@ -14,10 +14,9 @@ from wmspec.check.scope import Scope
 from wmspec.check.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.check.types import DIRECTION, OBJECT, TEXT, TRUTH, Kind, Quantity, Vector, article, either
 from wmspec.check.units import NUMBER, Dimension
-from wmspec.errors import suggestion
+from wmspec.diagnostics import Note, Report, suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note, Report
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 __all__ = ["ZERO", "Expressions", "Failed", "Typed", "constant", "fits"]
 

@@ -11,10 +11,9 @@ from wmspec.check.expressions import Expressions
 from wmspec.check.typed import ZERO, Failed, constant
 from wmspec.check.types import A_NUMBER, TRUTH, Kind, Quantity, Vector
 from wmspec.check.vocabulary import PLANS
-from wmspec.errors import suggestion
+from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note
-from wmspec.parse.source import Span
+from wmspec.places import Location, Span
 
 #: More instances are not drawn.
 MOST_DRAWN = 10_000_000
@@ -46,7 +45,7 @@ class Factors:
             domain=domain,
             nuisance=factor.nuisance,
             unit=dimension.symbol if dimension else "",
-            place=ir.Location.of(factor.name.span),
+            place=Location.of(factor.name.span),
         )
 
     def _drawn(self, factor: s.Factor, written: Written) -> ir.Domain:
@@ -82,13 +81,13 @@ class Factors:
     def let(self, let: s.Let) -> ir.Let:
         """A named value."""
         typed = self.check.once(("let", let.name.id), let.name.span, lambda: self.check.infer(let.value))
-        return ir.Let(name=let.name.id, value=typed.expr, place=ir.Location.of(let.name.span))
+        return ir.Let(name=let.name.id, value=typed.expr, place=Location.of(let.name.span))
 
     def require(self, require: s.Require) -> ir.Require:
         """A condition on factors."""
         typed = self.check.value(require.condition, (TRUTH,), "`require`")
         return ir.Require(
-            condition=typed.expr, text=require.condition.span.text, place=ir.Location.of(require.condition.span)
+            condition=typed.expr, text=require.condition.span.text, place=Location.of(require.condition.span)
         )
 
     # ------------------------------------------------------------ the design
@@ -123,7 +122,7 @@ class Factors:
             remedy = "only `design one_at_a_time { ... }` varies factors around one"
             self.check.fail("WMS408", f"`{kind}` has no baseline", design.baseline[0].span, remedy)
         count = None if design.count is None else self._count(design.count)
-        plan, place = cast(ir.PlanKind, kind), ir.Location.of(design.span)
+        plan, place = cast(ir.PlanKind, kind), Location.of(design.span)
         if kind == "groups":
             cross, turn = self._crossed(design)
             return ir.Plan(kind=plan, count=count, cross=cross, turn=turn, place=place)

@@ -13,7 +13,7 @@ from wmspec.check.vocabulary import ASSETS, FILES, STAGES
 from wmspec.importers.prim_names import parted
 from wmspec.parse import syntax as s
 from wmspec.parse.load import located
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 if TYPE_CHECKING:
     from wmspec.check.expressions import Expressions

@@ -5,19 +5,17 @@ Dataclasses that nothing changes, compared by value. `wmspec.check.record` write
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import field
-from typing import Annotated, Any, ClassVar, Literal, dataclass_transform
+from typing import Annotated, Any, Literal, dataclass_transform
 
 from wmspec import node
-from wmspec.parse.source import Span
+from wmspec.places import Location
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
 class Node(node.Node):
-    """Base of all parts: what is read as one has no more fields than it says."""
-
-    __pydantic_config__: ClassVar[Mapping[str, str | bool]] = {"extra": "forbid", "allow_inf_nan": False}
+    """Base of all parts."""
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__(kw_only=True)
@@ -31,24 +29,6 @@ class ByKind:
         from pydantic import Field
 
         return handler(Annotated[source, Field(discriminator="kind")])
-
-
-class Location(Node):
-    """Where something stands in the text: file, line and column from 1, and character offsets."""
-
-    file: str
-    line: int
-    column: int
-    start: int
-    end: int
-
-    @classmethod
-    def of(cls, span: Span) -> Location:
-        """A span as the IR keeps it."""
-        return cls(file=span.source.name, line=span.line, column=span.column, start=span.start, end=span.end)
-
-    def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}"
 
 
 # ---------------------------------------------------------------- expressions

@@ -9,7 +9,7 @@ from wmspec.check import ir, units
 from wmspec.check.typed import Typed, constant, fits, joined
 from wmspec.check.types import A_NUMBER, Kind, List, Quantity, Vector
 from wmspec.parse import syntax as s
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 if TYPE_CHECKING:
     from wmspec.check.expressions import Expressions

@@ -15,10 +15,11 @@ from wmspec.check.defaults import default_value
 from wmspec.check.property_schema import Sort, inherited, slots, sort, unfit
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import JOINTS, TOLERANCES, Slot
-from wmspec.errors import WmsError, suggestion
+from wmspec.diagnostics import WmsError, suggestion
+from wmspec.places import Location
 
 #: The place of whatever stands in no text.
-HERE = ir.Location(file="<python>", line=1, column=1, start=0, end=0)
+HERE = Location(file="<python>", line=1, column=1, start=0, end=0)
 
 Part = ir.Factor | ir.Let | ir.Require | ir.Thing | ir.Observation | ir.Question
 _NODES = (ir.Value, ir.Ref, ir.Property, ir.Operation, ir.Call, ir.Items)

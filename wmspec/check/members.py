@@ -19,7 +19,7 @@ from wmspec.check.types import (
     article,
 )
 from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, Slot
-from wmspec.errors import suggestion
+from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
 
 if TYPE_CHECKING:

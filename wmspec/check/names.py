@@ -22,7 +22,7 @@ from wmspec.check.types import (
     Word,
 )
 from wmspec.check.vocabulary import WORDS
-from wmspec.errors import suggestion
+from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from wmspec.check import ir
 from wmspec.check.expressions import Expressions
 from wmspec.check.types import A_TIME, CAMERA, CHANNEL, List
 from wmspec.parse import syntax as s
+from wmspec.places import Location
 
 
 class Observations:
@@ -26,7 +27,7 @@ class Observations:
             message = "there is no time here at which to look"
             self.check.fail("WMS504", message, observe.times.span, "write `[0 s, 1 s]`")
         channels = self._channels(observe.channels) if observe.channels else ("rgb",)
-        place = ir.Location.of(observe.span)
+        place = Location.of(observe.span)
         return ir.Observation(camera=str(camera.value), times=expr, channels=channels, place=place)
 
     def _channels(self, e: s.Expr) -> tuple[ir.Channel, ...]:

@@ -8,10 +8,9 @@ from functools import cached_property
 
 from wmspec.check.property_schema import Sort, remedy, slots, sort, unfit
 from wmspec.check.vocabulary import Slot
-from wmspec.errors import suggestion
+from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 
 @dataclass(frozen=True)

@@ -26,10 +26,10 @@ from wmspec.check.types import (
 )
 from wmspec.check.units import NUMBER
 from wmspec.check.vocabulary import Slot
+from wmspec.diagnostics import Note
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note
 from wmspec.parse.parser import parse_expression
-from wmspec.parse.source import Span
+from wmspec.places import Location, Span
 
 T = TypeVar("T")
 C = TypeVar("C")
@@ -81,7 +81,7 @@ class Questions:
             difference=next(iter(difference), None),
             stable=next(iter(stable), None),
             counterfactuals=tuple(changes),
-            place=ir.Location.of(question.text.span),
+            place=Location.of(question.text.span),
         )
 
     def _named_once(self, question: s.Question) -> None:
@@ -169,7 +169,7 @@ class Questions:
     def ensure(self, clause: s.Clause) -> ir.Require:
         """A condition that an instance must meet."""
         typed = self.check.measuring(clause.value, (TRUTH,), "`ensure`")
-        return ir.Require(condition=typed.expr, text=clause.value.span.text, place=ir.Location.of(clause.value.span))
+        return ir.Require(condition=typed.expr, text=clause.value.span.text, place=Location.of(clause.value.span))
 
     def margin(self, clause: s.Clause) -> ir.Margin:
         """How far a value must be from turning."""
@@ -181,7 +181,7 @@ class Questions:
             self.check.fail("WMS304", "a ratio is apart by a factor of 1 or more", clause.bound.span)
         within(self.check, bound.expr, Slot((kind,), "", least=0), clause.bound.span, "`apart by`")
         unless = self.check.measuring(clause.unless, (TRUTH,), "`unless`").expr if clause.unless else None
-        return ir.Margin(value=value, bound=bound.expr, ratio=ratio, unless=unless, place=ir.Location.of(clause.span))
+        return ir.Margin(value=value, bound=bound.expr, ratio=ratio, unless=unless, place=Location.of(clause.span))
 
     def difference(self, clause: s.Clause) -> ir.Difference:
         """How strong the stimulus is."""

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from wmspec.check.functions import FUNCTIONS
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import WORDS
+from wmspec.diagnostics import Note, Report
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note, Report
 
 Declaration = s.Factor | s.Let | s.Block | s.Action | s.Template
 

@@ -22,8 +22,8 @@ from wmspec.check.things import Things
 from wmspec.check.tolerances import tolerances
 from wmspec.check.typed import Failed, Typed, constant
 from wmspec.check.vocabulary import SETTINGS
+from wmspec.diagnostics import Note, Report
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note, Report
 from wmspec.parse.load import Program, load
 
 S = TypeVar("S", bound=s.Statement)

@@ -7,10 +7,9 @@ from dataclasses import replace
 
 from wmspec.check.substitute import Substitute, TooLarge
 from wmspec.check.vocabulary import PROPERTIES
-from wmspec.errors import suggestion
+from wmspec.diagnostics import Note, Report, suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note, Report
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 
 class Templates:

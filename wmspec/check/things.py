@@ -17,10 +17,9 @@ from wmspec.check.typed import Failed
 from wmspec.check.types import A_TIME, article
 from wmspec.check.verbs import ROBOTS
 from wmspec.check.vocabulary import FILES, JOINTS, ROUND, TALL, Slot
-from wmspec.errors import suggestion
+from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note
-from wmspec.parse.source import Span
+from wmspec.places import Location, Span
 
 _MODELS = {"joint": tuple(JOINTS), "robot": tuple(ROBOTS)}
 
@@ -46,7 +45,7 @@ class Things:
             of=block.whole,
             set=self.scope.sets.get(of.name, ""),
             properties=self._properties(of),
-            place=ir.Location.of(of.span),
+            place=Location.of(of.span),
         )
         if block.kind == "joint":
             self._joins_two(whole, block)
@@ -80,15 +79,15 @@ class Things:
         properties = self._properties(of)
         for name in inherited(of.said, whole.properties):
             value = ir.Property(owner=ir.Value(value=whole.name), name=name)
-            properties[name] = ir.Setting(value=value, place=ir.Location.of(of.span))
-        place = ir.Location.of(of.span)
+            properties[name] = ir.Setting(value=value, place=Location.of(of.span))
+        place = Location.of(of.span)
         return ir.Thing(kind="part", name=of.name, of=whole.name, properties=properties, place=place)
 
     def _properties(self, of: Owner) -> dict[str, ir.Setting]:
         """The properties that are written, and the defaults of the others."""
         properties: dict[str, ir.Setting] = {}
         spans: dict[str, Span] = {}
-        here = ir.Location.of(of.span)
+        here = Location.of(of.span)
         for p in of.written:
             for name, span in [(p.name.id, p.name.span)] + ([("at", p.at.span)] if p.at else []):
                 if name in spans:
@@ -144,7 +143,7 @@ class Things:
         typed = setting(self.check, of, p, slot)
         within(self.check, typed.expr, slot, p.value.span, f"`{name}`")
         expr = beside(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
-        return ir.Setting(value=expr, place=ir.Location.of(p.value.span))
+        return ir.Setting(value=expr, place=Location.of(p.value.span))
 
     def _joins_two(self, joint: ir.Thing, block: s.Block) -> None:
         of, to = joint.properties.get("of"), joint.properties.get("to")
@@ -165,7 +164,7 @@ class Things:
                 except Failed:
                     continue
             elif slot.default is not None:
-                properties[name] = ir.Setting(value=default_value(slot), place=ir.Location.of(action.name.span))
+                properties[name] = ir.Setting(value=default_value(slot), place=Location.of(action.name.span))
             elif not slot.optional:
                 self.report.add("WMS205", f"`{does.name}` needs `{name}`: {slot.meaning}", does.call.span)
         if does.name == "drive" and not does.robot:
@@ -176,14 +175,14 @@ class Things:
             verb=does.name,
             of=does.robot,
             properties=properties | self._timings(action, does),
-            place=ir.Location.of(action.name.span),
+            place=Location.of(action.name.span),
         )
 
     def _argument(self, action: s.Action, does: Act, name: str, slot: Slot) -> ir.Setting:
         typed = actions.argument(self.check, action, does, name)
         span = does.written[name].value.span
         within(self.check, typed.expr, slot, span, f"`{name}`")
-        return ir.Setting(value=typed.expr, place=ir.Location.of(span))
+        return ir.Setting(value=typed.expr, place=Location.of(span))
 
     def _all_known(self, does: Act) -> None:
         """Complain about arguments that the verb does not know and those that are given twice."""
@@ -220,7 +219,7 @@ class Things:
             spans.setdefault(lasts, timing.span)
         begin, span = actions.start(self.check, action)
         within(self.check, begin.expr, START, span, "`at`")
-        found = {"start": ir.Setting(value=begin.expr, place=ir.Location.of(span))}
+        found = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}
         lasting = next((t for t in action.timings if t.kind == "for"), None)
         if lasting is None and does.verb.lasts:
             message = f"`{does.name}` needs to know how long: `for TIME`"
@@ -231,5 +230,5 @@ class Things:
                 self.check.fail("WMS205", message, does.call.span, "remove `for`")
             typed = self.check.value(lasting.value, (A_TIME,), "`for`")
             within(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
-            found["duration"] = ir.Setting(value=typed.expr, place=ir.Location.of(lasting.value.span))
+            found["duration"] = ir.Setting(value=typed.expr, place=Location.of(lasting.value.span))
         return found

@@ -9,10 +9,9 @@ from wmspec.check.bounds import within
 from wmspec.check.expressions import Expressions
 from wmspec.check.typed import Failed, constant
 from wmspec.check.vocabulary import TOLERANCES
-from wmspec.errors import suggestion
+from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
-from wmspec.parse.diagnostics import Note
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 
 def tolerances(check: Expressions, written: Iterable[s.Tolerance]) -> dict[str, float]:

@@ -11,7 +11,7 @@ import sys
 import click
 
 from wmspec import __version__
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 # Much is made while a command starts, and it stays: looking for garbage in it every 700 objects takes a tenth.
 gc.set_threshold(100_000, 20, 20)
@@ -52,7 +52,9 @@ class _Commands(click.Group):
         try:
             return super().invoke(ctx)
         except WmsError as error:
-            click.echo(f"{error}" if str(error).startswith("error[") else f"error: {error}", err=True)
+            from wmspec.parse.load import pointed
+
+            click.echo(WmsError.of(pointed(error.diagnostics)).render(), err=True)
             ctx.exit(2)
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -14,7 +14,7 @@ import click
 from wmspec.cli.common import spec_files, specs_argument
 
 if TYPE_CHECKING:
-    from wmspec.parse.diagnostics import Report
+    from wmspec.diagnostics import Report
 
 _COLORS = {"error": "red", "warning": "yellow", "note": "cyan", "help": "green"}
 
@@ -29,8 +29,8 @@ def check_command(specs: tuple[Path, ...], form: str) -> None:
     Text is coloured on a terminal, unless NO_COLOR is set. SARIF is what code hosts show beside the lines.
     """
     from wmspec.check.task import check
+    from wmspec.diagnostics import Report
     from wmspec.lint.dry_run import trial
-    from wmspec.parse.diagnostics import Report
 
     report = Report()
     tasks = []

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import click
 
-from wmspec.errors import WmsError, suggestion
+from wmspec.diagnostics import WmsError, suggestion
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -63,7 +63,7 @@ def load_tasks(paths: Iterable[Path]) -> list[tuple[Path, Any]]:
     Warnings go to standard error. Raises SpecError with every mistake of every file.
     """
     from wmspec.check.task import check
-    from wmspec.parse.diagnostics import Report
+    from wmspec.diagnostics import Report
 
     report = Report()
     tasks = [(path, task) for path in spec_files(paths) for task in check(path, report)]

@@ -15,7 +15,7 @@ from wmspec.cli.common import (
     spec_argument,
     write_text,
 )
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 
 @click.command("compile")

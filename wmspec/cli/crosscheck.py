@@ -12,7 +12,7 @@ import click
 
 from wmspec.cli.common import executable, load_tasks, seed_option, specs_argument, write_text
 from wmspec.cli.progress import progress_bar
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 #: The most disagreements that are told in full on the terminal; the files hold all.
 MOST_TOLD = 20

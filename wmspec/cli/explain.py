@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import click
 
-from wmspec.errors import WmsError, suggestion
+from wmspec.diagnostics import WmsError, suggestion
 
 
 @click.command("explain")
 @click.argument("code", required=False)
 def explain_command(code: str | None) -> None:
     """Explain a diagnostic's CODE, such as WMS203, with an example. Without CODE: list all."""
-    from wmspec.parse.diagnostics import CODES
+    from wmspec.parse.codes import CODES
     from wmspec.parse.pages import page
 
     if code is None:

@@ -11,8 +11,8 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import spec_files
-from wmspec.errors import WmsError
-from wmspec.parse.source import Source
+from wmspec.diagnostics import WmsError
+from wmspec.places import Source
 
 
 @click.command("fmt")
@@ -24,7 +24,7 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
 
     Spaces, indents and columns become regular. Words, comments and what the spec means stay as they are.
     """
-    from wmspec.parse.diagnostics import SpecError
+    from wmspec.diagnostics import SpecError
     from wmspec.parse.format import format_spec
     from wmspec.parse.load import read_source
 
@@ -34,7 +34,7 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
         try:
             formatted = format_spec(source)
         except SpecError as error:
-            click.echo(f"{error}\n", err=True)
+            click.echo(f"{error.render()}\n", err=True)
             failed += 1
             continue
         changed += formatted != source.text

@@ -25,7 +25,7 @@ from wmspec.cli.common import (
 )
 from wmspec.cli.cost import tell_cost
 from wmspec.cli.progress import progress_bar
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 
 @click.command("generate")
@@ -156,7 +156,7 @@ def _make(output: Path, plan: Any, effort: Any, reuse: tuple[Path, ...], force: 
 
 def _texts(tasks: list[tuple[Path, Any]]) -> dict[str, str]:
     """The specs and what they use, by file name, with as much of the path as tells two files apart."""
-    from wmspec.parse.diagnostics import Report
+    from wmspec.diagnostics import Report
     from wmspec.parse.load import load
 
     texts: dict[str, str] = {}

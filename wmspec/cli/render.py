@@ -17,7 +17,7 @@ from wmspec.cli.common import (
     samples_for,
     seed_option,
 )
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 FILMS = (".gif", ".mp4")
 

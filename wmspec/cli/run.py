@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from wmspec.cli.common import instance_of, instance_option, json_option, one_task, seed_option
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 STAGES = (".usd", ".usda", ".usdc", ".usdz")
 

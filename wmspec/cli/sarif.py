@@ -8,8 +8,9 @@ from typing import Any
 from urllib.parse import quote
 
 from wmspec import __version__
-from wmspec.parse.diagnostics import CODES, Diagnostic
-from wmspec.parse.source import Span
+from wmspec.diagnostics import Diagnostic
+from wmspec.parse.codes import CODES
+from wmspec.places import FilePlace, Location, Place, PrimPlace, Span
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 
@@ -36,20 +37,34 @@ def _result(diagnostic: Diagnostic) -> dict[str, Any]:
         "ruleIndex": list(CODES).index(diagnostic.code),
         "level": diagnostic.severity,
         "message": {"text": diagnostic.message + help},
-        "locations": [_location(diagnostic.span)],
     }
+    if diagnostic.place:
+        result["locations"] = [_location(diagnostic.place)]
     if diagnostic.notes:
         result["relatedLocations"] = [
-            {"id": i, "message": {"text": note.message}, **_location(note.span)}
+            {"id": i, "message": {"text": note.message}, **_location(note.place)}
             for i, note in enumerate(diagnostic.notes)
         ]
     return result
 
 
-def _location(span: Span) -> dict[str, Any]:
-    line, column = span.source.position(span.end)
-    region = {"startLine": span.line, "startColumn": span.column, "endLine": line, "endColumn": column}
-    return {"physicalLocation": {"artifactLocation": {"uri": _uri(span.source.name)}, "region": region}}
+def _location(place: Place) -> dict[str, Any]:
+    match place:
+        case Span():
+            line, column = place.source.position(place.end)
+            region = {"startLine": place.line, "startColumn": place.column, "endLine": line, "endColumn": column}
+            return _physical(place.source.name, region)
+        case Location():
+            return _physical(place.file, {"startLine": place.line, "startColumn": place.column})
+        case FilePlace():
+            return _physical(place.path, {"startLine": place.line} if place.line else {})
+        case PrimPlace():
+            return {"logicalLocations": [{"fullyQualifiedName": place.path}]}
+
+
+def _physical(name: str, region: dict[str, int]) -> dict[str, Any]:
+    where = {"artifactLocation": {"uri": _uri(name)}}
+    return {"physicalLocation": where | ({"region": region} if region else {})}
 
 
 def _uri(name: str) -> str:

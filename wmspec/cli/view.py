@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 #: How many instances of each task are shown on a sheet, in a page and in a folder, if nothing is said.
 PER_TASK = {".png": 3, ".html": 20, "": 50}

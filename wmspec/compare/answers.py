@@ -20,7 +20,7 @@ from wmspec.ask.views import looked
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Question
 from wmspec.compare.model import TRUTH
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 
 @dataclass(frozen=True)

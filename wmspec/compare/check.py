@@ -14,7 +14,7 @@ from wmspec.compare.compare import compare
 from wmspec.compare.model import TRUTH, Cause, Checked, Comparison, Failure, Pair, Verdict
 from wmspec.compare.tolerance import Tolerances
 from wmspec.design.design import Design, Instance
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.scene.model import Scene, Trace

@@ -11,8 +11,8 @@ from wmspec.design.columns import Column, Free, Strata
 from wmspec.design.constrain import Constraint
 from wmspec.design.constraint_chain import MOST_COUNTED, Chain, TooMuch
 from wmspec.design.describe import told
-from wmspec.design.fault import Fault
 from wmspec.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
+from wmspec.diagnostics import Note, SpecError
 from wmspec.draws import Level
 
 #: So many sets of conditions are looked through for the smallest that leaves nothing.
@@ -20,7 +20,7 @@ MOST_SETS = 500
 
 
 def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Blocks:
-    """The control groups of a task's design. Raises Fault if there can be none."""
+    """The control groups of a task's design. Raises SpecError if there can be none."""
     columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
     key = (seed, spec.name, spec.plan.kind)
     if spec.plan.kind != "groups":
@@ -31,7 +31,7 @@ def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Block
         place = spec.plan.place or spec.factors[0].place
         names = ", ".join(tied.names[:6])
         what = f"conditions tie what is crossed to too much else ({names}): groups cannot be counted up"
-        raise Fault("WMS404", what, place, "cross other factors, or tie fewer to one another") from None
+        raise SpecError(what, place, "cross other factors, or tie fewer to one another", code="WMS404") from None
 
 
 def _arranged(
@@ -53,7 +53,8 @@ def _strata(spec: TaskSpec, seed: int) -> Iterator[Strata]:
         if not factor.nuisance and not isinstance(factor.domain, Choices):
             if spec.plan.kind != "latin" or spec.plan.count is None:
                 what = f"`{factor.name}` is a factor and so needs separate values"
-                raise Fault("WMS401", what, factor.place, "only a Latin design takes a factor from an interval")
+                remedy = "only a Latin design takes a factor from an interval"
+                raise SpecError(what, factor.place, remedy, code="WMS401")
             yield Strata(factor, spec.plan.count, (seed, spec.name, spec.plan.kind))
 
 
@@ -98,21 +99,21 @@ def _closure(members: set[str], ties: Sequence[frozenset[str]]) -> set[str]:
         members = wider
 
 
-def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> Fault:
+def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
     tying = {c.said: c for c in conditions if len({*c.scope} & {*much.names}) > 1}
     first, *more = tying.values()
     names = f"{', '.join(much.names[:6])}{', ...' if len(much.names) > 6 else ''}"
-    return Fault(
-        "WMS404",
+    return SpecError(
         f"conditions tie {len(much.names)} factors together ({names}): {much.combinations:,} combinations to count at "
         f"once, and {MOST_COUNTED:,} are the most",
         first.place,
         "tie fewer factors to one another",
-        tuple((f"tied by this too: {c.text}", c.place) for c in more[:4]),
+        code="WMS404",
+        notes=tuple(Note(f"tied by this too: {c.text}", c.place) for c in more[:4]),
     )
 
 
-def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Fault:
+def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> SpecError:
     """Names the smallest set of conditions that leaves no combination."""
     said = {c.said: c for c in reversed(conditions)}
     guilty = _smallest(sorted(said), lambda some: _satisfiable(domains, [c for c in conditions if c.said in some]))
@@ -120,8 +121,9 @@ def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence
     names = [n for n in domains if any(n in c.scope for c in conditions if c.said in guilty)]
     whose = f"{'combination' if len(names) > 1 else 'value'} of {', '.join(names)}" if names else "instance"
     met = " and ".join(said[i].text for i in guilty)
-    notes = tuple(("together with this", c.place) for c in more)
-    return Fault("WMS402", f"no {whose} meets {met}", first.place, "weaken a condition, or widen a domain", notes)
+    notes = tuple(Note("together with this", c.place) for c in more)
+    remedy = "weaken a condition, or widen a domain"
+    return SpecError(f"no {whose} meets {met}", first.place, remedy, code="WMS402", notes=notes)
 
 
 def _satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> bool:
@@ -157,8 +159,8 @@ def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Cons
         broken = next(c for c in conditions if not c.holds(baseline))
         where = told(spec.factors, {name: baseline[name] for name in broken.scope})
         place = spec.plan.place or broken.place
-        notes = (("this condition", broken.place),)
-        raise Fault("WMS408", f"the baseline, with {where}, is excluded", place, "choose another value for it", notes)
+        message, remedy = f"the baseline, with {where}, is excluded", "choose another value for it"
+        raise SpecError(message, place, remedy, code="WMS408", notes=(Note("this condition", broken.place),))
     yield ranks
     for factor in spec.factors:
         for value in factor.domain.values if isinstance(factor.domain, Choices) and not factor.nuisance else ():

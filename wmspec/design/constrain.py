@@ -10,13 +10,13 @@ from math import prod
 from typing import Any
 
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Choices, Expr, Factor, Location, Operation, TaskSpec
+from wmspec.check.ir import Choices, Expr, Factor, Operation, TaskSpec
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told
-from wmspec.design.fault import Fault
+from wmspec.diagnostics import ImpossibleValue, SpecError, WmsError
 from wmspec.draws import Level
-from wmspec.errors import WmsError
 from wmspec.layout.values import Values
+from wmspec.places import Location
 
 #: The most combinations on which conditions are tried, for all conditions of a task: about half a second.
 MOST_TRIED = 100_000
@@ -57,7 +57,7 @@ class Constraint:
             return bool(evaluate(condition, _Known(self.spec, known)))
         except WmsError as error:
             where = told(self.spec.factors, known)
-            raise Fault("WMS304", f"{self.text} has no value where {where}: {error}", self.place) from None
+            raise ImpossibleValue(f"{self.text} has no value where {where}: {error}", self.place) from None
 
 
 class _Known:
@@ -84,7 +84,7 @@ class _Known:
 def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
     """All that a spec demands of the values of its factors, `and`s taken apart.
 
-    Raises Fault where a condition depends on what has no separate values to try, or there is too much to try.
+    Raises SpecError where a condition depends on what has no separate values to try, or there is too much to try.
     """
     found = tuple(_constraints(spec))
     tries = 0
@@ -92,12 +92,12 @@ def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
         tries += constraint.tries
         if tries > MOST_TRIED:
             names = ", ".join(constraint.scope)
-            raise Fault(
-                "WMS404",
+            raise SpecError(
                 f"this condition ties {names} together, {constraint.tries:,} combinations to try, and {MOST_TRIED:,} "
                 "are the most",
                 constraint.place,
                 "split it into conditions on fewer factors, joined by `and`",
+                code="WMS404",
             )
     return found
 
@@ -139,4 +139,5 @@ def _separate(scope: tuple[str, ...], domains: Mapping[str, Any], spec: TaskSpec
             what = "the nuisance" if factor.nuisance else "the interval"
             drawn = "a condition on what is drawn is an `ensure` of a question"
             remedy = drawn if factor.nuisance else "give that separate values, with `by STEP` or `in COUNT`"
-            raise Fault("WMS407", f"a condition on the design cannot depend on {what} `{name}`", place, remedy)
+            message = f"a condition on the design cannot depend on {what} `{name}`"
+            raise SpecError(message, place, remedy, code="WMS407")

@@ -10,7 +10,7 @@ from typing import overload
 from wmspec.check.ir import Choices, TaskSpec
 from wmspec.design.arrange import blocks
 from wmspec.design.constrain import constraints
-from wmspec.design.fault import Fault
+from wmspec.diagnostics import SpecError
 from wmspec.draws import Level, Permutation, quantile, uniform
 
 
@@ -44,7 +44,7 @@ class Design:
     those follow the order of the spec, the last factor fastest, and factors that `require`s tie together count where
     the first of them stands.
 
-    Raises Fault if there is no such design.
+    Raises SpecError if there is no such design.
     """
 
     def __init__(self, spec: TaskSpec, seed: int = 0) -> None:
@@ -59,7 +59,7 @@ class Design:
         if self.blocks.size > sys.maxsize:
             place = spec.plan.place or (spec.factors or spec.things)[0].place
             what = f"this design has {self.blocks.size:.2g} instances, more than can be numbered"
-            raise Fault("WMS408", what, place, "draw some of them: `design sample of 1000`")
+            raise SpecError(what, place, "draw some of them: `design sample of 1000`", code="WMS408")
 
     def __len__(self) -> int:
         return self.blocks.size

@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.model import Contact, Scene, Trace
 from wmspec.usd import read
 

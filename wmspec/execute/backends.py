@@ -7,7 +7,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points, version
 from typing import cast
 
-from wmspec.errors import WmsError, suggestion
+from wmspec.diagnostics import WmsError, suggestion
 from wmspec.scene.model import Backend, Look
 
 GROUP = "wmspec.backends"

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.camera import look_at
 from wmspec.scene.inertia import inertia

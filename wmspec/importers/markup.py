@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from wmspec.errors import suggestion
+from wmspec.diagnostics import suggestion
 from wmspec.importers.model import Broken, Faults
 
 #: The largest file (bytes), the most elements in it and the deepest nesting: what people write is far below.

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
-from wmspec.errors import suggestion
+from wmspec.diagnostics import suggestion
 from wmspec.importers.model import Array, Broken, Fault, Faults
 from wmspec.importers.triangles import Triangles
 from wmspec.importers.usd_open import opened

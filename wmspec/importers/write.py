@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from wmspec.parse import syntax as s
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 
 class Writer:

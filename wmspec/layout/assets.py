@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import units
 from wmspec.check.ir import Thing
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import geometry
 from wmspec.layout.solids import Piece
 from wmspec.space import HERE, Pose, Vector, about, times, turn, unit
@@ -90,8 +90,8 @@ def _within_limits(values: Values, thing: Thing, start: float) -> None:
         if values.has(joint, end) and sign * (start - values.property(joint, end)) < 0:
             limit = values.property(joint, end)
             place = values.place(joint, "start" if values.has(joint, "start") else end)
-            raise WmsError(
-                f"{place}: `{joint}` starts at {told(start, model)}, beyond its limit of {told(limit, model)}"
+            raise ImpossibleValue(
+                f"`{joint}` starts at {told(start, model)}, beyond its limit of {told(limit, model)}", place
             )
 
 

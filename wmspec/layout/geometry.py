@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check.vocabulary import TALL
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.solids import SLAB, Piece, Solid
 from wmspec.space import HERE, Pose, Vector, turn
 
@@ -62,8 +62,8 @@ def _solid(values: Values, owner: str) -> Solid:
     path, scale, touched = (values.property(owner, name) for name in ("file", "scale", "collision"))
     try:
         mesh = load(path, scale, touched, touchable(values, owner))
-    except WmsError as error:
-        raise WmsError(f"{values.place(owner, 'file')}: {error}") from None
+    except ImpossibleValue as error:
+        raise error.at(values.place(owner, "file")) from None
     return Solid("mesh", mesh.edges, mesh)
 
 
@@ -80,7 +80,7 @@ def _edges(values: Values, owner: str) -> Vector:
     if values.has(owner, "height") and shape in TALL:
         up = values.property(owner, "height")
     if shape == "capsule" and up <= across:
-        raise WmsError(f"{values.place(owner)}: the capsule `{owner}` is not higher than it is wide")
+        raise ImpossibleValue(f"the capsule `{owner}` is not higher than it is wide", values.place(owner))
     return (across, across, up)
 
 
@@ -90,4 +90,4 @@ def _given(values: Values, owner: str, size: tuple[float, ...], shape: str) -> V
     if len(size) == 2 and shape == "plane":
         return (size[0], size[1], SLAB)
     many = "only a plane has two edges" if len(size) == 2 else "only a box or a wedge has three edges"
-    raise WmsError(f"{values.place(owner, 'size')}: `{owner}` is a {shape}, and {many}")
+    raise ImpossibleValue(f"`{owner}` is a {shape}, and {many}", values.place(owner, "size"))

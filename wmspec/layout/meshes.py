@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from wmspec.check.vocabulary import FILES, MOST_LENGTH, STAGES
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.importers.prim_names import parted
 from wmspec.parse.load import located
 from wmspec.space import Vector
@@ -45,19 +45,19 @@ def load(path: str, scale: float | Vector, collision: str, solid: bool) -> Mesh:
     A file is read once.
 
     Raises:
-        WmsError: if the file is missing, of another kind, broken, or has no volume though it is `solid`.
+        ImpossibleValue: if the file is missing, of another kind, broken, or has no volume though it is `solid`.
     """
     name, prim = parted(path)
     file = located(name)
     if file.suffix.lower() not in (STAGES if prim else FILES["file"]):
-        raise WmsError(f"{file.name} is no mesh that can be read; use one of {', '.join(FILES['file'])}")
+        raise ImpossibleValue(f"{file.name} is no mesh that can be read", help=f"use one of {', '.join(FILES['file'])}")
     try:
         found = file.stat()
     except OSError as error:
-        raise WmsError(f"{name} cannot be read: {error.strerror}") from None
+        raise ImpossibleValue(f"{name} cannot be read: {error.strerror}") from None
     made = _load(path, found.st_mtime_ns, found.st_size, scale, collision)
     if solid and made.volume <= 0:
-        raise WmsError(f"{path} has no volume; use a mesh that is not flat")
+        raise ImpossibleValue(f"{path} has no volume", help="use a mesh that is not flat")
     return made
 
 
@@ -71,7 +71,7 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
     low, high = points.min(axis=0), points.max(axis=0)
     if not (size := float((high - low).max())) <= MOST_LENGTH:
         what = f"{size / 1000:g} km large with this scale; the most is {MOST_LENGTH / 1000:g} km"
-        raise WmsError(f"{path} is {what}")
+        raise ImpossibleValue(f"{path} is {what}")
     hull, volume = _hull(path, points)
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
     x, y, z = (high - low).tolist()
@@ -86,19 +86,19 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
 
 
 def _of_stage(path: str) -> Triangles:
-    """The triangles of a mesh in a USD file. Raises WmsError if it is broken."""
+    """The triangles of a mesh in a USD file. Raises ImpossibleValue if it is broken."""
     from wmspec.importers.triangles import Triangles
     from wmspec.importers.usd_meshes import triangles
 
     name, prim = parted(path)
     found = triangles(located(name), None, name, prim)
     if not isinstance(found, Triangles):
-        raise WmsError("; ".join(f"{fault.where}: {fault.message}" for fault in found))
+        raise ImpossibleValue("; ".join(f"{fault.where}: {fault.message}" for fault in found))
     return found
 
 
 def _of_file(path: str) -> Triangles:
-    """The triangles of a file. Raises WmsError if it is broken."""
+    """The triangles of a file. Raises ImpossibleValue if it is broken."""
     import numpy as np
     import trimesh
 
@@ -109,9 +109,9 @@ def _of_file(path: str) -> Triangles:
         if path.lower().endswith(".dae"):  # which says its unit; the others mean metres, or nothing
             found.apply_scale(trimesh.units.unit_conversion(found.units, "m"))
     except Exception as error:  # noqa: BLE001  a parser of files of others can fail in any way
-        raise WmsError(f"{path} is broken: {str(error) or type(error).__name__}") from None
+        raise ImpossibleValue(f"{path} is broken: {str(error) or type(error).__name__}") from None
     if not len(found.faces):
-        raise WmsError(f"{path} is broken: it has no faces")
+        raise ImpossibleValue(f"{path} is broken: it has no faces")
     with np.errstate(invalid="ignore"):  # of what is flat trimesh divides by 0
         inside_out = found.volume < 0
     points, faces = np.asarray(found.vertices, float), np.asarray(found.faces)
@@ -130,5 +130,5 @@ def _hull(path: str, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], 
     try:
         hull = trimesh.convex.convex_hull(points)
     except Exception as error:  # noqa: BLE001  Qhull's own exception, of what is too nearly flat
-        raise WmsError(f"{path} is broken: {str(error).partition(chr(10))[0]}") from None
+        raise ImpossibleValue(f"{path} is broken: {str(error).partition(chr(10))[0]}") from None
     return np.asarray(hull.vertices, float), float(hull.volume)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.check.ir import Thing
 from wmspec.check.vocabulary import HEADINGS
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import paths
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.placement import rest
@@ -71,8 +71,8 @@ def way(values: Values, action: Thing, origin: Vector) -> tuple[tuple[Vector, ..
     points = paths.named(form, length, width) if isinstance(form, str) else form
     found, moments = paths.walked(paths.turned(points, angle(leads)), values.property(action.name, "duration"))
     if len(found) < 2 or moments[-1] <= 0:
-        raise WmsError(
-            f"{action.place}: the path of `{action.name}` leads nowhere; give it a length and a time above 0"
+        raise ImpossibleValue(
+            f"the path of `{action.name}` leads nowhere", action.place, "give it a length and a time above 0"
         )
     return tuple(add(origin, point) for point in found), moments
 

@@ -10,8 +10,8 @@ import math
 import re
 from typing import TYPE_CHECKING
 
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.draws import uniform
-from wmspec.errors import WmsError
 from wmspec.layout import assets
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.solids import Face, footprint
@@ -59,9 +59,10 @@ def _free(values: Values, name: str, face: Face, taken: list[tuple[float, float,
         here = (x + width * u, y + depth * v)
         if all(math.dist(here, other[:2]) >= radius + other[2] + gap for other in taken):
             return (*here, radius)
-    raise WmsError(
-        f"{values.place(name, 'scatter')}: no room for `{name}` between the {len(taken)} scattered before it; "
-        "widen `scatter`, or make the objects smaller, fewer or their `gap` smaller"
+    raise ImpossibleValue(
+        f"no room for `{name}` between the {len(taken)} scattered before it",
+        values.place(name, "scatter"),
+        "widen `scatter`, or make the objects smaller, fewer or their `gap` smaller",
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wmspec.check import units
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import assets
 from wmspec.layout.geometry import pieces
 from wmspec.layout.placement import frame
@@ -29,7 +29,8 @@ def supported(name: str, values: Values) -> None:
     if any(low[i] > most[i] + 1e-9 or high[i] < least[i] - 1e-9 for i in range(2)):
         said = "scatter" if values.has(name, "scatter") else "at"
         size = " by ".join(units.told(most[i] - least[i], units.LENGTH) for i in range(2))
-        raise WmsError(
-            f"{values.place(name, said)}: `{name}` is in the air beside `{base}`, on which it should rest and which is "
-            f"{size} large; move it there, or leave `on:` out and say `at: (x, y, z)`"
+        raise ImpossibleValue(
+            f"`{name}` is in the air beside `{base}`, on which it should rest and which is {size} large",
+            values.place(name, said),
+            "move it there, or leave `on:` out and say `at: (x, y, z)`",
         )

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import Face, bounds, surface, upward
 from wmspec.space import UP, Vector, add, inverse, rotate, tilt, times
@@ -24,11 +24,11 @@ def under(values: Values, owner: str, at: tuple[Any, ...]) -> Face | None:
     if held is None:
         return None
     if len(at) == 3 and at[0] != WORLD:
-        raise WmsError(f"{values.place(owner, 'at')}: `{owner}` rests on something, so its place there is (x, y)")
+        raise ImpossibleValue(f"`{owner}` rests on something, so its place there is (x, y)", values.place(owner, "at"))
     way, base = held
     if way == "inside" and not values.parts(base):
         place = values.place(owner, "inside")
-        raise WmsError(f"{place}: `{base}` has no parts, so nothing can be inside it; use `on: {base}`")
+        raise ImpossibleValue(f"`{base}` has no parts, so nothing can be inside it", place, f"use `on: {base}`")
     return bottom(values, base, at) if way == "inside" else top(values, base, at)
 
 
@@ -36,9 +36,9 @@ def holder(values: Values, owner: str) -> tuple[str, str] | None:
     """What an object rests `on` or `inside`, and which of the two; None if on nothing."""
     found = [(way, values.property(owner, way)) for way in ("on", "inside") if values.has(owner, way)]
     if len(found) == 2:
-        raise WmsError(f"{values.place(owner, 'inside')}: `{owner}` is both `on` and `inside`; keep one of them")
+        raise ImpossibleValue(f"`{owner}` is both `on` and `inside`", values.place(owner, "inside"), "keep one of them")
     if found and found[0][1] == owner:
-        raise WmsError(f"{values.place(owner, found[0][0])}: `{owner}` cannot rest on itself")
+        raise ImpossibleValue(f"`{owner}` cannot rest on itself", values.place(owner, found[0][0]))
     return found[0] if found else None
 
 

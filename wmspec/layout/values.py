@@ -8,14 +8,15 @@ from functools import cached_property
 from typing import Any, TypeVar, cast
 
 from wmspec.check.evaluate import NoValue, evaluate
-from wmspec.check.ir import Counterfactual, Expr, Location, TaskSpec, Thing, Value
+from wmspec.check.ir import Counterfactual, Expr, TaskSpec, Thing, Value
 from wmspec.check.types import A_LENGTH, A_TIME, POINT2, POINT3
 from wmspec.check.units import LENGTH, told
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import functions, placement
 from wmspec.materials import MATERIALS, colors
+from wmspec.places import Location
 from wmspec.space import Pose
 
 T = TypeVar("T")
@@ -91,8 +92,8 @@ class Values:
         if key not in self._known:
             owner, name = key
             if key in self._open:
-                where = f"{self.place(owner)}: `{owner}.{name}`" if owner else f"`{name}`"
-                raise WmsError(f"{where} depends on itself")
+                named = f"{owner}.{name}" if owner else name
+                raise ImpossibleValue(f"`{named}` depends on itself", self.place(owner) if owner else None)
             self._open.add(key)
             try:
                 self._known[key] = make()
@@ -197,7 +198,7 @@ class Values:
         elif name in BY_MATERIAL:
             return self._of_material(owner, name)
         else:
-            raise WmsError(f"{thing.place}: `{owner}` does not say its {name}")
+            raise ImpossibleValue(f"`{owner}` does not say its {name}", thing.place)
         self._check(thing, name, value, place)
         return value
 
@@ -208,7 +209,7 @@ class Values:
         slot = _slot(thing, name)
         for number in value if isinstance(value, tuple) else (value,):
             if isinstance(number, float) and (fault := _fault(number, slot)):
-                raise WmsError(f"{place}: `{name}` of `{thing.name}` is {fault}")
+                raise ImpossibleValue(f"`{name}` of `{thing.name}` is {fault}", place)
 
     def _of_material(self, owner: str, name: str) -> Any:
         """What an object's material decides; a picture on it keeps its own colours."""
@@ -238,7 +239,7 @@ def _evaluate(expr: Expr, values: Values, place: Location) -> Any:
     try:
         return evaluate(expr, values)
     except NoValue as error:
-        raise WmsError(f"{place}: {error}") from None
+        raise ImpossibleValue(str(error), place) from None
 
 
 def _fault(number: float, slot: Slot | None) -> str:

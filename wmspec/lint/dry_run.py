@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 from wmspec.check import units
 from wmspec.check.evaluate import parts
-from wmspec.check.ir import Call, Counterfactual, Location, TaskSpec
+from wmspec.check.ir import Call, Counterfactual, TaskSpec
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told_of
 from wmspec.design.design import Design, Instance
-from wmspec.design.fault import Fault
-from wmspec.errors import Several, WmsError
+from wmspec.diagnostics import Diagnostic, ImpossibleValue, Note, Report, WmsError
 from wmspec.layout.values import Values
 from wmspec.layout.view import facing, front
-from wmspec.lint.locate import Pointer
 from wmspec.lint.options import asked, compare
 from wmspec.lint.overlap import overlaps
 from wmspec.lint.pictured import pictured
 from wmspec.lint.rules import Doubt, doubts, idle_requires, short_sample
 from wmspec.lint.visibility import blind
-from wmspec.parse.diagnostics import Note, Report
+from wmspec.parse.load import pointed
+from wmspec.places import Location
 from wmspec.stage.agents import without
 from wmspec.stage.document import Document
 from wmspec.stage.episode import built
@@ -41,41 +41,38 @@ def trial(spec: TaskSpec, report: Report) -> int:
 
     What robots do is left out.
     """
-    pointer = Pointer(spec)
+    own = Report()
+    size = 0
     try:
-        _doubt(doubts(spec), pointer, report)
+        _doubt(doubts(spec), own)
         design = Design(spec)
-        _doubt(idle_requires(spec, design.conditions), pointer, report)
-        _doubt(short_sample(spec, len(design.blocks.members(0))), pointer, report)
-        tried = _Trial(without(spec), design, pointer, report)
+        size = len(design)
+        _doubt(idle_requires(spec, design.conditions), own)
+        _doubt(short_sample(spec, len(design.blocks.members(0))), own)
+        tried = _Trial(without(spec), design, own)
         for count, index in enumerate(design.sample(TRIED)):
             with tried.telling():
                 tried.instance(design[index], count < TRIED_CHANGED)
         for question in spec.questions:
             with tried.telling():
-                compare(question, design, pointer, report)
-    except Fault as fault:
-        notes = tuple(Note(note, pointer.span(place)) for note, place in fault.notes)
-        report.add(fault.code, fault.message, pointer.span(fault.place), fault.help, notes)
-        return 0
+                compare(question, design, own)
     except WmsError as error:
-        message, span = pointer.said(str(error))
-        report.add("WMS304", message, span)
-    return len(design)
+        own.include(_coded(error))
+    report.include(pointed(own.diagnostics))
+    return size
 
 
-def _doubt(found: Iterable[Doubt], pointer: Pointer, report: Report) -> None:
+def _doubt(found: Iterable[Doubt], report: Report) -> None:
     for code, message, place, help in found:
-        report.add(code, message, pointer.span(place), help, severity="warning")
+        report.add(code, message, place, help, severity="warning")
 
 
 class _Trial:
     """Builds the scenes of instances. What is found in several of them is told of the first."""
 
-    def __init__(self, spec: TaskSpec, design: Design, pointer: Pointer, report: Report) -> None:
+    def __init__(self, spec: TaskSpec, design: Design, report: Report) -> None:
         self.spec = spec
         self.design = design
-        self.pointer = pointer
         self.report = report
         self.depend = Dependencies(spec)
         self.things = {t.name for t in spec.things}
@@ -110,11 +107,7 @@ class _Trial:
         try:
             yield
         except WmsError as error:
-            said = [self.pointer.said(str(e)) for e in (error.errors if isinstance(error, Several) else (error,))]
-            fresh = [(message, span) for message, span in said if (span.source.name, span.start) not in self.told]
-            for message, span in fresh:
-                self.report.add("WMS304", message, span)
-                self.told.add((span.source.name, span.start))
+            self.report.include(d for d in _coded(error) if self.new(str(d.place)))
 
     def new(self, *what: object) -> bool:
         """Whether this was not told yet."""
@@ -128,8 +121,8 @@ class _Trial:
             if self.new("overlap", pair.first, pair.second):
                 begun = f"under `{values.change.name}`" if values.change else "at the start"
                 what = f"`{pair.second}` is {_long(pair.depth)} inside `{pair.first}` {begun}"
-                note = Note(f"`{pair.first}` is declared here", self.pointer.span(values.place(pair.first)))
-                span = self.pointer.span(values.place(pair.second))
+                note = Note(f"`{pair.first}` is declared here", values.place(pair.first))
+                span = values.place(pair.second)
                 remedy = "move them apart, make one smaller, or exclude this with `require`"
                 self.report.add("WMS601", f"{what} {told_of(self.design, instance)}", span, remedy, (note,))
 
@@ -143,7 +136,7 @@ class _Trial:
                 if start > end - 1e-9 and self.new("late", name):
                     lasts = f"the episode lasts {units.told(end, units.TIME)} {told_of(self.design, instance)}"
                     what = f"`{name}` never happens: it begins at {units.told(start, units.TIME)}, and {lasts}"
-                    span = self.pointer.span(values.place(name, "start"))
+                    span = values.place(name, "start")
                     remedy = "let it begin earlier, or set a longer `horizon`"
                     self.report.add("WMS304", what, span, remedy, severity="warning")
 
@@ -153,9 +146,7 @@ class _Trial:
         if not within and self.new("outside", place):
             lasts = f"the episode, which lasts {units.told(values.ref('end'), units.TIME)}"
             what = f"a picture at {units.told(time, units.TIME)} is outside {lasts}"
-            self.report.add(
-                "WMS304", what, self.pointer.span(place), "ask for an earlier one, or set a longer `horizon`"
-            )
+            self.report.add("WMS304", what, place, "ask for an earlier one, or set a longer `horizon`")
         return not within
 
     def blind(self, values: Values) -> None:
@@ -165,7 +156,7 @@ class _Trial:
                 what = f"`{camera}` has none of what is moved or asked about in its picture"
                 seen = next(o.place for o in self.spec.observations if o.camera == camera)
                 remedy = "turn it with `look_at:`, widen its `fov:`, or leave it out"
-                self.report.add("WMS602", what, self.pointer.span(seen), remedy, severity="warning")
+                self.report.add("WMS602", what, seen, remedy, severity="warning")
 
     def turned(self, values: Values) -> None:
         """Cameras that have on their left what `relation` does not call so."""
@@ -178,11 +169,11 @@ class _Trial:
             if facing(values, camera) != way and self.new("turned", camera):
                 what = f"`{camera}` looks another way than `relation`, which goes by the world's front"
                 remedy = "observe only from one side, or say in the question that it is meant as seen from the front"
-                self.report.add("WMS603", what, self.pointer.span(observation.place), remedy, severity="warning")
+                self.report.add("WMS603", what, observation.place, remedy, severity="warning")
 
     def changes(self, change: Counterfactual, truth: Document, altered: Document, instance: Instance) -> None:
         """A counterfactual that changes nothing, or more than it says."""
-        span, differing = self.pointer.span(change.place), truth.differing(altered)
+        span, differing = change.place, truth.differing(altered)
         if not differing and self.new("idle", change.name):
             self.report.add("WMS503", f"`{change.name}` changes nothing {told_of(self.design, instance)}", span)
         more = sorted(set(self.more(change, differing)))
@@ -203,6 +194,11 @@ class _Trial:
                 others = (o for o in owned if self.asset.get(o[0]) != change.owner)  # the whole is said of each link
                 found = (f"{owner}.{name}" for owner, _, name in others if name not in _FOLLOWS)
                 yield from (source for source in found if target in self.depend.source(source))
+
+
+def _coded(error: WmsError) -> Iterator[Diagnostic]:
+    """What an error says; what has no code of its own, such as a mesh that cannot be used, is an impossible value."""
+    yield from (d if d.code else replace(d, code=ImpossibleValue.code) for d in error.diagnostics)
 
 
 def _long(length: float) -> str:

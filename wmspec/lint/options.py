@@ -13,16 +13,14 @@ from wmspec.check.types import AN_ANGLE
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told_of
 from wmspec.design.design import Design
-from wmspec.errors import WmsError
+from wmspec.diagnostics import Report, WmsError
 from wmspec.layout.values import Values
-from wmspec.lint.locate import Pointer
-from wmspec.parse.diagnostics import Report
 
 #: Of how many instances the options are compared.
 COMPARED = 100
 
 
-def compare(question: Question, design: Design, pointer: Pointer, report: Report) -> None:
+def compare(question: Question, design: Design, report: Report) -> None:
     """Report options that are the same in one of the instances compared, or that lack an answer which is known."""
     if question.options is None:
         return
@@ -43,7 +41,7 @@ def compare(question: Question, design: Design, pointer: Pointer, report: Report
             what = (
                 f"two options of this question are the same, {_shown(same[0], question)}, {told_of(design, instance)}"
             )
-            report.add("WMS507", what, pointer.span(question.place), "keep them apart with `require`")
+            report.add("WMS507", what, question.place, "keep them apart with `require`")
             return
         checked += 1
         if not any(_same(answer, option, directions) for option in options):
@@ -54,7 +52,7 @@ def compare(question: Question, design: Design, pointer: Pointer, report: Report
             f"{'in no instance is the answer' if never else 'the answer is not'} among the options: it is {lacking[0]}"
         )
         remedy = "add it to the options" if never else "add it to the options, or exclude this with `require`"
-        span = pointer.span(question.place)
+        span = question.place
         report.add("WMS502", what, span, remedy, severity="error" if never else "warning")
 
 

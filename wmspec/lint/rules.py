@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from wmspec.check.ir import Choices, Expr, Location, Said, TaskSpec
+from wmspec.check.ir import Choices, Expr, Said, TaskSpec
 from wmspec.check.measured import measured
 from wmspec.design.constrain import Constraint
 from wmspec.design.depend import Dependencies
+from wmspec.places import Location
 
 #: A code, a message, its place and a remedy.
 Doubt = tuple[str, str, Location, str]

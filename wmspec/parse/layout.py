@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 from wmspec.parse import syntax as s
-from wmspec.parse.source import Span
 from wmspec.parse.words import Token
+from wmspec.places import Span
 
 #: Spaces per level.
 INDENT = 2

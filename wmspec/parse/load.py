@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
-from wmspec.errors import WmsError, suggestion
-from wmspec.parse.diagnostics import Diagnostic, Note, Report
+from wmspec.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
 from wmspec.parse.parser import parse
-from wmspec.parse.source import Source, Span
 from wmspec.parse.syntax import File, Name, Task, Use
+from wmspec.places import Location, Place, Source, Span
 from wmspec.resources import resource
+
+P = TypeVar("P", Place, Place | None)
 
 #: A longer file is refused: no hand writes it.
 MAX_CHARACTERS = 1_000_000
@@ -68,6 +70,36 @@ def shown(path: Path) -> str:
 def located(name: str) -> Path:
     """The file that was told as `name`."""
     return library_folder() / name.removeprefix("<library>/") if name.startswith("<library>/") else Path(name)
+
+
+def pointed(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """The diagnostics with the texts at the places that the IR keeps, where these can still be read."""
+    texts = _Texts()
+    return tuple(
+        replace(d, place=texts.at(d.place), notes=tuple(replace(note, place=texts.at(note.place)) for note in d.notes))
+        for d in diagnostics
+    )
+
+
+class _Texts:
+    """The texts of files, each read once."""
+
+    def __init__(self) -> None:
+        self._sources: dict[str, Source | None] = {}
+
+    def at(self, place: P) -> P | Span:
+        """The text at a location; any other place as it is."""
+        if not isinstance(place, Location) or (source := self._source(place.file)) is None:
+            return place
+        end = len(source.text)
+        return Span(source, min(place.start, end), min(place.end, end))
+
+    def _source(self, name: str) -> Source | None:
+        if name not in self._sources:
+            self._sources[name] = None  # of a task that was made in Python
+            with suppress(WmsError):
+                self._sources[name] = read_source(located(name))
+        return self._sources[name]
 
 
 def library_folder() -> Path:

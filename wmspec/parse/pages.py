@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from importlib.resources import files
 
-from wmspec.parse.diagnostics import CODES
+from wmspec.parse.codes import CODES
 
 _FENCE = re.compile(r"^```wms *(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 

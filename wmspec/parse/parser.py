@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 
+from wmspec.diagnostics import Report
 from wmspec.parse.build import build_expression, build_file
-from wmspec.parse.diagnostics import Report
 from wmspec.parse.machine import END, Machine, Tree
 from wmspec.parse.recover import STARTERS, recover
-from wmspec.parse.source import Source, Span
 from wmspec.parse.syntax import Expr, File
 from wmspec.parse.words import Token, read
+from wmspec.places import Source, Span
 
 #: How a terminal is called in a message.
 SPOKEN = {

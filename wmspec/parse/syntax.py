@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from wmspec.node import Node
-from wmspec.parse.source import Span
+from wmspec.places import Span
 
 # ---------------------------------------------------------------- expressions
 

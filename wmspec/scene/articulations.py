@@ -11,7 +11,7 @@ from math import atan2, pi
 
 import numpy as np
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.com_frame import mount
 from wmspec.scene.model import Body, Follow, Glide, Joint, Pose, Scene, Teleport
 from wmspec.scene.numbers import floats, numbers

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
 from wmspec.scene.model import Cone, Joint, Mesh, Scene

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.inertia import inertia, principal, volume
 from wmspec.scene.model import Array, Inertia, Mesh, Pose
 from wmspec.scene.silence import silence

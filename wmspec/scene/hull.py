@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.model import Array, Cone, Mesh
 
 SIDES = 48

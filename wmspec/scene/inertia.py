@@ -11,7 +11,7 @@ from math import pi
 
 import numpy as np
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.hull import solid
 from wmspec.scene.model import Array, Box, Capsule, Cone, Cylinder, Inertia, Mesh, Pose, Shape, Sphere
 from wmspec.scene.transform import apply, multiply, quaternion, rotate, rotation

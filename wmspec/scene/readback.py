@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 
 def honoured(where: str, what: str, got: ArrayLike, expected: ArrayLike, *, tolerance: float = 1e-9) -> None:

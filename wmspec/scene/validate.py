@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.action_rules import problems as deed_problems
 from wmspec.scene.action_rules import sequence
 from wmspec.scene.joints import problems as joint_problems

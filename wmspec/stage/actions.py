@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from wmspec.check.ir import TaskSpec, Thing
 from wmspec.check.vocabulary import ROUND
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import motion
 from wmspec.layout.geometry import pieces
 from wmspec.layout.surfaces import WORLD, holder, under
@@ -58,14 +58,15 @@ def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, 
 def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -> None:
     """Complain if the object cannot do what the verb asks."""
     if values.property(target, "fixed"):
-        raise WmsError(f"{action.place}: `{target}` is fixed, so nothing can {action.verb} it")
+        raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
     if action.verb not in motion.CARRYING and target in carried:
-        raise WmsError(
-            f"{action.place}: `{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it; "
-            "use verbs that carry it, or none of them"
+        raise ImpossibleValue(
+            f"`{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it",
+            action.place,
+            "use verbs that carry it, or none of them",
         )
     if action.verb in ("launch", "slide") and joined(values, target):
-        raise WmsError(f"{action.place}: a joint holds `{target}`, so it cannot {action.verb}; use `impulse`")
+        raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, "use `impulse`")
 
 
 def _heading(action: Thing, values: Values) -> Vector:
@@ -101,7 +102,7 @@ def _velocity(prim: Prim, action: Thing, values: Values, speed: float, *sources:
 def _rolling(action: Thing, target: str, speed: float, values: Values) -> Vector:
     """The angular velocity of a ball that rolls without slipping: up x velocity / radius."""
     if values.parts(target) or values.has(target, "file") or values.property(target, "shape") != "sphere":
-        raise WmsError(f"{action.place}: `{target}` is not a sphere, so it cannot set off rolling")
+        raise ImpossibleValue(f"`{target}` is not a sphere, so it cannot set off rolling", action.place)
     angle = motion.angle(values.property(action.name, "direction"))
     rate = speed / (pieces(values, target)[0].solid.edges[0] / 2)
     return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
@@ -113,18 +114,22 @@ def _slide(prim: Prim, action: Thing, values: Values) -> None:
     held, here = holder(values, target), values.pose(target).position
     face = under(values, target, (WORLD, *here[:2]))
     if held is None or face is None:
-        raise WmsError(f"{action.place}: `{target}` rests on nothing, so it cannot slide; say `on:` what it rests")
+        raise ImpossibleValue(
+            f"`{target}` rests on nothing, so it cannot slide", action.place, "say `on:` what it rests"
+        )
     base = held[1]
     if face.normal[2] < 1 - 1e-9:
-        raise WmsError(f"{action.place}: what `{target}` rests on is not level, so it would not stop there")
+        raise ImpossibleValue(f"what `{target}` rests on is not level, so it would not stop there", action.place)
     if _rolls(target, heading(motion.angle(values.property(name, "direction"))), values):
         ball = pieces(values, target)[0].solid.kind == "sphere"
         remedy = "say `launch(..., rolling: true)`" if ball else "stand it up, or slide it along its axis"
-        raise WmsError(f"{action.place}: `{target}` is round and would roll on instead of sliding; {remedy}")
+        raise ImpossibleValue(f"`{target}` is round and would roll on instead of sliding", action.place, remedy)
     rub = math.sqrt(values.property(target, "friction") * values.property(base, "friction"))
     speed = math.sqrt(2 * rub * values.gravity * values.property(name, "distance"))
     if speed == 0:
-        raise WmsError(f"{action.place}: nothing would stop `{target}` sliding: there is no friction or no gravity")
+        raise ImpossibleValue(
+            f"nothing would stop `{target}` sliding: there is no friction or no gravity", action.place
+        )
     sources = (f"{name}.distance", f"{name}.object", f"{target}.friction", f"{base}.friction", "world.gravity")
     _velocity(prim, action, values, speed, *sources, f"{target}.{held[0]}")
     _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
@@ -177,13 +182,13 @@ def _force(prim: Prim, action: Thing, values: Values) -> None:
 def _release(_prim: Prim, action: Thing, values: Values) -> None:
     target = values.property(action.name, "object")
     if len(values.acting("drop", target)) + len(values.acting("release", target)) > 1:
-        raise WmsError(f"{action.place}: `{target}` is let go more than once; keep one `release` or `drop`")
+        raise ImpossibleValue(f"`{target}` is let go more than once", action.place, "keep one `release` or `drop`")
 
 
 def _drive(prim: Prim, action: Thing, values: Values) -> None:
     joint = values.spec.thing(values.property(action.name, "joint"))
     if not has_drive(joint, values):
-        raise WmsError(f"{action.place}: the joint `{joint.name}` has no drive; give it a `stiffness:`")
+        raise ImpossibleValue(f"the joint `{joint.name}` has no drive", action.place, "give it a `stiffness:`")
     prim.relate("wms:joint", joint_path(joint.name), f"{action.name}.joint")
     prim.set("wms:target", "double", values.property(action.name, "target"), f"{action.name}.target", uniform=True)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from wmspec.check.ir import TaskSpec, Thing, Value
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 
 
 def executable(spec: TaskSpec) -> bool:
@@ -17,10 +17,14 @@ def refuse(spec: TaskSpec) -> None:
     """Raise WmsError with its place if the spec has robots."""
     for thing in spec.things:
         if thing.kind == "action" and thing.of:
-            raise WmsError(f"{thing.place}: `{thing.of}.{thing.verb}` cannot be executed yet: it can only be checked")
+            raise ImpossibleValue(
+                f"`{thing.of}.{thing.verb}` cannot be executed yet: it can only be checked", thing.place
+            )
     for thing in spec.things:
         if thing.kind == "robot":
-            raise WmsError(f"{thing.place}: the robot `{thing.name}` cannot be executed yet: it can only be checked")
+            raise ImpossibleValue(
+                f"the robot `{thing.name}` cannot be executed yet: it can only be checked", thing.place
+            )
 
 
 def without(spec: TaskSpec) -> TaskSpec:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.values import Values
 from wmspec.materials.colors import linear, rgb
 from wmspec.space import Vector
@@ -34,7 +34,9 @@ def add_camera(doc: Document, name: str, values: Values) -> None:
     if values.has(name, "ride"):
         ridden = values.property(name, "ride")
         if not values.there(ridden):
-            raise WmsError(f"{values.place(name, 'ride')}: the camera `{name}` rides on `{ridden}`, which is not there")
+            raise ImpossibleValue(
+                f"the camera `{name}` rides on `{ridden}`, which is not there", values.place(name, "ride")
+            )
         doc.add(path.rpartition("/")[0], "Scope", (), (f"{name}.ride",))
     prim = doc.add(path, "Camera", (), (f"{name}.ride",))
     prim.set("xformOp:transform", "matrix4d", _looking(eye, target, values, name), f"{name}.at", f"{name}.look_at")
@@ -51,7 +53,7 @@ def _looking(eye: Vector, target: Vector, values: Values, name: str) -> Matrix:
     forward = [t - e for e, t in zip(eye, target, strict=True)]
     length = math.hypot(*forward)
     if length < 1e-9:
-        raise WmsError(f"{values.place(name)}: the camera `{name}` looks at the very point where it is")
+        raise ImpossibleValue(f"the camera `{name}` looks at the very point where it is", values.place(name))
     z = [-f / length for f in forward]
     level = math.hypot(z[0], z[1])
     x = [-z[1] / level, z[0] / level, 0.0] if level > 1e-9 else [1.0, 0.0, 0.0]
@@ -63,7 +65,7 @@ def add_light(doc: Document, name: str, world: str | None, values: Values) -> No
     """The prims of a light: a sun, and the sky around everything. Raises WmsError if it has no direction."""
     direction = values.property(name, "direction")
     if math.hypot(*direction) < 1e-9:
-        raise WmsError(f"{values.place(name)}: the light `{name}` has no direction")
+        raise ImpossibleValue(f"the light `{name}` has no direction", values.place(name))
     sun = doc.add(f"/World/Lights/{name}", "DistantLight")
     aim = _looking((0.0, 0.0, 0.0), direction, values, name)
     sun.set("xformOp:transform", "matrix4d", aim, f"{name}.direction")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.design.design import Instance
-from wmspec.errors import Gathered, WmsError
+from wmspec.diagnostics import ImpossibleValue, Report
 from wmspec.layout.values import Values
 from wmspec.stage import agents
 from wmspec.stage.actions import add_action, carrier_sources, carriers
@@ -21,8 +21,8 @@ RATE = 240
 def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None = None) -> Document:
     """The stage of an instance, or of what it would be under a counterfactual.
 
-    Raises WmsError with its place if a property has an impossible value, or something cannot be executed; `Several` if
-    that is so of several things.
+    Raises WmsError with its place if a property has an impossible value, or something cannot be executed, with all that
+    is wrong.
     """
     return built(Values(spec, instance.values, change, instance.key))
 
@@ -37,13 +37,13 @@ def built(values: Values) -> Document:
     for scope in ("Objects", "Materials", "Cameras", "Lights"):
         doc.add(f"/World/{scope}", "Scope")
     carried, deciding = carriers(spec, values), carrier_sources(spec)
-    gathered = Gathered()
+    report = Report()
     for thing in spec.things:
-        with gathered:
+        with report.gathered():
             if thing.kind == "object" and values.there(thing.name):
                 add_object(doc, thing.name, values, deciding, thing.name in carried)
     for thing in spec.things:
-        with gathered:
+        with report.gathered():
             match thing.kind:
                 case "joint":
                     add_joint(doc, thing, values, carried)
@@ -51,15 +51,15 @@ def built(values: Values) -> Document:
                     add_camera(doc, thing.name, values)
                 case "light":
                     add_light(doc, thing.name, values.world, values)
-    with gathered:
+    with report.gathered():
         no_loops(values)
-    with gathered:
+    with report.gathered():
         _episode(doc, spec, values)
     for thing in spec.things:
-        with gathered:
+        with report.gathered():
             if thing.kind == "action" and values.there(thing.name):
                 add_action(doc, thing, values, carried)
-    gathered.stop()
+    report.stop_if_failed()
     return doc
 
 
@@ -94,6 +94,6 @@ def observed(spec: TaskSpec, values: Values) -> list[tuple[str, tuple[float, ...
         times = evaluate(observation.times, values)
         for time in times:
             if not values.during(time):
-                raise WmsError(f"{observation.place}: {time:g} s is outside the episode, which lasts {end:g} s")
+                raise ImpossibleValue(f"{time:g} s is outside the episode, which lasts {end:g} s", observation.place)
         found.setdefault(observation.camera, set()).update(times)
     return [(camera, tuple(sorted(times))) for camera, times in found.items()]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from wmspec.check.ir import Thing
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import assets, placement
 from wmspec.layout.values import Values
 from wmspec.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
@@ -39,14 +39,17 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
     if not values.there(of) or (to and not values.there(to)):
         return
     if values.property(of, "fixed"):
-        raise WmsError(f"{values.place(name, 'of')}: `{of}` is fixed, so no joint can move it; exchange `of` and `to`")
+        raise ImpossibleValue(
+            f"`{of}` is fixed, so no joint can move it", values.place(name, "of"), "exchange `of` and `to`"
+        )
     if of == to:
-        raise WmsError(f"{values.place(name, 'to')}: the joint `{name}` joins `{of}` to itself")
+        raise ImpossibleValue(f"the joint `{name}` joins `{of}` to itself", values.place(name, "to"))
     for end in (of, to):
         if end and end in carried:
-            raise WmsError(
-                f"{joint.place}: `{end}` is carried by `{carried[end]}`, so the joint `{name}` cannot hold it; "
-                "leave one of the two out, or let a joint to the world with a drive move it"
+            raise ImpossibleValue(
+                f"`{end}` is carried by `{carried[end]}`, so the joint `{name}` cannot hold it",
+                joint.place,
+                "leave one of the two out, or let a joint to the world with a drive move it",
             )
     if "/World/Joints" not in doc.prims:
         doc.add("/World/Joints", "Scope", (), sources)
@@ -75,9 +78,10 @@ def no_loops(values: Values) -> None:
             continue  # which is told of the joint itself
         if first is second:
             tied = f"joins `{of}` and `{to}`" if of and to else f"holds `{of or to}` to the world"
-            raise WmsError(
-                f"{joint.place}: `{joint.name}` {tied}, which other joints do already, and joints cannot form loops; "
-                "remove one of them"
+            raise ImpossibleValue(
+                f"`{joint.name}` {tied}, which other joints do already, and joints cannot form loops",
+                joint.place,
+                "remove one of them",
             )
         first |= second
         groups.update(dict.fromkeys(second, first))
@@ -124,7 +128,7 @@ def _frame(joint: Thing, values: Values) -> Quaternion:
         return LEVEL
     axis = values.property(joint.name, "axis")
     if math.hypot(*axis) < 1e-9:
-        raise WmsError(f"{values.place(joint.name, 'axis')}: the joint `{joint.name}` has no axis; it is 0 here")
+        raise ImpossibleValue(f"the joint `{joint.name}` has no axis; it is 0 here", values.place(joint.name, "axis"))
     return facing(unit(axis))
 
 
@@ -135,7 +139,7 @@ def _driven(joint: Thing, values: Values) -> bool:
     stiffness, damping = (values.property(joint.name, name) for name in ("stiffness", "damping"))
     if values.has(joint.name, "target") and stiffness == 0:
         place = values.place(joint.name, "target")
-        raise WmsError(f"{place}: nothing takes `{joint.name}` to its target, as its stiffness is 0")
+        raise ImpossibleValue(f"nothing takes `{joint.name}` to its target, as its stiffness is 0", place)
     return bool(stiffness > 0 or damping > 0)
 
 
@@ -144,13 +148,13 @@ def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
     prim.set("physics:axis", "token", "X", uniform=True)
     limits = {p: values.property(name, p) for p in ("low", "high") if values.has(name, p)}
     if limits.get("low", -math.inf) > limits.get("high", math.inf):
-        raise WmsError(f"{values.place(name, 'low')}: `low` of `{name}` is above its `high`")
+        raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.place(name, "low"))
     for side, beyond in (("low", limits.get("low", 0.0) > 1e-9), ("high", limits.get("high", 0.0) < -1e-9)):
         if beyond and not joint.of:  # a joint of an asset may start elsewhere, which is looked at there
-            raise WmsError(
-                f"{values.place(name, side)}: `{name}` starts at 0, beyond its limit of "
-                f"{assets.told(limits[side], joint.model)}; limits are counted from how its objects are placed, "
-                "so 0 is between them"
+            raise ImpossibleValue(
+                f"`{name}` starts at 0, beyond its limit of {assets.told(limits[side], joint.model)}",
+                values.place(name, side),
+                "limits are counted from how its objects are placed, so 0 is between them",
             )
     for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):
         if side in limits:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.geometry import every_piece, touchable
 from wmspec.layout.values import Values
 from wmspec.space import turn
@@ -18,9 +18,10 @@ def own(name: str, values: Values) -> bool:
     """Whether an object says more of how its mass is spread than its pieces do. Raises WmsError if it has no mass."""
     touched = any(touchable(values, part) for part, _ in every_piece(values, name))
     if not touched and not (values.has(name, "mass") and values.has(name, "moments")):
-        raise WmsError(
-            f"{values.place(name)}: nothing of `{name}` can be touched, so nothing says what it weighs; "
-            "give it `mass` and `moments`, or make a part of it solid"
+        raise ImpossibleValue(
+            f"nothing of `{name}` can be touched, so nothing says what it weighs",
+            values.place(name),
+            "give it `mass` and `moments`, or make a part of it solid",
         )
     return values.has(name, "centre") or values.has(name, "moments")
 
@@ -42,7 +43,7 @@ def _moments(name: str, values: Values) -> tuple[float, ...]:
     largest, rest = max(moments), sum(moments) - max(moments)
     if largest > rest * (1 + 1e-6):
         told, place = ", ".join(f"{m:g}" for m in moments), values.place(name, "moments")
-        raise WmsError(f"{place}: no solid has the moments ({told}) of `{name}`: one is above the others' sum")
+        raise ImpossibleValue(f"no solid has the moments ({told}) of `{name}`: one is above the others' sum", place)
     return tuple(min(m, rest * (1 - ROUNDING)) if m == largest else m for m in moments)
 
 
@@ -62,5 +63,5 @@ def _whole(name: str, values: Values) -> float:
     """The volume (m³) of all that can be touched of an object. Raises WmsError if it is too small."""
     whole = sum(piece.solid.volume for part, piece in every_piece(values, name) if touchable(values, part))
     if whole < LEAST_VOLUME:
-        raise WmsError(f"{values.place(name)}: `{name}` is too small to have a mass: {whole:g} m³")
+        raise ImpossibleValue(f"`{name}` is too small to have a mass: {whole:g} m³", values.place(name))
     return whole

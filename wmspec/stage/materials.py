@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.values import Values
 from wmspec.materials import MATERIALS
 from wmspec.materials.colors import linear, rgb
@@ -70,7 +70,7 @@ def _image(part: str, values: Values) -> tuple[Path | None, float]:
     if values.has(part, "image"):
         path = located(values.property(part, "image"))
         if not path.is_file():
-            raise WmsError(f"{values.place(part, 'image')}: there is no picture {path}")
+            raise ImpossibleValue(f"there is no picture {path}", values.place(part, "image"))
         return path, 0.0
     material = MATERIALS[values.property(part, "material")]
     return material.path, material.repeats

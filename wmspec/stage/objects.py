@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from wmspec.check.vocabulary import TALL
-from wmspec.errors import WmsError
+from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.geometry import every_piece, touchable
 from wmspec.layout.solids import SLAB, Piece, Solid
 from wmspec.layout.support import supported
@@ -39,9 +39,9 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
     """The prims of an object that is there; `carriers` are the sources of `carried`, whether actions carry it."""
     fixed, solid = values.property(name, "fixed"), values.property(name, "solid")
     if fixed and carried:
-        raise WmsError(f"{values.place(name)}: `{name}` is fixed, so nothing can carry it")
+        raise ImpossibleValue(f"`{name}` is fixed, so nothing can carry it", values.place(name))
     if not fixed and not solid:
-        raise WmsError(f"{values.place(name)}: `{name}` cannot be touched, so it must be fixed")
+        raise ImpossibleValue(f"`{name}` cannot be touched, so it must be fixed", values.place(name))
     supported(name, values)
     weighed = () if fixed or not masses.own(name, values) else ("PhysicsMassAPI",)
     schemas = () if fixed else ("PhysicsRigidBodyAPI", *weighed)

@@ -11,7 +11,7 @@ from pathlib import Path
 from wmspec.check.ir import Counterfactual
 from wmspec.design.describe import told
 from wmspec.design.design import Design, Instance
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document
 from wmspec.stage.layers import base_layer, override_layer

@@ -6,13 +6,14 @@ from pathlib import PurePath
 
 from pxr import Usd
 
+from wmspec.diagnostics import Report, StageError
 from wmspec.scene.model import Action, Body, Camera, Joint, Observation, Scene
 from wmspec.usd import actions, episode, joints
 from wmspec.usd.bodies import bodies
 from wmspec.usd.cameras import camera, daylight, overview
 from wmspec.usd.filters import filtered
 from wmspec.usd.frames import World
-from wmspec.usd.prims import Names, Problems, targets
+from wmspec.usd.prims import Names, targets
 from wmspec.usd.unsupported import incomplete
 from wmspec.usd.walk import Found, Walk
 
@@ -28,7 +29,7 @@ def read(stage: Usd.Stage) -> Scene:
     Raises:
         StageError: with everything on the stage that is wrong or not supported, each with its prim and remedy.
     """
-    problems = Problems()
+    problems = Report(StageError)
     incomplete(stage, problems)
     found, world = Walk(stage, problems).found, World(stage, problems)
     everything = bodies(list(found.owners.values()), world, problems)
@@ -46,7 +47,7 @@ def read(stage: Usd.Stage) -> Scene:
         task, duration, rate = episode.timing(found.of("WmsEpisode"))
     with problems.gathered():
         light, background = daylight(found.of("DistantLight"), found.of("DomeLight"), world)
-    problems.report()
+    problems.stop_if_failed()
     return Scene(
         name=task or PurePath(stage.GetRootLayer().GetDisplayName()).stem,
         gravity=gravity,
@@ -63,7 +64,7 @@ def read(stage: Usd.Stage) -> Scene:
     )
 
 
-def _cameras(found: Found, known: dict[str, Body], world: World, problems: Problems) -> dict[str, Camera]:
+def _cameras(found: Found, known: dict[str, Body], world: World, problems: Report) -> dict[str, Camera]:
     names, cameras = Names(), {}
     for prim in found.of("Camera"):
         name = names.give(prim.GetName(), str(prim.GetPath()))
@@ -75,7 +76,7 @@ def _cameras(found: Found, known: dict[str, Body], world: World, problems: Probl
 
 
 def _actions(
-    found: Found, everything: tuple[Body, ...], held: dict[str, Joint], world: World, problems: Problems
+    found: Found, everything: tuple[Body, ...], held: dict[str, Joint], world: World, problems: Report
 ) -> tuple[Action, ...]:
     known, done = {body.path: body for body in everything}, []
     refused = found.owners.keys() - known.keys()
@@ -89,7 +90,7 @@ def _actions(
     return tuple(action for _, action in done)
 
 
-def _observations(found: Found, cameras: dict[str, Camera], problems: Problems) -> tuple[Observation, ...]:
+def _observations(found: Found, cameras: dict[str, Camera], problems: Report) -> tuple[Observation, ...]:
     observations = []
     for prim in found.of("WmsObservation"):
         with problems.gathered():

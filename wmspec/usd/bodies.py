@@ -7,18 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 from pxr import Gf
 
+from wmspec.diagnostics import Report, StageError
 from wmspec.scene.model import Array, Body, Geom
 from wmspec.scene.transform import conjugate, rotate
 from wmspec.usd.colliders import DOWN, collider
 from wmspec.usd.frames import World, split, vector
 from wmspec.usd.geoms import Materials, geoms
 from wmspec.usd.masses import body_inertia
-from wmspec.usd.prims import Names, Problems, refuse, value
+from wmspec.usd.prims import Names, refuse, value
 from wmspec.usd.shapes import Placed, placed
 from wmspec.usd.walk import Owner
 
 
-def bodies(owners: Sequence[Owner], world: World, problems: Problems) -> tuple[Body, ...]:
+def bodies(owners: Sequence[Owner], world: World, problems: Report) -> tuple[Body, ...]:
     """The bodies, in the stage's order; what is wrong with them goes to `problems`."""
     materials = Materials(piece for owner in owners for piece in owner.pieces)
     names, found = Names(), []
@@ -34,7 +35,7 @@ def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
     place = split(world.matrix(prim), prim)
     inverse = place.rigid.GetInverse()
     down = rotate(conjugate(place.pose.orientation), DOWN)
-    problems, names = Problems(), Names()
+    problems, names = Report(StageError), Names()
     found: list[Geom] = []
     colliders: list[tuple[Placed, float]] = []
     for piece in owner.pieces:
@@ -45,7 +46,7 @@ def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
             found += geoms(piece, here, touched, names.give(below or prim.GetName()), names, materials)
             if piece.collides:
                 colliders.append((here, materials.density(piece.prim)))
-    problems.report()
+    problems.stop_if_failed()
     inertia = body_inertia(prim, place, colliders, world) if owner.motion == "dynamic" else None
     damping = (float(value(prim, f"physxRigidBody:{kind}Damping", 0.0)) for kind in ("linear", "angular"))
     return Body(name, path, owner.motion, place.pose, tuple(found), inertia, *_velocities(owner, world), *damping)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.decompose import pieces
 from wmspec.scene.model import Array, Box, Mesh, Motion, Pose, Shape, Sphere
 from wmspec.scene.transform import apply, conjugate, rotate

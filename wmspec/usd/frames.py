@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Gf, Tf, Usd, UsdGeom, UsdPhysics
 
+from wmspec.diagnostics import Report
 from wmspec.scene.model import Array, Pose
-from wmspec.usd.prims import NOW, Problems, refuse, still, value
+from wmspec.usd.prims import NOW, refuse, still, value
 
 _ORTHOGONAL = 1e-6
 _RESET = "!resetXformStack!"
@@ -83,7 +84,7 @@ def split(matrix: Gf.Matrix4d, prim: Usd.Prim) -> Place:
 class World:
     """The stage's coordinates turned into ours: metres, kilograms, Z up; units that are none go to `problems`."""
 
-    def __init__(self, stage: Usd.Stage, problems: Problems) -> None:
+    def __init__(self, stage: Usd.Stage, problems: Report) -> None:
         self.meters = self.kilograms = 1.0
         with problems.gathered():
             self.meters = _unit(stage, "metersPerUnit", UsdGeom.GetStageMetersPerUnit(stage))

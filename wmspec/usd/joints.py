@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Gf, Usd
 
+from wmspec.diagnostics import Report
 from wmspec.scene.model import Body, Joint, JointKind, Pose
 from wmspec.scene.transform import compose, inverse, multiply
 from wmspec.usd.drives import drive
 from wmspec.usd.frames import World, quaternion, split, vector
-from wmspec.usd.prims import Names, Problems, applied, present, refuse, value
+from wmspec.usd.prims import Names, applied, present, refuse, value
 
 _HALF = math.sqrt(0.5)
 _TURNS = {"X": (1.0, 0.0, 0.0, 0.0), "Y": (_HALF, 0.0, 0.0, _HALF), "Z": (_HALF, 0.0, -_HALF, 0.0)}
@@ -34,7 +35,7 @@ class _Way:
     drive: str
 
 
-def joints(prims: list[Usd.Prim], bodies: Mapping[str, Body], world: World, problems: Problems) -> dict[str, Joint]:
+def joints(prims: list[Usd.Prim], bodies: Mapping[str, Body], world: World, problems: Report) -> dict[str, Joint]:
     """The joints by their paths; those that hold nothing that can move are left out. `bodies` by their paths."""
     names, found = Names(), {}
     for body in bodies.values():

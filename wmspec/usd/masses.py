@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from pxr import Gf, Usd
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.decompose import whole
 from wmspec.scene.inertia import inertia, principal, volume
 from wmspec.scene.model import Array, Inertia, Mesh

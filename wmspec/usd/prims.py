@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from typing import Any, NoReturn
 
 import numpy as np
 from pxr import Sdf, Usd
 
-from wmspec.errors import Problem, StageError
+from wmspec.diagnostics import StageError
+from wmspec.places import PrimPlace
 from wmspec.scene.model import Array
 
 NOW = Usd.TimeCode.EarliestTime()
@@ -78,7 +78,7 @@ def applied(prim: Usd.Prim) -> list[str]:
 
 def refuse(prim: Usd.Prim, reason: str, remedy: str) -> NoReturn:
     """Raise a `StageError` about this prim."""
-    raise StageError((Problem(str(prim.GetPath()), reason, remedy),))
+    raise StageError(reason, PrimPlace(str(prim.GetPath())), remedy)
 
 
 def seconds(prim: Usd.Prim, name: str) -> float:
@@ -95,26 +95,6 @@ def target(prim: Usd.Prim, name: str, known: Mapping[str, Any], what: str) -> An
     if len(paths) != 1 or paths[0] not in known:
         refuse(prim, f"{name} -> {paths} is not one {what} of the stage", f"target the prim of one {what}")
     return known[paths[0]]
-
-
-class Problems:
-    """Gathers what is wrong with a stage, so that the user sees all of it at once."""
-
-    def __init__(self) -> None:
-        self.found: list[Problem] = []
-
-    @contextmanager
-    def gathered(self) -> Iterator[None]:
-        """Note a `StageError` of the block and go on after it."""
-        try:
-            yield
-        except StageError as error:
-            self.found += error.problems
-
-    def report(self) -> None:
-        """Raise one `StageError` with everything found, if anything was."""
-        if self.found:
-            raise StageError(tuple(dict.fromkeys(self.found)))
 
 
 class Names:

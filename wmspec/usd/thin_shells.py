@@ -12,7 +12,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import ConvexHull
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.scene.model import Array, Mesh
 
 DEPTH = 0.01

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from pxr import Usd, UsdGeom
 
+from wmspec.diagnostics import Report
 from wmspec.usd.frames import operations
-from wmspec.usd.prims import Problems, present, refuse
+from wmspec.usd.prims import present, refuse
 
 _GEAR = ("gears, tendons and joints that mimic others are not supported", "remove it")
 _SOFT = ("particles and deformable bodies are not supported", "deactivate the prim")
@@ -50,7 +51,7 @@ _STARTS = tuple(APIS)
 _BINDINGS = ("material:binding", "material:binding:preview", "material:binding:physics")
 
 
-def incomplete(stage: Usd.Stage, problems: Problems) -> None:
+def incomplete(stage: Usd.Stage, problems: Report) -> None:
     """Note the references, payloads, layers and the like that are not found, by prim, as USD tells them."""
     for error in sorted(stage.GetCompositionErrors(), key=str):  # USD finds them in any order
         with problems.gathered():

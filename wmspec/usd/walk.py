@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 from pxr import Kind, Usd, UsdGeom
 
+from wmspec.diagnostics import Report
 from wmspec.scene.model import Motion
-from wmspec.usd.prims import Problems, applied, refuse, value
+from wmspec.usd.prims import applied, refuse, value
 from wmspec.usd.shapes import GEOMETRIES
 from wmspec.usd.unsupported import TYPES, examine
 
@@ -61,7 +62,7 @@ class _Above:
 class Walk:
     """Finds the bodies and everything around them; notes as problems what is not supported."""
 
-    def __init__(self, stage: Usd.Stage, problems: Problems) -> None:
+    def __init__(self, stage: Usd.Stage, problems: Report) -> None:
         self.found = Found()
         self._problems = problems
         self._predicate = Usd.TraverseInstanceProxies()

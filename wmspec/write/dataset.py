@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.ask.model import Rejected
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.write import checkpoint, files
 from wmspec.write.card import card
 from wmspec.write.croissant import croissant

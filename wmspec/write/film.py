@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 Picture = Image.Image
 

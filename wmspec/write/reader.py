@@ -11,7 +11,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.write import files
 from wmspec.write.rows import Row
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.write import files
 from wmspec.write.plan import Plan, Shard, Task, differences
 from wmspec.write.shards import Record, read_record

@@ -14,7 +14,7 @@ import pyarrow.compute as pc
 import pyarrow.dataset as ds
 from PIL import Image
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.write import typeset
 from wmspec.write.reader import Finished
 from wmspec.write.rows import Row

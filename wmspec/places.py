@@ -1,10 +1,13 @@
-"""A source text and places in it."""
+"""Where something stands: in a text, in a file, on a stage. What a diagnostic points to."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeAlias
+
+from wmspec.node import Node
 
 
 @dataclass(frozen=True)
@@ -59,3 +62,47 @@ class Span:
 
     def __str__(self) -> str:
         return f"{self.source.name}:{self.line}:{self.column}"
+
+
+class Location(Node, kw_only=True):
+    """Where something stands in the text: file, line and column from 1, and character offsets."""
+
+    file: str
+    line: int
+    column: int
+    start: int
+    end: int
+
+    @classmethod
+    def of(cls, span: Span) -> Location:
+        """A span as the IR keeps it."""
+        return cls(file=span.source.name, line=span.line, column=span.column, start=span.start, end=span.end)
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True)
+class PrimPlace:
+    """A prim of a stage, by its path; of a scene that is read from none, what it is called there."""
+
+    path: str
+
+    def __str__(self) -> str:
+        return self.path
+
+
+@dataclass(frozen=True)
+class FilePlace:
+    """A file, or a line (from 1) of it, or an element there, such as `joint hinge`."""
+
+    path: str
+    line: int | None = None
+    element: str = ""
+
+    def __str__(self) -> str:
+        line = "" if self.line is None else f":{self.line}"
+        return f"{self.path}{line}" + (f": {self.element}" if self.element else "")
+
+
+Place: TypeAlias = Span | Location | PrimPlace | FilePlace

@@ -1,0 +1,238 @@
+"""What is wrong, where, and what would be right: the one value, and the errors that carry it.
+
+Every layer raises a `WmsError` for the first mistake, or collects all of them in a `Report`. What a reader of an error
+wants to know (its code, its place) is in the value; no text is ever read back.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal, Self
+
+from wmspec.places import FilePlace, Location, Place, PrimPlace, Span
+
+Severity = Literal["error", "warning"]
+
+
+@dataclass(frozen=True)
+class Note:
+    """Another place that has to do with the mistake."""
+
+    message: str
+    place: Place
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One mistake: one sentence, the place, a remedy, other places involved, and a code of the language if it has one.
+
+    As a text it is one line: `place: message; place of a note: note; help`.
+    """
+
+    message: str
+    place: Place | None = None
+    help: str = ""
+    code: str = ""
+    notes: tuple[Note, ...] = ()
+    severity: Severity = "error"
+
+    def __str__(self) -> str:
+        notes = (f"{note.place}: {note.message}" for note in self.notes)
+        told = "; ".join((self.message, *notes, *((self.help,) if self.help else ())))
+        return told if self.place is None else f"{self.place}: {told}"
+
+    @property
+    def label(self) -> str:
+        """What it is: `error[WMS203]`, or `warning`."""
+        return f"{self.severity}[{self.code}]" if self.code else self.severity
+
+    def render(self) -> str:
+        """With its text, the diagnostic is a headline, the line with a caret, notes and the remedy; else one line."""
+        if not isinstance(self.place, Span):
+            return f"{self.label}: {self}"
+        lines = [f"{self.label}: {self.message}", *_excerpt(self.place)]
+        for note in self.notes:
+            lines += [f"note: {note.message}", *_excerpt(note.place)]
+        return "\n".join([*lines, f"help: {self.help}"] if self.help else lines)
+
+    def record(self) -> dict[str, object]:
+        """The diagnostic as plain values, for JSON."""
+        return {
+            "code": self.code,
+            "severity": self.severity,
+            "message": self.message,
+            **_record(self.place),
+            "help": self.help,
+            "notes": [{"message": n.message, **_record(n.place)} for n in self.notes],
+        }
+
+
+def _record(place: Place | None) -> dict[str, object]:
+    match place:
+        case Span(source=source, end=end):
+            line, column = source.position(end)
+            here = {"file": source.name, "line": place.line, "column": place.column}
+            return {**here, "endLine": line, "endColumn": column}
+        case Location():
+            return {"file": place.file, "line": place.line, "column": place.column}
+        case FilePlace(path, line):
+            return {"file": path} if line is None else {"file": path, "line": line}
+        case PrimPlace(path):
+            return {"prim": path}
+        case None:
+            return {}
+
+
+def _excerpt(place: Place) -> Iterator[str]:
+    if not isinstance(place, Span):
+        yield f" --> {place}"
+        return
+    text = place.source.line(place.line)
+    start = place.column - 1
+    window = max(0, start - 100)
+    shown = text[window : window + 160].replace("\t", " ")
+    carets = max(1, min(place.end - place.start, len(text) - start, 160))
+    gutter = " " * len(str(place.line))
+    yield f"{gutter}--> {place}"
+    yield f"{gutter} |"
+    yield f"{place.line} | {shown}"
+    yield f"{gutter} | {' ' * (start - window)}{'^' * carets}"
+
+
+# ---------------------------------------------------------------- raised
+
+
+class WmsError(Exception):
+    """A mistake in what the user gave us, or what a machine lacks: one diagnostic, or several with `of`.
+
+    The command line prints it and exits with code 2. Pickled, as from a worker process, it stays whole.
+    """
+
+    code: ClassVar[str] = ""
+    """Of a diagnostic that is given none."""
+
+    diagnostics: tuple[Diagnostic, ...]
+
+    def __init__(
+        self, message: str, place: Place | None = None, help: str = "", *, code: str = "", notes: tuple[Note, ...] = ()
+    ) -> None:
+        super().__init__(message)
+        self.diagnostics = (Diagnostic(message, place, help, code or self.code, notes),)
+
+    @classmethod
+    def of(cls, diagnostics: Iterable[Diagnostic]) -> Self:
+        """The error that carries these diagnostics, of which there is at least one."""
+        error = cls("")
+        error.diagnostics = tuple(diagnostics)
+        return error
+
+    def at(self, place: Place) -> Self:
+        """The same error for whoever knows where it happened: its diagnostics without a place have this one."""
+        return self.of(d if d.place else replace(d, place=place) for d in self.diagnostics)
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.diagnostics))
+
+    def render(self) -> str:
+        """All that is wrong as a user reads it, one after the other."""
+        return "\n\n".join(diagnostic.render() for diagnostic in self.diagnostics)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self).of, (self.diagnostics,)
+
+
+class SpecError(WmsError):
+    """A spec has mistakes: all of them."""
+
+
+class ImpossibleValue(SpecError):
+    """What the values of an instance make impossible."""
+
+    code = "WMS304"
+
+
+class StageError(WmsError):
+    """A stage, or the scene read from it, cannot be executed: everything that is wrong with it."""
+
+
+class EngineError(WmsError):
+    """An engine gave up or returned nonsense for this episode (a diverged state, a warning that it hides)."""
+
+
+class GraphicsError(WmsError):
+    """This machine cannot draw with an engine: nothing that an episode could be blamed for."""
+
+
+# ---------------------------------------------------------------- collected
+
+
+class Report:
+    """Collects diagnostics, each once, and gives them in the order of the text."""
+
+    def __init__(self, error: type[WmsError] = SpecError) -> None:
+        self._error = error
+        self._diagnostics: dict[tuple[str, str, str], Diagnostic] = {}
+
+    def add(
+        self,
+        code: str,
+        message: str,
+        place: Place | None,
+        help: str = "",
+        notes: tuple[Note, ...] = (),
+        severity: Severity = "error",
+    ) -> None:
+        """Record a mistake."""
+        self.include([Diagnostic(message, place, help, code, notes, severity)])
+
+    def include(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Record mistakes that another report, or an error, has."""
+        for d in diagnostics:
+            self._diagnostics.setdefault((d.code, str(d.place), d.message), d)
+
+    @contextmanager
+    def gathered(self) -> Iterator[None]:
+        """Record a `WmsError` of the block and go on after it."""
+        try:
+            yield
+        except WmsError as error:
+            self.include(error.diagnostics)
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """All that was recorded, by file and place; what is in no text in the order in which it was."""
+        return tuple(sorted(self._diagnostics.values(), key=lambda d: (*_order(d.place), d.code)))
+
+    @property
+    def failed(self) -> bool:
+        """Whether anything recorded is an error."""
+        return any(d.severity == "error" for d in self._diagnostics.values())
+
+    def stop_if_failed(self) -> None:
+        """Raise the report's kind of error with everything recorded if anything is an error."""
+        if self.failed:
+            raise self._error.of(self.diagnostics)
+
+
+def _order(place: Place | None) -> tuple[str, int]:
+    match place:
+        case Span():
+            return place.source.name, place.start
+        case Location():
+            return place.file, place.start
+        case _:
+            return "", 0
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """`did you mean X?` for the known word closest to `word`, or a list of a few known ones, or nothing."""
+    names = sorted(set(known))
+    close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    if close:
+        return f"did you mean `{close[0]}`?"
+    if 0 < len(names) <= 16:
+        return "known here: " + ", ".join(names)
+    return ""
