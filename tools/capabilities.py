@@ -9,7 +9,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from wmspec.scene.capability import NAMES, table
+from wmspec.execute.backends import info, names
+from wmspec.scene.capability import table
 
 PAGE = Path(__file__).parent.parent / "docs/stage.md"
 START, STOP = "<!-- capabilities -->\n", "<!-- /capabilities -->\n"
@@ -26,14 +27,16 @@ def current(page: str) -> str:
 
 def lines() -> list[str]:
     """The table in Markdown."""
-    head = f"| | {' | '.join(NAMES.values())} | otherwise |"
-    rows = [f"| {name} | {' | '.join(cells(row))} |" for name, row in table()]
-    return [head, "|---|" + "---|" * (len(NAMES) + 1), *rows]
+    engines = [info(name) for name in names()]
+    head = f"| | {' | '.join(engine.title for engine in engines)} | otherwise |"
+    rows = table({engine.name: engine.lacks for engine in engines})
+    shown = [f"| {name} | {' | '.join(cells(row))} |" for name, row in rows]
+    return [head, "|---|" + "---|" * (len(engines) + 1), *shown]
 
 
 def cells(row: dict[str, str]) -> list[str]:
     """A mark for each engine, and the reasons."""
-    marks = ["—" if row[engine] else "✓" for engine in NAMES]
+    marks = ["—" if reason else "✓" for reason in row.values()]
     return [*marks, "; ".join(dict.fromkeys(filter(None, row.values())))]
 
 

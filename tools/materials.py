@@ -14,6 +14,7 @@ from PIL import Image
 from wmspec.check.task import check
 from wmspec.design.design import Design
 from wmspec.diagnostics import Report
+from wmspec.execute.backends import default
 from wmspec.execute.render_cache import RenderCache
 from wmspec.materials import MATERIALS
 from wmspec.scene.model import Look, Shot
@@ -54,7 +55,7 @@ def picture(name: str, color: str, look: Look) -> Image.Image:
         tasks = check(spec, report)
         report.stop_if_failed()
     scene = read(compose(document(tasks[0], Design(tasks[0])[0])))
-    studio = RenderCache("mujoco", SIDE, SIDE, look)
+    studio = RenderCache(default(), SIDE, SIDE, look)
     frame = studio.draw(scene, Shot("near", tuple(body.pose for body in scene.bodies)))
     studio.close()
     return Image.fromarray(frame.rgb)

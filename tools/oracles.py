@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from tests.engines import ENGINES
 from tests.physics.oracles.table import ORACLES, Oracle
-from tests.physics.scenes import ENGINES
 from tools.reference import table
 from wmspec.execute.backends import engine_version
 

@@ -8,12 +8,14 @@ from __future__ import annotations
 import sys
 import tempfile
 from pathlib import Path
+from typing import get_args
 
 from PIL import Image
 
 from wmspec.check.task import check
 from wmspec.design.design import Design
 from wmspec.diagnostics import Report
+from wmspec.execute.backends import info, names
 from wmspec.execute.render_cache import RenderCache
 from wmspec.scene.model import Look, Scene, Shot
 from wmspec.stage.episode import document
@@ -34,12 +36,8 @@ PLACES = {
 }
 """The environments, and what things stand on in each."""
 
-LOOKS: tuple[tuple[str, Look], ...] = (
-    ("mujoco", "parity"),
-    ("pybullet", "parity"),
-    ("sapien", "parity"),
-    ("mujoco", "beauty"),
-    ("sapien", "beauty"),
+LOOKS: tuple[tuple[str, Look], ...] = tuple(
+    (name, look) for look in get_args(Look) for name in names() if look in info(name).looks
 )
 CAMERA, SIDE, SAMPLES = "oblique", 256, 16
 

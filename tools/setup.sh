@@ -12,7 +12,8 @@ LOG=$VENV/wmspec-setup.log
 MESA=24.3 # the first Mesa whose software Vulkan draws SAPIEN's scenes
 GL_PACKAGES=(libegl1 libgl1 libvulkan1)
 MESA_PACKAGES=(mesa-vulkan-drivers libegl-mesa0 libgl1-mesa-dri)
-ENGINES=(mujoco pybullet sapien)
+# The entry points say which there are.
+mapfile -t ENGINES < <(sed -n '/^\[project.entry-points/,/^$/s/ = .*//p' pyproject.toml)
 
 say() { printf 'setup: %s\n' "$*"; }
 complain() { printf 'setup: %s\n' "$*" >&2; }

@@ -1,17 +1,23 @@
-"""PyBullet: executes, renders and exports a scene."""
+"""PyBullet: executes, renders and exports a scene. The engine is imported when it is first used."""
 
 from __future__ import annotations
 
 from wmspec.diagnostics import WmsError
-from wmspec.scene.model import Look, Renderer, Scene
+from wmspec.scene.model import Look, Renderer, Scene, Trace
 
-from .execute import execute
-from .native import native
+from .about import INFO as info
 
-__all__ = ["execute", "looks", "name", "native", "renderer"]
+__all__ = ["execute", "info", "native", "renderer"]
 
-name = "pybullet"
-looks: tuple[Look, ...] = ("parity",)
+
+def execute(scene: Scene) -> Trace:
+    """The trace of the scene's episode.
+
+    Raises WmsError for a scene that PyBullet can't honour, EngineError when PyBullet loses track of it.
+    """
+    from . import physics
+
+    return physics.execute(scene)
 
 
 def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:
@@ -19,8 +25,15 @@ def renderer(scene: Scene, width: int, height: int, look: Look = "parity", sampl
 
     Raises WmsError for another look than parity, which is all that TinyRenderer can.
     """
-    if look not in looks or samples is not None:
-        raise WmsError(f"PyBullet can't draw the look '{look}'; let mujoco or sapien draw, with `--renderer`")
+    if look not in info.looks or samples is not None:
+        raise WmsError(f"PyBullet can't draw the look '{look}'; let another engine draw, with `--renderer`")
     from . import render
 
     return render.Renderer(scene, width, height)
+
+
+def native(scene: Scene) -> dict[str, str]:
+    """The episode in PyBullet's own form: file name -> text. Raises WmsError for a scene that PyBullet can't honour."""
+    from . import export
+
+    return export.native(scene)

@@ -1,20 +1,26 @@
-"""SAPIEN: executes, renders and exports a scene."""
+"""SAPIEN: executes, renders and exports a scene. The engine is imported when it is first used."""
 
 from __future__ import annotations
 
-from wmspec.scene.model import Look, Renderer, Scene
+from wmspec.scene.model import Look, Renderer, Scene, Trace
 
-from .execute import execute
-from .native import native
+from .about import INFO as info
 
-__all__ = ["execute", "looks", "name", "native", "renderer"]
+__all__ = ["execute", "info", "native", "renderer"]
 
-name = "sapien"
-looks: tuple[Look, ...] = ("parity", "beauty")
+
+def execute(scene: Scene) -> Trace:
+    """The trace of the scene's episode.
+
+    Raises WmsError for a scene that SAPIEN can't honour, EngineError when SAPIEN loses track of it.
+    """
+    from . import physics
+
+    return physics.execute(scene)
 
 
 def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:
-    """Make a renderer of the scene's bodies and cameras; only this needs graphics, so only this imports them.
+    """Make a renderer of the scene's bodies and cameras.
 
     Raises WmsError where the graphics that the look needs are missing.
     """
@@ -25,3 +31,10 @@ def renderer(scene: Scene, width: int, height: int, look: Look = "parity", sampl
     from . import render
 
     return render.Renderer(scene, width, height)
+
+
+def native(scene: Scene) -> dict[str, str]:
+    """The episode in SAPIEN's own form: file name -> text. Raises WmsError for a scene that SAPIEN can't honour."""
+    from . import export
+
+    return export.native(scene)

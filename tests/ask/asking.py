@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-import pytest
-
+from tests.engines import installed
 from tests.language.specs import task_from
 from wmspec.ask.ask import ask
 from wmspec.ask.model import QuestionRow, Rejected
@@ -25,7 +24,7 @@ task t : custom {{
 @cache
 def crew(engine: str = "pybullet", side: int = 128) -> EnginePair:
     """One for all tests: what it remembers is found by what it shows."""
-    pytest.importorskip(engine)
+    installed(engine)
     return EnginePair(TraceCache(engine), RenderCache(engine, side, side))
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import subprocess
 import sys
 from dataclasses import replace
-from importlib import import_module
 from importlib.util import find_spec
 from math import pi, radians, sqrt
 from pathlib import Path
@@ -15,7 +14,7 @@ import pytest
 
 from tests.assets.specs import CABINET, here, named, scene, spec
 from tests.assets.test_usd_meshes import written
-from tests.physics.scenes import ENGINES
+from tests.engines import ENGINES, installed
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Array, Pose, Scene, Trace
 
@@ -25,12 +24,12 @@ MASS, ARM, MOMENT = 0.8, 0.3, 0.02
 
 @pytest.fixture(params=ENGINES)
 def engine(request: pytest.FixtureRequest) -> str:
-    pytest.importorskip(request.param)
+    installed(request.param)
     return str(request.param)
 
 
 def executed(engine: str, found: Scene) -> Trace:
-    trace: Trace = import_module(f"wmspec.backends.{engine}").execute(found)
+    trace: Trace = installed(engine).execute(found)
     return trace
 
 

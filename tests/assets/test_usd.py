@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 from pxr import Usd
 
 from tests.assets.specs import HERE, here, named, scene, spec, tensor
-from tests.physics.scenes import ENGINES
+from tests.engines import ENGINES, installed
 from wmspec.design.design import Design
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Body, Scene
@@ -81,9 +80,9 @@ def place(of: Scene, name: str | None, frame: object) -> np.ndarray[tuple[int], 
 def test_it_moves_as_the_stage_does(tmp_path: Path, engine: str) -> None:
     from dataclasses import replace
 
-    pytest.importorskip(engine)
+    installed(engine)
     found, wanted = (replace(s, duration=1.0, rate=60) for s in both(tmp_path))
-    one, other = (import_module(f"wmspec.backends.{engine}").execute(s) for s in (found, wanted))
+    one, other = (installed(engine).execute(s) for s in (found, wanted))
     for name in ("left", "right"):  # the frame of the beam is where it turns
         ours = BODIES[name]
         i, j = one.bodies.index(ours), other.bodies.index(name)

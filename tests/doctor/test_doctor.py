@@ -119,11 +119,11 @@ def test_a_wrong_picture_is_not_taken_for_a_right_one(monkeypatch: pytest.Monkey
     ],
 )
 def test_each_system_has_its_command(system: System, begins: str) -> None:
-    assert remedy.graphics(system).startswith(begins)
+    assert remedy.graphics(system, (24, 3)).startswith(begins)
 
 
 def test_debian_12_takes_mesa_from_its_backports() -> None:
-    command = remedy.graphics(BOOKWORM)
+    command = remedy.graphics(BOOKWORM, (24, 3))
     assert "-t bookworm-backports mesa-vulkan-drivers" in command
     assert "://" not in command, "the address is the system's own"
     assert subprocess.run(["bash", "-n", "-c", command], check=False).returncode == 0
@@ -139,5 +139,5 @@ def test_debian_12_takes_mesa_from_its_backports() -> None:
     ],
 )
 def test_lavapipe_draws_since_mesa_24_3(info: str, draws: bool) -> None:
-    assert vulkan.Device("llvmpipe", vulkan.LAVAPIPE, "llvmpipe", info).draws == draws
-    assert vulkan.Device("GPU", 4, "NVIDIA", "550.1").draws
+    assert vulkan.Device("llvmpipe", vulkan.LAVAPIPE, "llvmpipe", info).draws((24, 3)) == draws
+    assert vulkan.Device("GPU", 4, "NVIDIA", "550.1").draws((24, 3))

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.endtoend.test_commands import SPEED, wmspec
+from tests.engines import installed
 from wmspec.cli.common import load_tasks
 from wmspec.cli.generate import indices
 from wmspec.design.design import Design
@@ -46,7 +47,7 @@ def test_a_dimension_is_chosen_by_its_path(tmp_path: Path) -> None:
 
 
 def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     dry = ["generate", SPEED, "--dry-run", "-b", "pybullet", "--size", 64, "-j", 1, "--full", "--json"]
     told = json.loads(wmspec(*dry, folder=tmp_path).stdout)
     assert not list(tmp_path.iterdir())

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.endtoend.test_commands import wmspec
+from tests.engines import installed
 
 SPEC = """
 use tabletop
@@ -23,7 +24,7 @@ task far : custom {
 
 def test_depth_ids_open_numbers_and_votes(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet"):
-        pytest.importorskip(engine)
+        installed(engine)
     datasets = pytest.importorskip("datasets")
     import numpy as np
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.engines import installed
 from wmspec.parse.load import library_folder
 
 SPECS = library_folder().parent
@@ -98,7 +99,7 @@ def test_compile_leaves_a_stage_and_an_mjcf_that_stand_alone(tmp_path: Path) -> 
 
 
 def test_a_stage_on_disk_runs_like_its_spec(tmp_path: Path) -> None:
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     wmspec("compile", COLLIDE, "--instance", 7, "-o", "out", folder=tmp_path)
     run = ["run", "-b", "pybullet", "--json"]
     there = wmspec(*run, "out/collide/000007.usda", folder=tmp_path).stdout
@@ -111,7 +112,7 @@ MARBLE = "object ball { shape: sphere  size: 10 cm  color: red  on: floor at (0,
 
 @pytest.mark.parametrize("objects", [(WALL, MARBLE), (MARBLE, WALL)])
 def test_a_touch_of_what_is_fixed_is_told_whichever_comes_first(objects: tuple[str, str], tmp_path: Path) -> None:
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     push = "action push = launch(ball, direction: right, speed: 1 m/s)  horizon 0.5 s  observe front at [0 s]"
     (tmp_path / "t.wms").write_text("\n".join(("use room", "task t : custom {", *objects, push, "}")))
     run = ["run", "t.wms", "-b", "pybullet"]
@@ -124,7 +125,7 @@ def test_a_touch_of_what_is_fixed_is_told_whichever_comes_first(objects: tuple[s
 
 def test_how_long_a_stage_really_ran_is_told(tmp_path: Path) -> None:
     """10 ms are nearest to two samples of 1/240 s."""
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     (tmp_path / "ball.usda").write_text(BALL)
     told = wmspec("run", "-b", "pybullet", "ball.usda", "--for", "10ms", folder=tmp_path).stdout
     assert "pybullet, 0.00833333 s" in told
@@ -141,7 +142,7 @@ def test_where_a_stage_is_broken_is_told_once(tmp_path: Path) -> None:
 
 
 def test_pictures_are_written(tmp_path: Path) -> None:
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     from PIL import Image
 
     wmspec("render", SPEED, "-b", "pybullet", "--size", "96x64", "-o", "a folder/é", folder=tmp_path)

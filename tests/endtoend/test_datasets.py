@@ -8,9 +8,8 @@ import subprocess
 import time
 from pathlib import Path
 
-import pytest
-
 from tests.endtoend.test_commands import COLLIDE, SPEED, WMSPEC, wmspec
+from tests.engines import installed
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -20,7 +19,7 @@ def digests(folder: Path) -> dict[str, str]:
 
 def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet", "sapien"):
-        pytest.importorskip(engine)
+        installed(engine)
     args = ["generate", SPEED, COLLIDE, "-o", "out", "--per-task", 2, "--size", 96]
     wmspec(*args, folder=tmp_path)
     manifest = json.loads((tmp_path / "out/manifest.json").read_text())
@@ -39,7 +38,7 @@ def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
 
 def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet", "sapien"):
-        pytest.importorskip(engine)
+        installed(engine)
     args = ["generate", SPEED, COLLIDE, "--per-task", 2, "--size", 64]
     wmspec(*args, "-o", "one", "-j", 1, folder=tmp_path)
     wmspec(*args, "-o", "two", "-j", 2, folder=tmp_path)
@@ -51,7 +50,7 @@ def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
 
 
 def test_a_killed_run_goes_on_with_the_next_instance(tmp_path: Path) -> None:
-    pytest.importorskip("mujoco")
+    installed("mujoco")
     args = ["generate", SPEED, "-b", "mujoco", "--per-task", 8, "--size", 64, "-j", 1]
     command = [str(WMSPEC), *map(str, args), "-o", "killed"]
     run = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.DEVNULL, start_new_session=True)
@@ -69,7 +68,7 @@ def test_a_killed_run_goes_on_with_the_next_instance(tmp_path: Path) -> None:
 
 
 def test_shares_of_two_machines_come_together(tmp_path: Path) -> None:
-    pytest.importorskip("mujoco")
+    installed("mujoco")
     args = ["generate", SPEED, "-b", "mujoco", "--per-task", 5, "--size", 64, "-j", 1]
     wmspec(*args, "-o", "whole", folder=tmp_path)
     for number in (1, 2):
@@ -81,7 +80,7 @@ def test_shares_of_two_machines_come_together(tmp_path: Path) -> None:
 
 def test_one_engine_may_draw_what_another_executes(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet"):
-        pytest.importorskip(engine)
+        installed(engine)
     args = ["generate", SPEED, "-b", "mujoco", "-r", "pybullet", "--per-task", 1, "--size", 64]
     wmspec(*args, "-o", "out", folder=tmp_path)
     import pyarrow.parquet as pq

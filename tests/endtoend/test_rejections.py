@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.endtoend.test_commands import wmspec
+from tests.engines import installed
 
 SPEC = """
 use tabletop
@@ -32,7 +33,7 @@ task still : custom {{
     ],
 )
 def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kept: int, tmp_path: Path) -> None:
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     (tmp_path / "still.wms").write_text(SPEC.format(gate=gate, where=where))
     wmspec("generate", "still.wms", "-o", "out", "-b", "pybullet", "--size", 64, "-j", 1, folder=tmp_path)
     manifest = json.loads((tmp_path / "out/manifest.json").read_text())
@@ -55,7 +56,7 @@ task grab : custom {
 
 
 def test_what_cannot_be_executed_yet_is_refused_with_its_place(tmp_path: Path) -> None:
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     (tmp_path / "grab.wms").write_text(ROBOT)
     wmspec("check", "grab.wms", folder=tmp_path)
     for command in (
@@ -69,7 +70,7 @@ def test_what_cannot_be_executed_yet_is_refused_with_its_place(tmp_path: Path) -
 
 
 def test_what_a_folder_holds_beside_it_is_made(tmp_path: Path) -> None:
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     (tmp_path / "grab.wms").write_text(ROBOT)
     (tmp_path / "still.wms").write_text(SPEC.format(gate="", where="-20 cm"))
     done = wmspec("generate", ".", "-o", "out", "-b", "pybullet", "--size", 64, "-j", 1, folder=tmp_path)

@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 
 from tests.endtoend.test_commands import COLLIDE, wmspec
+from tests.engines import installed
 
 GIF_TOLERANCE = 40
 """Of 255 colours for a picture; smooth shades come in steps."""
@@ -18,7 +19,7 @@ GIF_TOLERANCE = 40
 
 @pytest.fixture(scope="module")
 def trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     path = tmp_path_factory.mktemp("a trace") / "ball.npz"
     wmspec("run", COLLIDE, "-b", "pybullet", "-o", str(path), folder=path.parent)
     return path

@@ -13,7 +13,6 @@ from wmspec.scene.transform import identity
 Vector = Sequence[float] | Array
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
-ENGINES = ("mujoco", "pybullet", "sapien")
 G = 9.81
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from math import cos, cosh, pi, sin, sinh
 
 import numpy as np
 import pytest
 
-from tests.physics.scenes import ENGINES, UPRIGHT, G, body, floor, scene, turn
+from tests.engines import ENGINES, installed
+from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.diagnostics import WmsError
 from wmspec.scene.model import (
     Action,
@@ -35,8 +35,7 @@ AWAY = Pose(np.array([1.0, 0, 0.05]), turn((0, 0, 1), 0.5))
 
 @pytest.fixture(params=ENGINES)
 def execute(request: pytest.FixtureRequest) -> Execute:
-    pytest.importorskip(request.param)
-    run: Execute = import_module(f"wmspec.backends.{request.param}").execute
+    run: Execute = installed(request.param).execute
     return run
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.physics.scenes import ENGINES, G, body, floor, scene
+from tests.engines import ENGINES, installed
+from tests.physics.scenes import G, body, floor, scene
 from tests.physics.test_native import limbs, lively
 from wmspec.scene.model import Box, Sphere, Trace
 
@@ -27,8 +28,7 @@ def digest(trace: Trace) -> str:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_runs_do_not_depend_on_what_ran_before(engine: str) -> None:
-    pytest.importorskip(engine)
-    execute = import_module(f"wmspec.backends.{engine}").execute
+    execute = installed(engine).execute
     first, second = digest(execute(lively())), digest(execute(limbs()))
     other = scene(floor(0.9, 0.9), body("b", Sphere(0.1), (0, 0, 0.3), restitution=0.9), duration=0.2, gravity=G / 2)
     execute(other)
@@ -38,8 +38,7 @@ def test_runs_do_not_depend_on_what_ran_before(engine: str) -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_processes_agree(engine: str) -> None:
-    pytest.importorskip(engine)
-    execute = import_module(f"wmspec.backends.{engine}").execute
+    execute = installed(engine).execute
     code = f"""
 from wmspec.backends.{engine} import execute
 from tests.physics.test_determinism import digest
@@ -55,9 +54,9 @@ print(digest(execute(lively())), digest(execute(limbs())), end="")
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_nothing_is_left_behind(engine: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     errors = import_module("wmspec.diagnostics")
-    execute = import_module(f"wmspec.backends.{engine}").execute
+    execute = installed(engine).execute
     monkeypatch.chdir(tmp_path)
     wild = body("b", Box(np.full(3, 0.05)), (0, 0, 1), velocity=(1e30, 0, 0), spin=(1e30, 1e30, 0))
     with pytest.raises(errors.EngineError):

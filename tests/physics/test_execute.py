@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
 
-from tests.physics.scenes import ENGINES, UPRIGHT, G, body, floor, scene, turn
+from tests.engines import ENGINES, installed
+from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.diagnostics import WmsError
 from wmspec.scene.inertia import inertia
 from wmspec.scene.model import (
@@ -38,14 +38,14 @@ Execute = Callable[[Scene], Trace]
 @pytest.fixture(params=ENGINES)
 def engine(request: pytest.FixtureRequest) -> str:
     """The engine's name; tests of one that isn't installed are skipped."""
-    pytest.importorskip(request.param)
+    installed(request.param)
     return str(request.param)
 
 
 @pytest.fixture
 def execute(engine: str) -> Execute:
     """The engine's `execute`."""
-    run: Execute = import_module(f"wmspec.backends.{engine}").execute
+    run: Execute = installed(engine).execute
     return run
 
 
@@ -210,8 +210,7 @@ def test_two_coefficients_of_friction_are_refused(execute: Execute) -> None:
 
 
 def test_too_many_materials_for_sapien_are_refused_by_name() -> None:
-    pytest.importorskip("sapien")
-    execute: Execute = import_module("wmspec.backends.sapien").execute
+    execute: Execute = installed("sapien").execute
     balls = [body(f"b{i}", Sphere(0.05), (0.2 * i, 0, 0.05), friction=0.1 * (i + 1)) for i in range(9)]
     with pytest.raises(WmsError, match=r"/World/b8.*32 pairs"):
         execute(scene(floor(), *balls))

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from importlib import import_module
 from math import pi, sin, sqrt
 
 import numpy as np
 import pytest
 
-from tests.physics.scenes import ENGINES, UPRIGHT, G, body, floor, scene, turn
+from tests.engines import ENGINES, installed
+from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.diagnostics import WmsError
+from wmspec.execute.backends import info
 from wmspec.scene.model import (
     Array,
     Body,
@@ -38,8 +39,7 @@ DOWN = turn((0, 1, 0), pi / 2)  # turns x to -z
 
 @pytest.fixture(params=ENGINES)
 def execute(request: pytest.FixtureRequest) -> Execute:
-    pytest.importorskip(request.param)
-    run: Execute = import_module(f"wmspec.backends.{request.param}").execute
+    run: Execute = installed(request.param).execute
     return run
 
 
@@ -324,11 +324,10 @@ def test_what_cannot_be_done_to_jointed_bodies_is_refused(execute: Execute) -> N
 def test_drives_too_stiff_for_an_engine_are_refused_with_their_prim() -> None:
     light = body("light", Box(np.full(3, 0.05)), mass=0.01)
     stiff = scene(light, joints=(joint("j", "slider", None, light, (0, 0, 0), drive=Drive(1e6, 1e3)),), duration=0.2)
-    for engine, refuses in (("mujoco", True), ("pybullet", True), ("sapien", False)):
-        if pytest.importorskip(engine):
-            execute = import_module(f"wmspec.backends.{engine}").execute
-            if refuses:
-                with pytest.raises(WmsError, match="/World/j: a drive of stiffness 1e"):
-                    execute(stiff)
-            else:
-                assert np.abs(execute(stiff).position).max() < 1e-3
+    for engine in ENGINES:
+        execute = installed(engine).execute
+        if any(lack.capability.name == "drives however stiff" for lack in info(engine).lacks):
+            with pytest.raises(WmsError, match="/World/j: a drive of stiffness 1e"):
+                execute(stiff)
+        else:
+            assert np.abs(execute(stiff).position).max() < 1e-3

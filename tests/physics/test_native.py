@@ -7,13 +7,13 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.physics.scenes import ENGINES, UPRIGHT, body, floor, scene, turn
+from tests.engines import ENGINES, installed
+from tests.physics.scenes import UPRIGHT, body, floor, scene, turn
 from tests.physics.test_joints import joint, rod
 from wmspec.scene.model import (
     Box,
@@ -89,8 +89,7 @@ def limbs() -> Scene:
 @pytest.mark.parametrize("play", [lively, limbs])
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_native_script_plays_the_same_episode(engine: str, play: Callable[[], Scene], tmp_path: Path) -> None:
-    pytest.importorskip(engine)
-    backend = import_module(f"wmspec.backends.{engine}")
+    backend = installed(engine)
     expected = backend.execute(play())
     for name, text in backend.native(play()).items():
         assert "wmspec" not in text
@@ -107,7 +106,7 @@ def test_the_native_script_plays_the_same_episode(engine: str, play: Callable[[]
 
 def test_the_model_opens_in_mujoco_by_itself(tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")
-    backend = import_module("wmspec.backends.mujoco")
+    backend = installed("mujoco")
     (tmp_path / "scene.xml").write_text(backend.native(lively())["scene.xml"])
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert [model.body(i + 1).name for i in range(model.nbody - 1)] == [b.name for b in lively().bodies]

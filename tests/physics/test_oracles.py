@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.engines import ENGINES, installed
 from tests.physics.oracles.table import ORACLES
-from tests.physics.scenes import ENGINES
 
 PAGE = Path(__file__).parents[2] / "docs/oracles.md"
 SPECS = tuple(dict.fromkeys(oracle.spec for oracle in ORACLES))
@@ -17,7 +17,7 @@ LONG = ("bounce", "collide", "pusher", "stack")
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("spec", [pytest.param(s, marks=[pytest.mark.slow] * (s in LONG)) for s in SPECS])
 def test_an_engine_meets_its_bars(spec: str, engine: str) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     for oracle in ORACLES:
         if oracle.spec == spec:
             error = oracle.measure(engine)

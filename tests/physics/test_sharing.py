@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from pxr import Usd
 
+from tests.engines import ENGINES, installed
 from tests.language.specs import SPECS, task_of
-from tests.physics.scenes import ENGINES
 from tests.physics.test_determinism import digest
 from tests.physics.test_native import limbs, lively
 from wmspec.design.design import Design
@@ -41,7 +41,7 @@ def twins() -> tuple[Scene, Scene]:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_twins_share_one_trace(engine: str) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     one, other = twins()
     executor = TraceCache(engine)
     assert executor.trace(one) is executor.trace(other)
@@ -50,14 +50,14 @@ def test_twins_share_one_trace(engine: str) -> None:
 @pytest.mark.parametrize("engine", ENGINES)
 def test_twins_may_share_it(engine: str) -> None:
     """Executed one by one they give the same bits."""
-    pytest.importorskip(engine)
+    installed(engine)
     first, second = (digest(backend(engine).execute(scene)) for scene in twins())
     assert first == second
 
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_stage_from_the_disk_gives_the_same_bits(engine: str, tmp_path: Path) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     design = Design(COLLIDE)
     stage = next(path for path in write_stages(design, design[7], tmp_path) if path.name == "000007.usda")
     written = read(Usd.Stage.Open(str(stage)))

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.pixels.scenes import ENGINES, LYING, body, grain, riding, scene, turned, views, wedge
+from tests.engines import ENGINES, installed
+from tests.pixels.scenes import LYING, body, grain, riding, scene, turned, views, wedge
 from wmspec.scene.model import Box, Capsule, Cone, Cylinder, Scene, Sphere, Surface
 
 
@@ -38,7 +39,7 @@ def renderer() -> Iterator[Any]:
     made: dict[Any, Any] = {}
 
     def make(engine: str, what: Scene, width: int, height: int, fresh: bool = False) -> Any:
-        pytest.importorskip(engine)
+        installed(engine)
         key = (engine, id(what), width, height, len(made) if fresh else -1)
         if key not in made:
             module = importlib.import_module(f"wmspec.backends.{engine}.render")

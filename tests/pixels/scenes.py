@@ -24,7 +24,6 @@ from wmspec.scene.model import (
 )
 from wmspec.scene.transform import identity, quaternion
 
-ENGINES = ("mujoco", "pybullet", "sapien")
 SUN = np.array([0.35, 0.45, -1.0]) / np.linalg.norm([0.35, 0.45, -1.0])
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 LYING = quaternion(np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]))

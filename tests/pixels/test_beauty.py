@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.engines import installed
 from tests.pixels.scenes import body, scene
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
@@ -34,7 +35,7 @@ def shot(what: Scene) -> Shot:
 
 @pytest.mark.parametrize("engine", ["mujoco", "sapien"])
 def test_beauty(engine: str) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     what, made = metal(), backend(engine).renderer(metal(), SIZE, SIZE, "beauty", 4)
     plain = backend(engine).renderer(what, SIZE, SIZE)
     frame, parity = made.draw(shot(what), depth=True), plain.draw(shot(what), depth=True)
@@ -55,7 +56,7 @@ def test_beauty(engine: str) -> None:
 
 
 def test_pybullet_names_those_that_can() -> None:
-    pytest.importorskip("pybullet")
+    installed("pybullet")
     with pytest.raises(WmsError, match="mujoco or sapien"):
         backend("pybullet").renderer(metal(), SIZE, SIZE, "beauty")
 

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.engines import installed
+
 SCRIPT = """
 import hashlib, sys
 from tests.endtoend.test_commands import SPEED
@@ -31,7 +33,7 @@ for _ in range(3):
 
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet", "sapien"])
 def test_the_first_pictures_are_like_any_later(engine: str) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     command, here = [sys.executable, "-c", SCRIPT, engine], Path(__file__).parents[2]
     done = subprocess.run(command, cwd=here, capture_output=True, text=True, check=True)
     assert len(set(done.stdout.split())) == 1

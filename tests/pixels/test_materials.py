@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.pixels.scenes import ENGINES, LYING, body, scene, turned, wedge
+from tests.engines import ENGINES
+from tests.pixels.scenes import LYING, body, scene, turned, wedge
 from tools import looks
 from wmspec.materials import MATERIALS, Material
 from wmspec.scene.camera import look_at

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.pixels.scenes import ENGINES
+from tests.engines import ENGINES
 from wmspec.scene.model import Frame, Scene, Shot
 
 SIZE = 256

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks import memory
+from tests.engines import installed
 from tests.pixels.scenes import SUN, body, scene, turned
 from wmspec.diagnostics import WmsError
 from wmspec.scene.camera import look_at, project
@@ -130,14 +131,14 @@ LINUX = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="needs 
 @LINUX
 @pytest.mark.parametrize(("count", "most"), [(100, 8), pytest.param(5000, 30, marks=pytest.mark.slow)])
 def test_drawing_does_not_leak(engine: str, count: int, most: float) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     assert memory.frames(engine, count) < most
 
 
 @LINUX
 @pytest.mark.slow
 def test_rebuilding_does_not_leak(engine: str) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     assert memory.rebuilds(engine, 500) < 30
 
 

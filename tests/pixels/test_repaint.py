@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pytest
 
+from tests.engines import installed
 from tests.pixels.scenes import SUN
 from wmspec.execute.render_cache import RenderCache, form_key, look_key
 from wmspec.scene.model import Light, Scene, Shot
@@ -29,7 +29,7 @@ def shot(scene: Scene) -> Shot:
 
 
 def test_a_repainted_renderer_draws_as_a_new_one(engine: str, table: Scene) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     studio = RenderCache(engine, 96, 96)
     studio.draw(table, shot(table))
     for shift in (1, 2):
@@ -53,7 +53,7 @@ def test_what_is_not_a_colour_is_built_anew(table: Scene) -> None:
 
 
 def test_repainting_is_quicker_than_building(engine: str, table: Scene) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     studio = RenderCache(engine, 64, 64)
     studio.draw(table, shot(table))
     repainting, building = [], []

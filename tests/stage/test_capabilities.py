@@ -5,14 +5,19 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
+from tests.engines import ENGINES, installed
+from tests.physics.scenes import body, floor, scene
 from wmspec.cli import main
-from wmspec.scene.capability import NAMES, NEVER, RATES, TABLE
+from wmspec.diagnostics import WmsError
+from wmspec.execute.backends import engine_version, info, names
+from wmspec.execute.probe import falling_cube
+from wmspec.scene.capability import JOINTS, NEVER, Lack, friction_above, require, table
+from wmspec.scene.model import Sphere
 
 ROOT = Path(__file__).parents[2]
 
@@ -24,17 +29,39 @@ def test_the_page_is_current() -> None:
 def test_doctor_prints_it() -> None:
     shown = CliRunner().invoke(main, ["doctor", "--capabilities"])
     assert shown.exit_code == 0
-    assert all(row.name in shown.output for row in (*TABLE, *NEVER))
+    assert all(name in shown.output for name, _ in table({n: info(n).lacks for n in names()}))
     found = json.loads(CliRunner().invoke(main, ["doctor", "--capabilities", "--json"]).output)
     lacking = {row["capability"]: set(row["lacking"]) for row in found}
     assert lacking["ball joints with limits"] == {"mujoco", "pybullet"}
 
 
-def test_every_reason_names_an_engine_that_there_is() -> None:
-    assert all(set(row.lacking) <= set(NAMES) for row in TABLE)
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_an_engine_says_of_itself_is_so(engine: str) -> None:
+    said = info(engine)
+    assert said.name == engine
+    assert len({lack.capability.name for lack in said.lacks}) == len(said.lacks)
+    episode = installed(engine).execute(falling_cube())
+    assert episode.engine == engine
+    assert engine_version(engine)
 
 
-def test_the_rates_are_those_of_the_engines() -> None:
-    for engine, rate in RATES.items():
-        pytest.importorskip(engine)
-        assert rate == import_module(f"wmspec.backends.{engine}.execute").STEPS_PER_SECOND
+def test_no_engine_is_imported_to_hear_what_it_says_of_itself() -> None:
+    code = (
+        "import sys; from wmspec.execute.backends import info, names\n"
+        "print([m for m in [info(n).module for n in names()] if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_each_row_is_refused_where_the_scene_asks_for_it() -> None:
+    rows = table({"one": (Lack(JOINTS, "no joints"),), "other": (Lack(friction_above(2), "slippery"),)})
+    lacking = {name: reasons for name, reasons in rows if name not in NEVER and any(reasons.values())}
+    assert lacking == {
+        JOINTS.name: {"one": "no joints", "other": ""},
+        "friction above 2": {"one": "", "other": "slippery"},
+    }
+    rough = scene(body("rough", Sphere(0.1), friction=3.0), floor())
+    require((Lack(friction_above(3), "slippery"),), rough)
+    with pytest.raises(WmsError, match=r"/World/rough: friction 3, above 2; slippery"):
+        require((Lack(friction_above(2), "slippery"),), rough)

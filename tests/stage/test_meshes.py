@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-
 import numpy as np
 import pytest
 import trimesh
 from numpy.testing import assert_allclose
 
-from tests.physics.scenes import ENGINES
+from tests.engines import ENGINES, installed
 from tests.stage.stages import stage
 from wmspec.diagnostics import StageError, WmsError
 from wmspec.scene.inertia import volume
@@ -109,7 +107,7 @@ def test_exact_meshes_collide_face_by_face_if_they_stand_still_and_are_refused_i
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_ball_falls_through_a_ring_that_lies_on_the_floor(engine: str) -> None:
-    pytest.importorskip(engine)
+    installed(engine)
     floor = """def Cube "floor" (prepend apiSchemas = ["PhysicsCollisionAPI"]) { double size = 2
         double3 xformOp:translate = (0, 0, -1)
         uniform token[] xformOpOrder = ["xformOp:translate"] }"""
@@ -118,7 +116,7 @@ def test_a_ball_falls_through_a_ring_that_lies_on_the_floor(engine: str) -> None
         uniform token[] xformOpOrder = ["xformOp:translate"] }"""
     for at, expected in ((0.0, 0.05), (0.15, 0.13)):
         text = floor + prim(RING, "convexDecomposition", at=(0, 0, 0.041)) + ball % at + EPISODE
-        trace = import_module(f"wmspec.backends.{engine}").execute(read(stage(text)))
+        trace = installed(engine).execute(read(stage(text)))
         index = trace.bodies.index("ball")
         if at == 0.0:
             assert trace.position[-1, index, 2] == pytest.approx(expected, abs=2e-3)
@@ -150,8 +148,7 @@ def row(kind: str) -> str:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_no_piece_of_a_body_is_dropped(engine: str) -> None:
-    pytest.importorskip(engine)
-    backend = import_module(f"wmspec.backends.{engine}")
+    backend = installed(engine)
     trace = backend.execute(read(stage(row("Cone"))))
     assert trace.position[-1, trace.bodies.index("bar"), 2] == pytest.approx(0.04, abs=2e-3)
     if engine == "pybullet":

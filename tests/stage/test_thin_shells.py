@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ import trimesh
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from tests.physics.scenes import ENGINES
+from tests.engines import ENGINES, installed
 from tests.stage.stages import stage
 from tests.stage.test_meshes import RING, angle, prim
 from wmspec.diagnostics import StageError
@@ -125,8 +124,7 @@ def test_a_mesh_of_too_many_faces_is_refused() -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_ball_rests_on_a_ground_and_falls_beside_it(engine: str) -> None:
-    pytest.importorskip(engine)
-    execute = import_module(f"wmspec.backends.{engine}").execute
+    execute = installed(engine).execute
     for at, end in (((0.5, 0.5), 0.1), ((1.5, 0), 0.1 - 9.81 / 8)):
         found = replace(read(stage(square() + BALL % at)), duration=0.5)
         ball = [body.name for body in found.bodies].index("ball")
@@ -144,12 +142,7 @@ ROOM.invert()
 def test_a_ball_comes_to_rest_on_a_mesh_that_is_not_convex(
     engine: str, mesh: trimesh.Trimesh, at: tuple[float, float], level: float
 ) -> None:
-    pytest.importorskip(engine)
     ball = BALL.replace("0.1)", f"{level + 0.2})") % at
     found = replace(read(stage(prim(mesh, "none", dynamic=False) + ball)), duration=1.0)
-    last = (
-        import_module(f"wmspec.backends.{engine}")
-        .execute(found)
-        .position[-1, [b.name for b in found.bodies].index("ball")]
-    )
+    last = installed(engine).execute(found).position[-1, [b.name for b in found.bodies].index("ball")]
     assert_allclose(last, (*at, level + 0.1), atol=1e-3)

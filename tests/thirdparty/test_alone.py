@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
@@ -10,7 +9,7 @@ import numpy as np
 import pytest
 from pxr import Usd
 
-from tests.physics.scenes import ENGINES
+from tests.engines import ENGINES, installed
 from tests.physics.test_native import limbs, lively
 from tests.thirdparty.environments import python_with, run
 from wmspec.scene.model import Scene, Trace
@@ -26,8 +25,7 @@ MADE = {"lively": lively, "limbs": limbs}
 @pytest.mark.parametrize("task", [*MADE, "collide", "slide"])
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_engine_is_enough(engine: str, task: str, catalogue: dict[str, list[Path]], tmp_path: Path) -> None:
-    pytest.importorskip(engine)
-    backend = import_module(f"wmspec.backends.{engine}")
+    backend = installed(engine)
     scene = MADE[task]() if task in MADE else read(Usd.Stage.Open(str(catalogue[task][1])))
     for name, text in backend.native(scene).items():
         (tmp_path / name).write_text(text)

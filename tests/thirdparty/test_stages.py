@@ -6,7 +6,6 @@ import subprocess
 import zipfile
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,7 +13,8 @@ import numpy as np
 import pytest
 from pxr import Usd
 
-from tests.physics.scenes import ENGINES, scene
+from tests.engines import ENGINES, installed
+from tests.physics.scenes import scene
 from tests.physics.test_joints import joint, rod
 from tests.thirdparty.environments import CACHE, PIP, python_with
 from wmspec.diagnostics import WmsError
@@ -77,7 +77,7 @@ def traces(play: Scene) -> Iterator[Trace]:
     """What happens in every engine that is installed."""
     for engine in ENGINES:
         if find_spec(engine):
-            yield import_module(f"wmspec.backends.{engine}").execute(play)
+            yield installed(engine).execute(play)
 
 
 def apart(found: list[Trace]) -> float:
@@ -132,8 +132,7 @@ def test_a_robot_converted_from_urdf_falls_alike(tmp_path: Path) -> None:
 
 def test_our_own_mjcf_converted_to_usd_swings_as_before(tmp_path: Path) -> None:
     """Scene -> MJCF -> a stage by NVIDIA's converter -> the same scene."""
-    pytest.importorskip("mujoco")
-    backend = import_module("wmspec.backends.mujoco")
+    backend = installed("mujoco")
     upper, lower = rod("upper", 0.5), rod("lower", 0.5, at=(-np.sin(0.5), 0, -np.cos(0.5)))
     elbow = (-np.sin(0.5), 0, -np.cos(0.5))
     joints = (joint("shoulder", "hinge", None, upper, (0, 0, 0)), joint("elbow", "hinge", upper, lower, elbow))

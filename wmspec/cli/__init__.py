@@ -66,6 +66,6 @@ class _Commands(click.Group):
 def main() -> None:
     """Controlled visual questions about a physical world.
 
-    A spec (.wms) describes objects, factors, actions and counterfactuals. It compiles to a USD stage, which MuJoCo,
-    PyBullet and SAPIEN execute and draw; questions with measured answers come out.
+    A spec (.wms) describes objects, factors, actions and counterfactuals. It compiles to a USD stage, which
+    physics engines execute and draw; questions with measured answers come out.
     """

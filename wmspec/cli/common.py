@@ -30,7 +30,7 @@ def look_options(command: F) -> F:
         type=click.Choice(["parity", "beauty"]),
         default="parity",
         show_default=True,
-        help="The same picture from every engine, or the best that MuJoCo and SAPIEN can draw.",
+        help="The same picture from every engine, or the best that an engine can draw.",
     )
     samples = click.option("--samples", type=click.IntRange(1, 4096), help="Samples a pixel, for the look beauty.")
     return look(samples(command))

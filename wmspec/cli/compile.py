@@ -29,7 +29,7 @@ def compile_command(spec: Path, backend: str, instance: int, seed: int, output: 
     """Write an instance as USD and in an engine's own form.
 
     The stage is a base layer for the task with a layer over it for the instance, and one for each counterfactual over
-    that. The native files (for MuJoCo, an MJCF) run in their engine without wmspec.
+    that. The native files (a model, or a script) run in their engine without wmspec.
     """
     from wmspec.design.design import Design
     from wmspec.execute.backends import backend as load_backend

@@ -40,17 +40,20 @@ def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> Non
 def _capabilities(as_json: bool) -> None:
     import json
 
-    from wmspec.scene.capability import NAMES, table
+    from wmspec.execute.backends import info, names
+    from wmspec.scene.capability import table
 
+    engines = [info(name) for name in names()]
+    rows = table({engine.name: engine.lacks for engine in engines})
     if as_json:
-        click.echo(json.dumps([{"capability": name, "lacking": _lacking(row)} for name, row in table()], indent=2))
+        click.echo(json.dumps([{"capability": name, "lacking": _lacking(row)} for name, row in rows], indent=2))
         return
-    for name, row in table():
-        marks = "  ".join(click.style("--", fg="red") if row[e] else click.style("ok", fg="green") for e in NAMES)
+    for name, row in rows:
+        marks = "  ".join(click.style("--", fg="red") if why else click.style("ok", fg="green") for why in row.values())
         click.echo(f"{marks}  {name}")
         for reason in dict.fromkeys(_lacking(row).values()):
             click.echo(f"            {reason}")
-    click.echo(f"\nin columns: {', '.join(NAMES.values())}")
+    click.echo(f"\nin columns: {', '.join(engine.title for engine in engines)}")
 
 
 def _lacking(row: dict[str, str]) -> dict[str, str]:

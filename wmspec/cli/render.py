@@ -25,7 +25,10 @@ FILMS = (".gif", ".mp4")
 @click.command("render")
 @click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE|TRACE")
 @click.option(
-    "--backend", "-b", default="mujoco", show_default=True, help="Engines that execute: names joined by commas, or all."
+    "--backend",
+    "-b",
+    default="",
+    help="Engines that execute: names joined by commas, or all.  [default: the first there is]",
 )
 @click.option("--renderer", "-r", default="", help="The engine that draws, if another than the one that executes.")
 @instance_option

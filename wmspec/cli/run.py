@@ -17,7 +17,9 @@ STAGES = (".usd", ".usda", ".usdc", ".usdz")
 
 @click.command("run")
 @click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE")
-@click.option("--backend", "-b", default="mujoco", show_default=True, help="Engines: names joined by commas, or all.")
+@click.option(
+    "--backend", "-b", default="", help="Engines: names joined by commas, or all.  [default: the first there is]"
+)
 @instance_option
 @seed_option
 @click.option(

@@ -43,7 +43,7 @@ def _gap(body: Body, i: int, a: Trace, b: Trace, allowed: Array, most: float) ->
 def _events(a: Trace, b: Trace, allowed: Array, event: float) -> Iterator[Event]:
     """First touches. What may be `d` (m) off and moves at `v` (m/s) may arrive `d / v` (s) off."""
     index = {name: i for i, name in enumerate(a.bodies)}
-    # From the start in either: what is held touches nothing in SAPIEN until it is let go.
+    # From the start in either: what is held touches nothing in some engines until it is let go.
     resting = {(c.first, c.second) for t in (a, b) for c in t.contacts if c.start <= event}
     found = [_firsts(t, event, resting) for t in (a, b)]
     for pair in sorted(found[0].keys() | found[1].keys(), key=lambda p: (index[p[0]], index[p[1]])):

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points, version
 from typing import cast
 
 from wmspec.diagnostics import WmsError, suggestion
-from wmspec.scene.model import Backend, Look
+from wmspec.scene.backend import Backend, Info
+from wmspec.scene.model import Look
+from wmspec.scene.silence import silence
 
 GROUP = "wmspec.backends"
 
@@ -24,39 +27,67 @@ def names() -> tuple[str, ...]:
 
 
 @cache
+def info(name: str) -> Info:
+    """What the backend of that name says of itself, whether or not its engine is installed.
+
+    Raises WmsError if there is none.
+    """
+    return _loaded(name).info
+
+
+@cache
 def backend(name: str) -> Backend:
     """The backend of that name. Raises WmsError if there is none, or if its engine is not installed."""
-    entries = _entries()
-    if name not in entries:
-        raise WmsError(f"there is no backend `{name}`; {suggestion(name, entries) or 'none is installed'}")
+    found = _loaded(name)
     try:
-        return cast(Backend, entries[name].load())
+        with silence():
+            import_module(found.info.module)
     except ImportError as error:
         raise WmsError(
             f"the engine of backend `{name}` cannot be imported ({error}); "
-            f"install it with `pip install 'wmspec[{name}]'`"
+            f"install it with `pip install '{found.info.requirement}'`"
         ) from None
     except Exception as error:  # noqa: BLE001  whatever an engine does while it is imported
         raise WmsError(
             f"the engine of backend `{name}` fails as it is imported ({error}); `wmspec doctor` tells what mends it"
         ) from None
+    return found
+
+
+def _loaded(name: str) -> Backend:
+    entries = _entries()
+    if name not in entries:
+        raise WmsError(f"there is no backend `{name}`; {suggestion(name, entries) or 'none is installed'}")
+    try:
+        return cast(Backend, entries[name].load())
+    except (ImportError, AttributeError) as error:
+        raise WmsError(f"the backend `{name}` cannot be loaded ({error}); install again what brings it") from None
+
+
+def default() -> str:
+    """The backend where none is named: the first of wmspec's own, or else of others, whose engine can be imported."""
+    known = sorted(_entries().values(), key=lambda e: (e.dist is None or e.dist.name != "wmspec", e.name))
+    return next((e.name for e in known if _works(e.name)), "") or _none()[0]
 
 
 def chosen(choice: str) -> tuple[str, ...]:
-    """The backends meant by `--backend`: names joined by commas, or `all` for those whose engine can be imported."""
+    """The backends meant by `--backend`: names joined by commas, or `all` for those whose engine can be imported.
+
+    The default one, if none is named. Raises WmsError for one that there is not.
+    """
     if choice != "all":
         wanted = tuple(dict.fromkeys(n.strip() for n in choice.split(",") if n.strip()))
         for name in wanted:
             backend(name)
-        return wanted or _none()
+        return wanted or (default(),)
     return tuple(name for name in names() if _works(name)) or _none()
 
 
 def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
     """The engines, if all of them can draw the look. Raises WmsError with those that can."""
     for name in engines:
-        if look not in backend(name).looks:
-            able = ", ".join(other for other in names() if _works(other) and look in backend(other).looks)
+        if look not in info(name).looks:
+            able = ", ".join(other for other in names() if _works(other) and look in info(other).looks)
             raise WmsError(
                 f"{name} cannot draw the look `{look}`; choose among {able or 'engines yet to be installed'} with "
                 "--backend, or in `wmspec render` with --renderer"
@@ -66,7 +97,7 @@ def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
 
 def engine_version(name: str) -> str:
     """The version of the backend's engine, as its package says."""
-    return version({"mujoco": "mujoco", "pybullet": "pybullet", "sapien": "sapien"}.get(name, name))
+    return version(info(name).distribution)
 
 
 def _works(name: str) -> bool:
@@ -78,4 +109,5 @@ def _works(name: str) -> bool:
 
 
 def _none() -> tuple[str, ...]:
-    raise WmsError("no engine is installed; try `pip install 'wmspec[mujoco]'`, and `wmspec doctor` for the rest")
+    requirements = " or ".join(f"`pip install '{info(name).requirement}'`" for name in names())
+    raise WmsError(f"no engine is installed; try {requirements}, and `wmspec doctor` for the rest")

@@ -11,14 +11,16 @@ import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import PackageNotFoundError, requires, version
 from itertools import chain
 
 from wmspec.execute import probe, remedy, vulkan
-from wmspec.execute.backends import engine_version, names
+from wmspec.execute.backends import engine_version, info, names
 from wmspec.execute.remedy import System
+from wmspec.scene.backend import Info
 
-PATIENCE = 300.0  # seconds: SAPIEN compiles its shaders anew in every process, minutes on a busy machine
+PATIENCE = 300.0  # seconds: an engine may compile its shaders anew in every process, minutes on a busy machine
 OLDEST_PYTHON = (3, 11)
 
 
@@ -38,12 +40,12 @@ def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
     No trial takes longer than `patience` (s). Never raises for what it finds.
     """
     system = remedy.this_system()
+    engines = [info(name) for name in names()]
     looks: list[Callable[[], Sequence[Finding]]] = [
         lambda: [_python()],
         lambda: [_packages()],
-        lambda: [_egl(system)],
-        lambda: [_vulkan(system, patience)],
-        *(_engine_look(engine, system, patience) for engine in names()),
+        *(partial(_graphics, api, engines, system, patience) for api in ("EGL", "Vulkan")),
+        *(partial(_engine, engine, system, patience) for engine in engines),
     ]
     with ThreadPoolExecutor() as pool:
         return tuple(chain.from_iterable(pool.map(lambda look: look(), looks)))
@@ -94,41 +96,45 @@ def _numbers(text: str) -> tuple[int, ...]:
 # ---------------------------------------------------------------- graphics
 
 
-def _egl(system: System) -> Finding:
+def _graphics(api: str, engines: Sequence[Info], system: System, patience: float) -> list[Finding]:
+    """Whether there is what engines draw with; nothing, if none does."""
+    users = [engine for engine in engines if engine.graphics and engine.graphics.api == api]
+    return [{"EGL": _egl, "Vulkan": _vulkan}[api](users[0], system, patience)] if users else []
+
+
+def _egl(user: Info, system: System, _patience: float) -> Finding:
     try:
         ctypes.CDLL("libEGL.so.1")
     except OSError as error:
-        return Finding("EGL", False, str(error), remedy.graphics(system))
+        assert user.graphics
+        return Finding("EGL", False, str(error), remedy.graphics(system, user.graphics.mesa))
     return Finding("EGL", True, "libEGL.so.1")
 
 
-def _vulkan(system: System, patience: float) -> Finding:
+def _vulkan(user: Info, system: System, patience: float) -> Finding:
+    assert user.graphics
     ok, said = _try("wmspec.execute.vulkan", patience=patience)
     devices = [vulkan.Device(**d) for d in json.loads(said)] if ok else []
-    if any(d.draws for d in devices):
+    if any(d.draws(user.graphics.mesa) for d in devices):
         return Finding("Vulkan", True, "; ".join(map(str, devices)))
     if devices:
-        said = "too old for SAPIEN: " + "; ".join(map(str, devices))
-    return Finding("Vulkan", False, said if said != "[]" else "no device", remedy.drawing("sapien", system))
+        said = f"too old for {user.title}: " + "; ".join(map(str, devices))
+    return Finding("Vulkan", False, said if said != "[]" else "no device", remedy.drawing(user, system))
 
 
 # ---------------------------------------------------------------- engines
 
 
-def _engine_look(engine: str, system: System, patience: float) -> Callable[[], Sequence[Finding]]:
-    return lambda: _engine(engine, system, patience)
-
-
-def _engine(engine: str, system: System, patience: float) -> list[Finding]:
+def _engine(engine: Info, system: System, patience: float) -> list[Finding]:
+    name = engine.name
     try:
-        installed = Finding(engine, True, engine_version(engine))
+        installed = Finding(name, True, engine_version(name))
     except PackageNotFoundError:
-        return [Finding(engine, False, "not installed", remedy.engine_package(engine, system))]
-    return [
-        installed,
-        _trial(engine, "execute", remedy.executing(engine, system), patience),
-        _trial(engine, "render", remedy.drawing(engine, system), patience),
-    ]
+        return [Finding(name, False, "not installed", remedy.engine_package(engine, system))]
+    findings = [installed, _trial(name, "execute", remedy.executing(engine, system), patience)]
+    if engine.looks:
+        findings.append(_trial(name, "render", remedy.drawing(engine, system), patience))
+    return findings
 
 
 def _trial(engine: str, trial: str, cure: str, patience: float) -> Finding:

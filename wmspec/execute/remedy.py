@@ -7,6 +7,8 @@ import platform
 import sys
 from dataclasses import dataclass
 
+from wmspec.scene.backend import Graphics, Info
+
 PACKAGES = "mesa-vulkan-drivers libegl-mesa0 libgl1-mesa-dri libegl1 libgl1 libvulkan1"
 DEBIAN_WITH_OLD_MESA = {"bookworm": "bookworm-backports"}  # Debian 12: Mesa 22.3, and 25.0 in its backports
 FAMILY = {"debian", "ubuntu"}
@@ -41,22 +43,21 @@ def pip(requirement: str, *options: str) -> str:
     return " ".join([sys.executable, "-m pip install", *options, f"'{requirement}'"])
 
 
-def engine_package(engine: str, system: System) -> str:
-    """The command that installs an engine. PyBullet has wheels up to Python 3.11 and is compiled on newer ones;
-
-    NumPy must be in sight then, or its pictures come back as tuples, and GCC 14 takes its pointers for errors.
-    """
-    if engine != "pybullet" or sys.version_info < (3, 12):
-        return pip(f"wmspec[{engine}]")
+def engine_package(engine: Info, system: System) -> str:
+    """The command that installs an engine; it compiles it where there is no wheel for this Python."""
+    build = engine.compiled
+    if build is None or sys.version_info[:2] <= build.wheels_until:
+        return pip(engine.requirement)
     compiler = f"{_apt(system)} g++ python3-dev" if system.ids & FAMILY else "install a C++ compiler"
-    build = f"CFLAGS=-Wno-incompatible-pointer-types {pip('wmspec[pybullet]', '--no-build-isolation')}"
-    return f"{compiler} && {pip('setuptools>=70.1')} && {build}"
+    install = f"{build.variables} {pip(engine.requirement, '--no-build-isolation')}".strip()
+    return " && ".join([compiler, *map(pip, build.needs), install])
 
 
-def graphics(system: System) -> str:
-    """The command that installs what engines draw with when there is no GPU, in a version that is new enough."""
+def graphics(system: System, mesa: tuple[int, int]) -> str:
+    """The command that installs what engines draw with when there is no GPU; at least that version of Mesa."""
     if not system.ids & FAMILY:
-        return "install Mesa 24.3 or newer (EGL and the Vulkan driver lavapipe), or your GPU's driver"
+        oldest = ".".join(map(str, mesa))
+        return f"install Mesa {oldest} or newer (EGL and the Vulkan driver lavapipe), or your GPU's driver"
     backports = DEBIAN_WITH_OLD_MESA.get(system.codename)
     if backports is None:
         return f"{_apt(system)} {PACKAGES}"
@@ -67,26 +68,25 @@ def graphics(system: System) -> str:
     return f"{entry} | {add} && {_apt(system)} -t {backports} {PACKAGES}"
 
 
-def executing(engine: str, system: System) -> str:
+def executing(engine: Info, system: System) -> str:
     """The command that lets an installed engine execute."""
-    if engine == "mujoco" and (forced := _forced(engine)):  # it cannot even be imported with a name it doesn't know
+    if engine.graphics and engine.graphics.on_import and (forced := _forced(engine.graphics)):
         return f"unset {forced}"
     return engine_package(engine, system).replace("pip install", "pip install --force-reinstall")
 
 
-def drawing(engine: str, system: System) -> str:
+def drawing(engine: Info, system: System) -> str:
     """The command that lets an installed engine draw."""
-    if forced := _forced(engine):
-        return f"unset {forced}"
-    if engine == "pybullet":  # it draws by itself, so it was built badly
+    if engine.graphics is None:  # it draws by itself, so it was built badly
         return executing(engine, system)
-    return graphics(system)
+    if forced := _forced(engine.graphics):
+        return f"unset {forced}"
+    return graphics(system, engine.graphics.mesa)
 
 
-def _forced(engine: str) -> str:
+def _forced(used: Graphics) -> str:
     """The environment variables that choose another driver than the engine would."""
-    choices = {"mujoco": ("MUJOCO_GL", "PYOPENGL_PLATFORM"), "sapien": ("VK_DRIVER_FILES", "VK_ICD_FILENAMES")}
-    return " ".join(n for n in choices.get(engine, ()) if os.environ.get(n, "egl") != "egl")
+    return " ".join(n for n in used.variables if os.environ.get(n, used.api).lower() != used.api.lower())
 
 
 def _apt(system: System) -> str:

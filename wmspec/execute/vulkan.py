@@ -16,7 +16,6 @@ from dataclasses import asdict, dataclass
 LOADERS = ("libvulkan.so.1", "libvulkan.so")
 VERSION_1_2 = (1 << 22) | (2 << 12)
 LAVAPIPE = 13  # VK_DRIVER_ID_MESA_LLVMPIPE
-LAVAPIPE_SINCE = (24, 3)  # measured: SAPIEN 3.0.3 finds no device on Mesa 22.3, and draws from 24.3 on
 
 
 @dataclass(frozen=True)
@@ -34,10 +33,9 @@ class Device:
         match = re.search(r"Mesa (\d+)\.(\d+)", self.info)
         return (int(match[1]), int(match[2])) if match else None
 
-    @property
-    def draws(self) -> bool:
-        """Whether SAPIEN can draw with it: any GPU's driver, or Mesa's software driver if new enough."""
-        return self.driver_id != LAVAPIPE or (self.mesa or (0, 0)) >= LAVAPIPE_SINCE
+    def draws(self, since: tuple[int, int]) -> bool:
+        """Whether an engine can draw with it: any GPU's driver, or Mesa's software driver from a version on."""
+        return self.driver_id != LAVAPIPE or (self.mesa or (0, 0)) >= since
 
     def __str__(self) -> str:
         return f"{self.name}, {self.driver} {self.info}"

@@ -1,87 +1,115 @@
-"""What each engine can do, and why it can't do the rest: the one table of refusals, `wmspec doctor` and the docs."""
+"""What stages may ask for, and what of it engines lack: the refusals, `wmspec doctor` and the docs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from wmspec.diagnostics import WmsError
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
 from wmspec.scene.model import Cone, Joint, Mesh, Scene
 
-RATES = {"mujoco": 3840, "pybullet": 1920}  # steps per second of engines that compute drives step by step
-MOST_FRICTION = 10.0  # of a pair: Bullet's own limit
-MOST_SHAPES = 16  # of a moving body: PyBullet's own limit; all hulls are one
-
-NAMES = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "sapien": "SAPIEN"}
-
 Where = Iterator[tuple[str, str]]
 """Prim paths, and what is asked of each."""
 
 
+def _nowhere(_scene: Scene) -> Where:
+    yield from ()
+
+
 @dataclass(frozen=True)
 class Capability:
-    """Something that a stage may ask for: `lacking` engines and why; `asked` finds where a scene asks for it."""
+    """Something that a stage may ask for; `asked` finds where a scene does."""
 
     name: str
-    lacking: dict[str, str]
-    asked: Callable[[Scene, str], Where]
+    asked: Callable[[Scene], Where] = _nowhere
 
 
-def require(engine: str, scene: Scene) -> None:
-    """Raise WmsError with the prim path of everything in a valid scene that the engine can't do."""
-    problems = [
-        f"{path}: {what}; {row.lacking[engine]}"
-        for row in TABLE
-        if engine in row.lacking
-        for path, what in row.asked(scene, engine)
-    ]
+@dataclass(frozen=True)
+class Lack:
+    """What an engine can't do, why, and what to do instead."""
+
+    capability: Capability
+    reason: str
+
+
+def require(lacks: Iterable[Lack], scene: Scene) -> None:
+    """Raise WmsError with the prim path of everything in a valid scene that an engine lacks."""
+    problems = [f"{path}: {what}; {lack.reason}" for lack in lacks for path, what in lack.capability.asked(scene)]
     if problems:
         raise WmsError("\n".join(problems))
 
 
-def _nowhere(_scene: Scene, _engine: str) -> Where:
-    yield from ()
+def table(engines: Mapping[str, Iterable[Lack]]) -> list[tuple[str, dict[str, str]]]:
+    """What can be asked for, and for each engine why it lacks it, or nothing.
+
+    First what is known to be asked for, then what some engine says that it lacks, then what none is ever given.
+    """
+    rows: dict[str, dict[str, str]] = {capability.name: {} for capability in COMMON}
+    for engine, lacks in engines.items():
+        for lack in lacks:
+            rows.setdefault(lack.capability.name, {})[engine] = lack.reason
+    rows |= {name: dict.fromkeys(engines, why) for name, why in NEVER.items()}
+    return [(name, {engine: reasons.get(engine, "") for engine in engines}) for name, reasons in rows.items()]
 
 
-def _cones(scene: Scene, _engine: str) -> Where:
+# ---------------------------------------------------------------- where scenes ask
+
+
+def _meshes(scene: Scene) -> Where:
+    for body in scene.bodies:
+        if any(isinstance(geom.shape, Mesh) for geom in colliders(body)):
+            yield body.path, "a mesh that collides"
+
+
+def _jointed(scene: Scene) -> Where:
+    yield from ((joint.path, f"a joint ({joint.kind})") for joint in scene.joints)
+
+
+def _filtered(scene: Scene) -> Where:
+    paths = {body.name: body.path for body in scene.bodies}
+    yield from ((paths[first], f"{second} that passes through it") for first, second in scene.filtered)
+
+
+def _cones(scene: Scene) -> Where:
     yield from ((j.path, "a ball joint with limits") for j in scene.joints if j.kind == "ball" and j.limits)
 
 
-def _touching_neighbours(scene: Scene, _engine: str) -> Where:
+def _touching_neighbours(scene: Scene) -> Where:
     dynamic = {body.name for body in scene.bodies if body.motion == "dynamic"}
     for j in scene.joints:
         if j.collides and j.kind != "ball" and {j.first, j.second} <= dynamic:
             yield j.path, "the bodies of a joint that touch each other"
 
 
-def _materials(scene: Scene, _engine: str) -> Where:
+def _materials(scene: Scene) -> Where:
     for body in scene.bodies:
         if body.motion != "static" and len({geom.friction for geom in colliders(body)}) > 1:
             yield body.path, "a moving body with pieces of different friction or restitution"
 
 
-def _many(scene: Scene, _engine: str) -> Where:
+def _many(scene: Scene, most: int) -> Where:
     for body in scene.bodies:
         hulls = [isinstance(geom.shape, Cone | Mesh) for geom in colliders(body)]
-        if body.motion != "static" and hulls.count(False) + any(hulls) > MOST_SHAPES:
+        if body.motion != "static" and hulls.count(False) + any(hulls) > most:
             yield body.path, f"a moving body of {len(hulls)} pieces"
 
 
-def _rough(scene: Scene, _engine: str) -> Where:
+def _rough(scene: Scene, most: float) -> Where:
     for body in scene.bodies:
-        most = max((geom.friction.dynamic for geom in colliders(body)), default=0.0)
-        if most > MOST_FRICTION:
-            yield body.path, f"friction {most:g}, above {MOST_FRICTION:g}"
+        friction = max((geom.friction.dynamic for geom in colliders(body)), default=0.0)
+        if friction > most:
+            yield body.path, f"friction {friction:g}, above {most:g}"
 
 
-def _stiff(scene: Scene, engine: str) -> Where:
-    yield from ((joint.path, _drive(joint)) for joint in too_stiff(scene, RATES[engine]))
+def _stiff(scene: Scene, rate: int) -> Where:
+    yield from ((joint.path, _drive(joint)) for joint in too_stiff(scene, rate))
 
 
-def _damped(scene: Scene, engine: str) -> Where:
-    yield from ((joint.path, _drive(joint)) for joint in too_damped(scene, RATES[engine]))
+def _damped(scene: Scene, rate: int) -> Where:
+    yield from ((joint.path, _drive(joint)) for joint in too_damped(scene, rate))
 
 
 def _drive(joint: Joint) -> str:
@@ -91,46 +119,46 @@ def _drive(joint: Joint) -> str:
     )
 
 
-_ONE_MATERIAL = "PyBullet has one material a moving body; give its pieces the same friction and restitution"
-_FEW = f"PyBullet takes {MOST_SHAPES} pieces of a moving body, all hulls together counting as one; use fewer, or meshes"
-_CONE = "{} has no such limits; remove the cone angles, or use hinges"
-_STIFF = "{} computes drives step by step and would overshoot; make it softer or what it moves heavier"
+# ---------------------------------------------------------------- what may be asked for
 
-TABLE = (
-    Capability("boxes, spheres, cylinders, cones, capsules", {}, _nowhere),
-    Capability(
-        "cylinders that roll on", {"sapien": "PhysX rolls polygons, which brake; use spheres or capsules"}, _nowhere
-    ),
-    Capability(
-        "meshes as convex hulls, convex decompositions, bounding boxes and spheres; as they are, but not dynamic ones",
-        {},
-        _nowhere,
-    ),
-    Capability("static, dynamic and kinematic bodies, all actions on them", {}, _nowhere),
-    Capability("filtered pairs and collision groups", {}, _nowhere),
-    Capability("fixed joints, hinges, sliders, ball joints; trees of them, held by the world or free", {}, _nowhere),
-    Capability("limits of hinges and sliders, drives", {}, _nowhere),
-    Capability(
-        "ball joints with limits", {"mujoco": _CONE.format("MuJoCo"), "pybullet": _CONE.format("PyBullet")}, _cones
-    ),
-    Capability(
-        "neighbours in a tree that touch each other",
-        {"sapien": "PhysX lets the two bodies of a joint pass through each other; author physics:collisionEnabled = 0"},
-        _touching_neighbours,
-    ),
-    Capability("drives however stiff", {e: _STIFF.format(NAMES[e]) for e in RATES}, _stiff),
-    Capability("drives however damped", {"pybullet": _STIFF.format("PyBullet")}, _damped),
-    Capability("several materials in a moving body", {"pybullet": _ONE_MATERIAL}, _materials),
-    Capability(f"moving bodies of more than {MOST_SHAPES} pieces", {"pybullet": _FEW}, _many),
-    Capability(
-        f"friction above {MOST_FRICTION:g}",
-        {"pybullet": f"Bullet's own limit is {MOST_FRICTION:g}; lower the friction"},
-        _rough,
-    ),
+PRIMITIVES = Capability("boxes, spheres, cylinders, cones, capsules")
+ROLLING_CYLINDERS = Capability("cylinders that roll on")
+MESHES = Capability(
+    "meshes as convex hulls, convex decompositions, bounding boxes and spheres; as they are, but not dynamic ones",
+    _meshes,
 )
-"""What stages may ask for, and who lacks it."""
+MOTIONS = Capability("static, dynamic and kinematic bodies, all actions on them")
+FILTERS = Capability("filtered pairs and collision groups", _filtered)
+JOINTS = Capability("fixed joints, hinges, sliders, ball joints; trees of them, held by the world or free", _jointed)
+DRIVES = Capability("limits of hinges and sliders, drives")
+COMMON = (PRIMITIVES, ROLLING_CYLINDERS, MESHES, MOTIONS, FILTERS, JOINTS, DRIVES)
 
-_NOBODY = {
+BALL_LIMITS = Capability("ball joints with limits", _cones)
+TOUCHING_NEIGHBOURS = Capability("neighbours in a tree that touch each other", _touching_neighbours)
+SEVERAL_MATERIALS = Capability("several materials in a moving body", _materials)
+
+
+def stiff_drives(rate: int) -> Capability:
+    """Drives that vibrate faster than `rate` steps per second can follow."""
+    return Capability("drives however stiff", partial(_stiff, rate=rate))
+
+
+def damped_drives(rate: int) -> Capability:
+    """Drives that brake in less than `rate` steps per second can follow."""
+    return Capability("drives however damped", partial(_damped, rate=rate))
+
+
+def pieces_above(most: int) -> Capability:
+    """Moving bodies of more than so many pieces, where all hulls together count as one."""
+    return Capability(f"moving bodies of more than {most} pieces", partial(_many, most=most))
+
+
+def friction_above(most: float) -> Capability:
+    """Coefficients of friction above a limit."""
+    return Capability(f"friction above {most:g}", partial(_rough, most=most))
+
+
+NEVER = {
     "joints that close a loop, that break, gears, mimics, tendons, distance joints": (
         "the reader refuses them, as trees of joints are what all engines solve alike"
     ),
@@ -141,11 +169,4 @@ _NOBODY = {
     "several PhysicsScenes": "all bodies are in one; deactivate the others",
     "values and transforms that are animated": "author one value; move bodies by WmsActions",
 }
-
-NEVER = tuple(Capability(name, dict.fromkeys(NAMES, why), _nowhere) for name, why in _NOBODY.items())
-"""What no engine is given: refused before. docs/stage.md lists the rest of it."""
-
-
-def table() -> list[tuple[str, dict[str, str]]]:
-    """What can be asked for, and for each engine why it lacks it, or nothing."""
-    return [(row.name, {engine: row.lacking.get(engine, "") for engine in NAMES}) for row in (*TABLE, *NEVER)]
+"""What no engine is given, and why: refused before. docs/stage.md lists the rest of it."""

@@ -137,7 +137,7 @@ class Recording:
     """`states` (T, N, 13): pose of the body's frame, linear and angular velocity of its centre of mass, world axes.
 
     `touching`: for each engine step the pairs of bodies that touch. They do until they are `TOUCH` apart, because what
-    slides fast hops by up to 1.6 mm in MuJoCo.
+    slides fast hops by up to 1.6 mm in some engines.
     """
 
     states: Any

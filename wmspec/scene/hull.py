@@ -12,7 +12,7 @@ from wmspec.diagnostics import WmsError
 from wmspec.scene.model import Array, Cone, Mesh
 
 SIDES = 48
-_MOST = 250  # PhysX cooks at most 255 vertices
+_MOST = 250  # the most vertices that all engines take, less a few
 _DIRECTIONS = 240
 
 

@@ -118,7 +118,7 @@ def _type(factor: Factor) -> pa.DataType:
 
 
 def identity(task: str, index: int, question: int, engine: str) -> str:
-    """The stable name of a question: `collide/000123/q0/mujoco`."""
+    """The stable name of a question: `collide/000123/q0/ENGINE`."""
     return f"{task}/{index:06d}/q{question}/{engine}"
 
 

@@ -5,16 +5,15 @@ immutable; arrays are float64 and never written to after construction.
 """
 
 from wmspec.scene.model.actions import Action, Follow, Force, Glide, Impulse, Launch, Release, Steer, Teleport
-from wmspec.scene.model.backend import Backend, Look, Renderer
 from wmspec.scene.model.bodies import Body, Drive, Friction, Geom, Inertia, Joint, JointKind, Motion, Surface
 from wmspec.scene.model.cameras import Camera, Frame, Light, Observation, Shot
 from wmspec.scene.model.episode import Contact, Scene, Trace
 from wmspec.scene.model.geometry import Array, Box, Capsule, Cone, Cylinder, Mesh, Pose, Shape, Sphere
+from wmspec.scene.model.renderer import Look, Renderer
 
 __all__ = [
     "Action",
     "Array",
-    "Backend",
     "Body",
     "Box",
     "Camera",

@@ -8,7 +8,7 @@ from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
 
 from . import joints, shapes, world
-from .execute import prepare
+from .physics import prepare
 
 CONSTANTS = {
     world: ("FASTEST_SPIN", "APART", "POSITION_ITERATIONS", "VELOCITY_ITERATIONS", "JUMP"),

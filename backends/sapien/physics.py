@@ -13,11 +13,11 @@ from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
+from .about import INFO
 from .joints import ignored
 from .shapes import BITS, lanes, mean
 from .world import World
 
-STEPS_PER_SECOND = 1920
 SINGLE = 1e-6  # PhysX computes with 32 bits
 
 
@@ -29,14 +29,14 @@ def execute(scene: Scene) -> Trace:
     whole, timeline = prepare(scene)
     world = World(whole)
     verify(world, scene, timeline)
-    return trace("sapien", scene, timeline, play(world, timeline))
+    return trace(INFO.name, scene, timeline, play(world, timeline))
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     """The scene in SAPIEN's words. Raises WmsError, with the prim path, for what SAPIEN doesn't have."""
     validate(scene)
-    require("sapien", scene)
-    timeline = episode(scene, STEPS_PER_SECOND)
+    require(INFO.lacks, scene)
+    timeline = episode(scene, INFO.steps_per_second)
     whole = assembly(scene, timeline)
     bodies, needed = whole.bodies, lanes(whole.bodies)
     over = {material for pair, bit in needed.items() if bit >= BITS for material in pair}

@@ -8,7 +8,7 @@ from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
 
 from . import articulations, shapes, world
-from .execute import prepare
+from .physics import prepare
 
 CONSTANTS = {
     world: ("HEAVY_MASS", "HEAVY_INERTIA", "DYNAMIC", "GIVEN", "ROUND", "SOFT_ERP", "FASTEST"),

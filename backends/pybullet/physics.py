@@ -12,12 +12,11 @@ from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
+from .about import INFO
 from .world import World
 
 with silence():
     import pybullet
-
-STEPS_PER_SECOND = 1920
 
 
 def execute(scene: Scene) -> Trace:
@@ -32,14 +31,14 @@ def execute(scene: Scene) -> Trace:
         recording = play(world, timeline)
     finally:
         world.close()
-    return trace("pybullet", scene, timeline, recording)
+    return trace(INFO.name, scene, timeline, recording)
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     """The scene in PyBullet's words. Raises WmsError, with the prim path, for what PyBullet doesn't have."""
     validate(scene)
-    require("pybullet", scene)
-    timeline = episode(scene, STEPS_PER_SECOND)
+    require(INFO.lacks, scene)
+    timeline = episode(scene, INFO.steps_per_second)
     return assembly(scene, timeline), timeline
 
 

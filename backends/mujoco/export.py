@@ -7,8 +7,8 @@ from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
 
-from .execute import prepare
 from .mjcf import mjcf
+from .physics import prepare
 from .world import HEAVY, World
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))

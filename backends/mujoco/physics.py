@@ -20,6 +20,7 @@ from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
+from .about import INFO
 from .impact import solref
 from .joints import FAR
 from .mjcf import mjcf
@@ -27,8 +28,6 @@ from .world import World
 
 with silence():
     import mujoco
-
-STEPS_PER_SECOND = 3840
 
 
 def execute(scene: Scene) -> Trace:
@@ -48,14 +47,14 @@ def execute(scene: Scene) -> Trace:
             recording = play(world, timeline)
         except FloatingPointError as error:
             raise EngineError(f"MuJoCo lost the episode: {error}; look for overlaps or extreme velocities") from error
-    return trace("mujoco", scene, timeline, recording)
+    return trace(INFO.name, scene, timeline, recording)
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     """The scene in MuJoCo's words. Raises WmsError, with the prim path, for what MuJoCo doesn't have."""
     validate(scene)
-    require("mujoco", scene)
-    timeline = episode(scene, STEPS_PER_SECOND)
+    require(INFO.lacks, scene)
+    timeline = episode(scene, INFO.steps_per_second)
     return assembly(scene, timeline), timeline
 
 

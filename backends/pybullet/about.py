@@ -1,0 +1,49 @@
+"""What PyBullet says of itself, without being imported."""
+
+from __future__ import annotations
+
+from wmspec.scene.backend import Compiled, Info
+from wmspec.scene.capability import (
+    BALL_LIMITS,
+    SEVERAL_MATERIALS,
+    Lack,
+    damped_drives,
+    friction_above,
+    pieces_above,
+    stiff_drives,
+)
+
+STEPS_PER_SECOND = 1920
+MOST_FRICTION = 10.0  # of a pair: Bullet's own limit
+MOST_PIECES = 16  # of a moving body: PyBullet's own limit; all hulls are one
+
+_OVERSHOOTS = "PyBullet computes drives step by step and would overshoot; make it softer or what it moves heavier"
+
+INFO = Info(
+    name="pybullet",
+    title="PyBullet",
+    module="pybullet",
+    distribution="pybullet",
+    requirement="wmspec[pybullet]",
+    steps_per_second=STEPS_PER_SECOND,
+    looks=("parity",),
+    lacks=(
+        Lack(BALL_LIMITS, "PyBullet has no such limits; remove the cone angles, or use hinges"),
+        Lack(stiff_drives(STEPS_PER_SECOND), _OVERSHOOTS),
+        Lack(damped_drives(STEPS_PER_SECOND), _OVERSHOOTS),
+        Lack(
+            SEVERAL_MATERIALS,
+            "PyBullet has one material a moving body; give its pieces the same friction and restitution",
+        ),
+        Lack(
+            pieces_above(MOST_PIECES),
+            f"PyBullet takes {MOST_PIECES} pieces of a moving body, all hulls together counting as one; use fewer, "
+            "or meshes",
+        ),
+        Lack(friction_above(MOST_FRICTION), f"Bullet's own limit is {MOST_FRICTION:g}; lower the friction"),
+    ),
+    # It is built with NumPy in sight, or its pictures come back as tuples; GCC 14 takes its pointers for errors.
+    compiled=Compiled(
+        wheels_until=(3, 11), needs=("setuptools>=70.1",), variables="CFLAGS=-Wno-incompatible-pointer-types"
+    ),
+)

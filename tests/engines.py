@@ -1,0 +1,19 @@
+"""The engines that the tests run in: those that wmspec brings, where they are installed."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+import pytest
+
+from wmspec.execute.backends import backend, info, names
+from wmspec.scene.backend import Backend
+
+ENGINES = names()
+
+
+def installed(engine: str) -> Backend:
+    """The backend; the test is skipped where its engine is not installed."""
+    if find_spec(info(engine).module) is None:
+        pytest.skip(f"{info(engine).title} is not installed")
+    return backend(engine)
