@@ -22,7 +22,7 @@ task t : custom {{
 
 
 @cache
-def crew(engine: str = "pybullet", side: int = 128) -> EnginePair:
+def pair(engine: str = "pybullet", side: int = 128) -> EnginePair:
     """One for all tests: what it remembers is found by what it shows."""
     installed(engine)
     return EnginePair(TraceCache(engine), RenderCache(engine, side, side))
@@ -30,7 +30,7 @@ def crew(engine: str = "pybullet", side: int = 128) -> EnginePair:
 
 def asked(body: str, index: int = 0, engine: str = "pybullet") -> list[QuestionRow | Rejected]:
     """The questions of an instance of a task with this body, on a table."""
-    return ask(Design(task_from(SCENE.format(body=body))), index, crew(engine))
+    return ask(Design(task_from(SCENE.format(body=body))), index, pair(engine))
 
 
 def one(body: str, index: int = 0, engine: str = "pybullet") -> QuestionRow:
@@ -50,4 +50,4 @@ def refused(body: str, index: int = 0, engine: str = "pybullet") -> str:
 def run(body: str, index: int = 0) -> Run:
     """The executed instance."""
     design = Design(task_from(SCENE.format(body=body)))
-    return execute(design, design[index], None, crew())
+    return execute(design, design[index], None, pair())

@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.dataset.made import asked
-from wmspec.ask.consensus import Consensus, agree, answered, consensus
+from tests.dataset.made import asked, pictures
+from wmspec.ask.consensus import Consensus, agree, consensus, picked
+from wmspec.ask.kinds.labels import LabelAnswer
+from wmspec.ask.kinds.numbers import NumberAnswer
+from wmspec.ask.kinds.pictures import PictureAnswer
 from wmspec.ask.model import Number, Option, QuestionRow, Rejected
 
 ENGINES = ("mujoco", "pybullet", "sapien")
@@ -19,20 +22,35 @@ def label(engine: str, answer: int) -> QuestionRow:
     names = ["left", "right", "neither"]
     order = np.roll(np.arange(3), len(engine))
     options = tuple(Option("truth" if i == answer else "label", names[i], text=names[i]) for i in order)
-    blank = asked("motion_speed", 1, engine)
-    return replace(blank, options=options, answer=list(order).index(answer), value=names[answer], agreement=())
+    return replace(
+        asked("motion_speed", 1, engine),
+        options=options,
+        answer=list(order).index(answer),
+        value=names[answer],
+        evidence=LabelAnswer(names[answer], tuple(names)),
+        agreement=(),
+    )
 
 
-def picture(engine: str, truth: float, others: tuple[float, ...] = (0.2, 0.4)) -> QuestionRow:
-    """A picture question: where the ball is in the truth and in two counterfactuals."""
-    outcome = np.array([[[x, 0, 0, 1, 0, 0, 0]] for x in (truth, *others)], float)
-    options = tuple(Option("truth" if i == 0 else "counterfactual", f"o{i}") for i in range(3))
-    return replace(asked("collide", 1, engine), options=options, answer=0, outcome=outcome, agreement=())
+def picture(engine: str, *places: float, looks: tuple[str, ...] = (), slot: int = 0) -> QuestionRow:
+    """A picture question: where the ball is in the truth, which stands at its slot, and in the counterfactuals."""
+    evidence = pictures(*places, looks=looks)
+    names = list(evidence.names[1:])
+    names.insert(slot, evidence.names[0])
+    options = tuple(Option("truth" if n == "truth" else "counterfactual", n) for n in names)
+    return replace(asked("collide", 1, engine), options=options, answer=slot, evidence=evidence, agreement=())
 
 
 def number(engine: str, value: float) -> QuestionRow:
-    blank = asked("motion_speed", 1, engine)
-    return replace(blank, options=(), answer=None, value=f"{value}", number=Number(value, "m", 0.02), agreement=())
+    return replace(
+        asked("motion_speed", 1, engine),
+        options=(),
+        answer=None,
+        value=f"{value}",
+        number=Number(value, "m", 0.02),
+        evidence=NumberAnswer(value, 0.02),
+        agreement=(),
+    )
 
 
 def lost(engine: str) -> Rejected:
@@ -62,20 +80,40 @@ def test_labels(answers: tuple[int | None, ...], kept_of: tuple[str, str, str]) 
 
 
 def test_pictures_agree_where_each_picks_the_others_truth() -> None:
-    mine, near, far = picture("mujoco", 0.0), picture("pybullet", 0.05), picture("sapien", 0.19)
+    mine, near, far = (picture(e, x, 0.2, 0.4) for e, x in zip(ENGINES, (0.0, 0.05, 0.19), strict=True))
     assert agree(mine, near)
     assert not agree(mine, far)
-    assert answered(mine, far) == 1
+    assert picked(mine, far) == 1
     assert kept("majority", mine, near, far) == "mp"
     assert kept("all", mine, near, far) == ""
 
 
+@pytest.mark.parametrize("slot", [0, 1, 2])
+def test_options_that_differ_in_looks_alone_are_told_apart_by_look(slot: int) -> None:
+    """Wherever the truth stands: it was the first of the nearest once."""
+    looks = ("red", "blue", "red")
+    mine = picture("mujoco", 0.0, 0.0, 0.4, looks=looks, slot=slot)
+    near = picture("pybullet", 0.01, 0.01, 0.41, looks=looks, slot=slot)
+    blue = picture("sapien", 0.0, 0.0, 0.4, looks=("blue", "red", "red"), slot=slot)
+    assert picked(mine, near) == slot
+    assert agree(mine, near)
+    assert mine.options[picked(mine, blue) or 0].name == "other_1"
+    assert not agree(mine, blue)
+
+
+@pytest.mark.parametrize("slot", [0, 1, 2])
+def test_what_nothing_tells_apart_is_not_picked(slot: int) -> None:
+    mine, other = picture("mujoco", 0.0, 0.0, 0.4, slot=slot), picture("sapien", 0.01, 0.01, 0.4, slot=slot)
+    assert picked(mine, other) is None
+    assert not agree(mine, other)
+
+
 def test_a_body_that_is_gone_is_far_from_one_that_is_there() -> None:
-    mine, other = picture("mujoco", 0.0), picture("sapien", 0.21)
-    assert other.outcome is not None
-    gone = replace(other, outcome=np.where(other.outcome == 0.21, np.nan, other.outcome))
-    assert answered(mine, other) == 1
-    assert answered(mine, gone) == 0  # no nearer to one than to another: the first
+    mine, other = picture("mujoco", 0.0, 0.2, 0.4), picture("sapien", 0.21, 0.2, 0.4)
+    assert picked(mine, other) == 1
+    assert isinstance(other.evidence, PictureAnswer)
+    gone = replace(other, evidence=replace(other.evidence, outcomes=np.full_like(other.evidence.outcomes, np.nan)))
+    assert picked(mine, gone) is None, "no nearer to one than to another"
 
 
 def test_open_numbers_agree_within_what_is_allowed() -> None:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 import pickle
-from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.ask.asking import one, refused
-from tests.dataset.made import asked
 from wmspec.ask.bearing import ROUNDING, Bearing
-from wmspec.ask.consensus import agree
-from wmspec.ask.model import Number, QuestionRow
-from wmspec.ask.options import same
+from wmspec.ask.kinds.labels import same
+from wmspec.ask.kinds.numbers import NumberAnswer, Numbers
 from wmspec.ask.verbalize import say
 from wmspec.layout.functions import FUNCTIONS
 
@@ -57,12 +54,11 @@ def test_its_multiples_are_plain_numbers() -> None:
 
 
 def test_engines_agree_on_either_side_of_the_cut() -> None:
-    def answer(engine: str, degrees: float) -> QuestionRow:
-        number = Number(Bearing(math.radians(degrees)), "rad", math.radians(5))
-        return replace(asked("motion_speed", 1, engine), options=(), answer=None, number=number, agreement=())
+    def answer(degrees: float) -> NumberAnswer:
+        return NumberAnswer(Bearing(math.radians(degrees)), math.radians(5))
 
-    assert agree(answer("mujoco", 179), answer("sapien", -178))
-    assert not agree(answer("mujoco", 179), answer("sapien", -175))
+    assert Numbers().agree(answer(179), answer(-178))
+    assert not Numbers().agree(answer(179), answer(-175))
 
 
 LEFT = """

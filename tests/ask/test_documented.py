@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from wmspec.ask import observed, options, outcome, robustness, runs, trajectory
+from wmspec.ask import observed, outcome, robustness, runs, trajectory
 from wmspec.ask import visibility_gate as gate
+from wmspec.ask.kinds import pictures
 from wmspec.ask.model import Reason
 from wmspec.check.functions import FUNCTIONS
 from wmspec.write.card import REASONS
@@ -27,7 +28,7 @@ PAGE = (Path(__file__).parents[2] / "docs/questions.md").read_text()
         f"sharper than {math.degrees(trajectory.SHARP):.0f} degrees",
         f"it turns by more than {math.degrees(trajectory.LEAST_TURN):.0f}",
         f"a ball of more than {runs.DEEP * 1000:g} mm",
-        f"{options.LEAST_DIFFERENT * 256**2:.0f} of 256 × 256 pixels show another",
+        f"{pictures.LEAST_DIFFERENT * 256**2:.0f} of 256 × 256 pixels show another",
         f"By {robustness.NUDGE * 1000:g} mm, once",
         f"{gate.LEAST_VISIBLE * 256**2:.0f} of 256 × 256\n   pixels",
         f"at most {gate.MOST_HIDDEN * 100:.0f} % hidden; and a contrast of {gate.LEAST_CONTRAST:g}",

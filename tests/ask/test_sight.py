@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.ask.asking import crew, one, refused, run
+from tests.ask.asking import one, pair, refused, run
 from wmspec.ask import visibility
 from wmspec.ask.observed import Observed
 
@@ -17,7 +17,7 @@ SHAPES = ("cube", "sphere", "cylinder", "cone", "capsule", "wedge")
 
 
 def seen(*objects: str) -> Observed:
-    return run("\n".join([*objects, "observe front at [0 s]"])).observed([LOOK], crew())
+    return run("\n".join([*objects, "observe front at [0 s]"])).observed([LOOK], pair())
 
 
 def an(name: str, at: str, shape: str = "cube", color: str = "red") -> str:
@@ -69,7 +69,7 @@ def test_half_outside_the_frame() -> None:
     for x in at:
         observed = run(
             f"{an('a', f'{x} cm, 0')} {narrow} observe eye at [0 s]"
-        ).observed([("eye", 0.0)], crew())  # fmt: skip
+        ).observed([("eye", 0.0)], pair())  # fmt: skip
         outline = visibility.outline(observed, observed.index("a"), ("eye", 0.0))
         if outline.inside == 0:
             break
@@ -120,9 +120,9 @@ def test_what_a_riding_camera_comes_by_must_be_seen_once() -> None:
 
 
 def test_a_silhouette_is_that_of_a_camera_where_it_has_been_taken() -> None:
-    observed = run(RIDE % ("0, 0", "eye")).observed([("eye", 0.0), ("eye", 1.0)], crew())
+    observed = run(RIDE % ("0, 0", "eye")).observed([("eye", 0.0), ("eye", 1.0)], pair())
     i = observed.index("block")
-    for look in observed.looks:
-        drawn = int((observed.picture(*look).ids == i).sum())
-        assert drawn == pytest.approx(visibility.outline(observed, i, look).inside, rel=0.05, abs=6)
+    for view in observed.views:
+        drawn = int((observed.picture(*view).ids == i).sum())
+        assert drawn == pytest.approx(visibility.outline(observed, i, view).inside, rel=0.05, abs=6)
     assert visibility.visible(observed, "block", "eye") == pytest.approx(visibility.share(observed, i, ("eye", 0.0)))

@@ -10,7 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from tests.dataset.made import pictures
 from wmspec.ask.ask import groups
+from wmspec.ask.kinds.labels import LabelAnswer
+from wmspec.ask.kinds.numbers import NumberAnswer
 from wmspec.ask.model import Change, Option, Picture, QuestionRow, Vote
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
@@ -77,6 +80,7 @@ def blank(design: Design, index: int, engine: str) -> QuestionRow:
         groups=groups(instance),
         margin=None,
         measured={},
+        evidence=NumberAnswer(0.0, 0.5),
         agreement=(Vote(engine, 0, ""),),
     )
 
@@ -102,6 +106,7 @@ def race(favoured: float = 0.5, level: bool = False, telling: bool = False) -> A
             options=tuple(Option("truth" if b == truth else "label", b, text=texts[b]) for b in order),
             answer=place,
             value=truth,
+            evidence=LabelAnswer(truth, tuple(order)),
         )
 
     return ask
@@ -142,7 +147,15 @@ def roll(betrayed: str = "", alike: bool = False) -> Ask:
             option(n, picture([(*end, paler if n == "truth" else tone)])) for n, end in zip(names, ends, strict=True)
         )
         shown = tuple(Picture("front", t, picture([(x, 0.5, tone)])) for t, x in context)
-        return replace(asked, text="Where next?", context=shown, options=options, answer=place, value="front at 1 s")
+        return replace(
+            asked,
+            text="Where next?",
+            context=shown,
+            options=options,
+            answer=place,
+            value="front at 1 s",
+            evidence=pictures(0.0, 0.1, 0.2, 0.3),
+        )
 
     return ask
 

@@ -161,7 +161,13 @@ def copied(contrary: bool, noise: int = 0) -> Ask:
         options = tuple(replace(o, kind="label" if o.kind == "truth" else "truth") for o in source.options)
         if contrary:
             return replace(
-                asked, text=source.text, context=context, options=options, answer=1 - source.answer, value=""
+                asked,
+                text=source.text,
+                context=context,
+                options=options,
+                answer=1 - source.answer,
+                value="",
+                evidence=source.evidence,
             )
         return replace(source, index=41, context=context)
 

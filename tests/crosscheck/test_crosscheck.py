@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from tests.language.specs import task_from
+from wmspec.check.ir import QuestionKind
 from wmspec.compare.check import check
 from wmspec.compare.model import Checked, Verdict
 from wmspec.compare.say import dispute
@@ -116,17 +117,19 @@ def test_what_cannot_be_executed_fails_with_its_reason() -> None:
 
 
 @pytest.mark.parametrize(
-    ("sort", "remedy"),
+    ("kind", "sort", "remedy"),
     [
-        ("truth value", "on the brink"),
-        ("relation", "on the brink"),
-        ("object", "a larger margin"),
-        ("speed", "a larger margin"),
-        ("picture", "`distinct by`"),
+        ("labels", "truth value", "on the brink"),
+        ("labels", "relation", "on the brink"),
+        ("labels", "object", "a larger margin"),
+        ("numbers", "speed", "a larger margin"),
+        ("pictures", "picture", "`distinct by`"),
     ],
 )
-def test_without_a_cause_the_remedy_suits_the_answer(sort: str, remedy: str) -> None:
-    said = dispute(Verdict(0, sort, PAIR, ("yes", "no"), (None, None), False, "yes in one, no in the other", None))
+def test_without_a_cause_the_remedy_suits_the_answer(kind: QuestionKind, sort: str, remedy: str) -> None:
+    said = dispute(
+        Verdict(0, kind, sort, PAIR, ("yes", "no"), (None, None), False, "yes in one, no in the other", None)
+    )
     assert remedy in said
     assert ("ask for a larger margin" in said) == (remedy == "a larger margin")
 

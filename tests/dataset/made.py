@@ -9,6 +9,8 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from wmspec.ask.ask import groups
+from wmspec.ask.kinds.labels import LabelAnswer
+from wmspec.ask.kinds.pictures import PictureAnswer
 from wmspec.ask.model import Change, Option, Picture, QuestionRow, Rejected, Vote
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
@@ -20,6 +22,7 @@ from wmspec.write.rows import Row, encode
 
 ENGINES = ("mujoco", "pybullet", "sapien")
 TASKS = ("collide", "motion_speed")
+SIDES = ("left", "right")
 SPECS = Path(__file__).parent / "specs"
 COLORS = {"red": "#c33", "blue": "#36c", "yellow": "#db3", "green": "#3a5", "purple": "#85b", "orange": "#e83"}
 
@@ -71,7 +74,22 @@ def asked(task: str, index: int, engine: str, seed: int = 7, size: int = 64) -> 
         groups=groups(instance),
         margin=1.7 if task == "motion_speed" else None,
         measured={"contact(ball, victim)": 1.0} if task == "collide" else {"speed(left)": 0.2, "speed(right)": 0.1},
+        evidence=pictures(0.0, 0.2, 0.4, 0.6)
+        if task == "collide"
+        else LabelAnswer(options[answer].name, ("left", "right")),
         agreement=tuple(Vote(e, answer, "said") for e in ENGINES),
+    )
+
+
+def pictures(*places: float, names: tuple[str, ...] = (), looks: tuple[str, ...] = ()) -> PictureAnswer:
+    """Where a ball is (m, along x) in the truth, which comes first, and in the counterfactuals."""
+    return PictureAnswer(
+        camera="front",
+        time=2.0,
+        names=names or ("truth", *(f"other_{i}" for i in range(1, len(places)))),
+        bodies=("ball",),
+        outcomes=np.array([[[x, 0, 0, 1, 0, 0, 0]] for x in places], float),
+        looks=looks or ("the same",) * len(places),
     )
 
 
@@ -90,7 +108,7 @@ def _pictured(answer: int, ball: str, engine: str, size: int) -> tuple[Option, .
 def _labelled(answer: int, instance: Instance) -> tuple[Option, ...]:
     texts = [f"the {instance.factors['left_color']} sphere", f"the {instance.factors['right_color']} sphere"]
     kinds = ["truth" if i == answer else "label" for i in range(2)]
-    return tuple(Option(k, n, text=t) for k, n, t in zip(kinds, ("left", "right"), texts, strict=True))  # type: ignore[arg-type]
+    return tuple(Option(k, n, text=t) for k, n, t in zip(kinds, SIDES, texts, strict=True))  # type: ignore[arg-type]
 
 
 def picture(color: str, x: float, engine: str, size: int) -> np.ndarray:

@@ -6,76 +6,64 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal
 
-from wmspec.ask.gates import apart
+from wmspec.ask.kinds import KINDS
 from wmspec.ask.model import QuestionRow, Rejected, Vote
 
 #: When a question is kept: if all engines agree on it, if more than half of them do, or whatever they say.
 Consensus = Literal["all", "majority", "none"]
 
 
-def answered(asked: QuestionRow, other: QuestionRow) -> int | None:
-    """Which of `asked`'s options the other engine's outcome picks: the same label, or the nearest picture.
-
-    None if it is none of them, and for open questions, which have no options.
-    """
-    if asked.outcome is None or other.outcome is None:
-        true = other.options[other.answer].name if other.answer is not None else None
-        return next((i for i, o in enumerate(asked.options) if o.name == true), None)
-    assert other.answer is not None
-    truth = other.outcome[other.answer]
-    gaps = [apart(truth, option) for option in asked.outcome]
-    return gaps.index(min(gaps))
+def picked(row: QuestionRow, other: QuestionRow) -> int | None:
+    """Which of a row's options the other engine's outcome picks; None if it is none of them, or if there are none."""
+    name = KINDS[row.kind].picked(row.evidence, other.evidence)
+    return next((i for i, option in enumerate(row.options) if option.name == name), None)
 
 
 def agree(a: QuestionRow, b: QuestionRow) -> bool:
-    """Whether each engine's outcome picks the other's answer; open numbers may differ by what is allowed."""
-    if a.number is not None and b.number is not None and a.number.within is not None:
-        return abs(a.number.value - b.number.value) <= a.number.within
-    return answered(a, b) == a.answer and answered(b, a) == b.answer
+    """Whether each engine's outcome picks the other's answer."""
+    return KINDS[a.kind].agree(a.evidence, b.evidence)
 
 
-def votes(answers: Mapping[str, QuestionRow | Rejected], mine: QuestionRow | None) -> tuple[Vote, ...]:
-    """What every engine says, as picks of `mine`'s options."""
+def votes(answers: Mapping[str, QuestionRow | Rejected], mine: QuestionRow) -> tuple[Vote, ...]:
+    """What every engine says, as picks of my options."""
     return tuple(_vote(engine, answer, mine) for engine, answer in sorted(answers.items()))
 
 
-def _vote(engine: str, answer: QuestionRow | Rejected, mine: QuestionRow | None) -> Vote:
+def _vote(engine: str, answer: QuestionRow | Rejected, mine: QuestionRow) -> Vote:
     if isinstance(answer, Rejected):
         return Vote(engine, None, "", f"{answer.reason}: {answer.detail}")
-    return Vote(engine, answered(mine, answer) if mine is not None else None, answer.value)
+    return Vote(engine, picked(mine, answer), answer.value)
 
 
 def consensus(answers: Mapping[str, QuestionRow | Rejected], wanted: Consensus) -> dict[str, QuestionRow | Rejected]:
-    """The same question in several engines, each told what the others say; without consensus it is rejected."""
-    asked = {e: a for e, a in answers.items() if isinstance(a, QuestionRow)}
-    told: dict[str, QuestionRow | Rejected] = {}
+    """The same question in several engines, each row with the votes of all; without consensus it is rejected."""
+    rows = {engine: answer for engine, answer in answers.items() if isinstance(answer, QuestionRow)}
+    judged: dict[str, QuestionRow | Rejected] = {}
     for engine, answer in answers.items():
         if not isinstance(answer, QuestionRow):
-            told[engine] = answer
+            judged[engine] = answer
             continue
-        agreeing = sum(agree(answer, other) for other in asked.values())
+        agreeing = sum(agree(answer, other) for other in rows.values())
         if _kept(agreeing, len(answers), wanted):
-            told[engine] = replace(answer, agreement=votes(answers, answer))
+            judged[engine] = replace(answer, agreement=votes(answers, answer))
         else:
-            told[engine] = _disagreed(answer, answers)
-    if wanted == "all" and len(asked) == len(answers) and any(isinstance(a, Rejected) for a in told.values()):
-        return {engine: _disagreed(answer, answers) for engine, answer in asked.items()}
-    return told
+            judged[engine] = _disagreed(answer, answers)
+    if wanted == "all" and len(rows) == len(answers) and any(isinstance(a, Rejected) for a in judged.values()):
+        return {engine: _disagreed(row, answers) for engine, row in rows.items()}
+    return judged
 
 
 def _kept(agreeing: int, engines: int, wanted: Consensus) -> bool:
     return wanted == "none" or (agreeing == engines if wanted == "all" else 2 * agreeing > engines)
 
 
-def _disagreed(answer: QuestionRow, answers: Mapping[str, QuestionRow | Rejected]) -> Rejected:
+def _disagreed(row: QuestionRow, answers: Mapping[str, QuestionRow | Rejected]) -> Rejected:
     """The question rejected, with what every engine says."""
-    said = []
-    for vote in votes(answers, answer):
-        if vote.rejected:
-            said.append(f"{vote.engine} rejects it: {vote.rejected}")
-        elif vote.answer is None:
-            said.append(f"{vote.engine} answers {vote.value}")
-        else:
-            said.append(f"{vote.engine} picks option {vote.answer}")
-    detail = "; ".join(said)
-    return Rejected(answer.task, answer.index, answer.question, answer.engine, "disagreement", detail)
+    detail = "; ".join(_sentence(vote) for vote in votes(answers, row))
+    return Rejected(row.task, row.index, row.question, row.engine, "disagreement", detail)
+
+
+def _sentence(vote: Vote) -> str:
+    if vote.rejected:
+        return f"{vote.engine} rejects it: {vote.rejected}"
+    return f"{vote.engine} answers {vote.value}" if vote.answer is None else f"{vote.engine} picks option {vote.answer}"

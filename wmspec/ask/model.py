@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.check.ir import QuestionKind
 from wmspec.draws import Level
+
+#: What happens, among what would have happened: the name of its run and of its option.
+TRUTH = "truth"
 
 
 @dataclass(frozen=True)
@@ -83,6 +87,13 @@ class Vote:
 
 
 @dataclass(frozen=True)
+class Answer:
+    """What an engine answers, with all that answers are compared by. Each kind of question has its own."""
+
+    kind: ClassVar[QuestionKind]
+
+
+@dataclass(frozen=True)
 class QuestionRow:
     """A valid question.
 
@@ -91,8 +102,7 @@ class QuestionRow:
     `number` as a number if it is one. `groups` gives for every factor the key that all instances differing in it alone
     share. `margin` is how far the answer is from turning, as a multiple of the margin asked for (None without one).
     `measured` holds named quantities in SI units; an answer is `standing` if it holds from the start, whatever happens.
-    `outcome` (options, bodies, 7) are the poses of the bodies that can
-    move in every option picture, NaN for what is not there; None for a question without pictures to choose from.
+    `evidence` is what the answer is compared by with those of other engines.
     """
 
     task: str
@@ -113,12 +123,17 @@ class QuestionRow:
     groups: dict[str, str]
     margin: float | None
     measured: dict[str, float]
-    outcome: NDArray[np.float64] | None = None
+    evidence: Answer
     agreement: tuple[Vote, ...] = ()
     name: str = ""
     number: Number | None = None
     difference: Strength | None = None
     standing: bool = False
+
+    @property
+    def kind(self) -> QuestionKind:
+        """The kind of the question."""
+        return self.evidence.kind
 
 
 #: Why an instance yields no question. The word before a colon is what is counted.

@@ -22,21 +22,21 @@ REST = 0.1
 
 
 class Observed:
-    """An executed `scene` and the `looks` at it. `draw` gives the picture of a look (None: nothing can be drawn)."""
+    """An executed `scene` and the `views` of it that are shown. `draw` gives the picture of one (None: none can be)."""
 
     def __init__(
-        self, scene: Scene, trace: Trace, looks: Sequence[View], draw: Callable[[str, float], Frame] | None = None
+        self, scene: Scene, trace: Trace, views: Sequence[View], draw: Callable[[str, float], Frame] | None = None
     ) -> None:
         self.scene = scene
         self.trace = trace
-        self.looks = tuple(looks)
+        self.views = tuple(views)
         self._draw = draw
         self._index = {body.name: i for i, body in enumerate(scene.bodies)}
 
     @cached_property
     def window(self) -> tuple[float, float]:
         """The first and the last look (s)."""
-        times = [time for _, time in self.looks]
+        times = [time for _, time in self.views]
         return min(times), max(times)
 
     @cached_property
@@ -84,9 +84,9 @@ class Observed:
             raise WmsError("what is seen can only be measured where pictures are drawn")
         return self._draw(camera, time)
 
-    def looks_of(self, camera: str) -> list[View]:
-        """The looks of a camera. Raises WmsError if there is none."""
-        looks = [look for look in self.looks if look[0] == camera]
-        if not looks:
+    def views_of(self, camera: str) -> list[View]:
+        """The views of a camera. Raises WmsError if there is none."""
+        views = [view for view in self.views if view[0] == camera]
+        if not views:
             raise WmsError(f"nothing is observed with the camera `{camera}`; write `observe {camera} at [...]`")
-        return looks
+        return views

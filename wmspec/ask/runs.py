@@ -35,8 +35,8 @@ DEEP = 0.001
 class EnginePair:
     """Who executes and who draws."""
 
-    executor: TraceCache
-    studio: RenderCache
+    traces: TraceCache
+    renders: RenderCache
 
 
 @dataclass(frozen=True)
@@ -80,13 +80,13 @@ class Run:
         for k in range(len(self.scene.bodies)):
             yield Pose(self.trace.position[:, k], self.trace.orientation[:, k])
 
-    def observed(self, looks: Sequence[View], crew: EnginePair) -> Observed:
-        """What there is to measure, with looks at it."""
-        return Observed(self.scene, self.trace, looks, lambda camera, time: self.draw(camera, time, crew))
+    def observed(self, views: Sequence[View], pair: EnginePair) -> Observed:
+        """What there is to measure, with views of it."""
+        return Observed(self.scene, self.trace, views, lambda camera, time: self.draw(camera, time, pair))
 
-    def draw(self, camera: str, time: float, crew: EnginePair, *, depth: bool = False) -> Frame:
+    def draw(self, camera: str, time: float, pair: EnginePair, *, depth: bool = False) -> Frame:
         """What a camera sees at a time (s)."""
-        return crew.studio.draw(self.scene, Shot(camera, self.trace.poses(time)), depth=depth)
+        return pair.renders.draw(self.scene, Shot(camera, self.trace.poses(time)), depth=depth)
 
 
 def values_of(design: Design, instance: Instance, change: Counterfactual | None = None) -> Values:
@@ -94,7 +94,7 @@ def values_of(design: Design, instance: Instance, change: Counterfactual | None 
     return Values(design.spec, instance.values, change, instance.key)
 
 
-def execute(design: Design, instance: Instance, change: Counterfactual | None, crew: EnginePair) -> Run:
+def execute(design: Design, instance: Instance, change: Counterfactual | None, pair: EnginePair) -> Run:
     """An instance, or what it would be under a counterfactual.
 
     Raises Reject if there is no such scene, if bodies overlap in it, or if the engine gives up on it.
@@ -105,7 +105,7 @@ def execute(design: Design, instance: Instance, change: Counterfactual | None, c
         scene = read(compose(built(values)))
         for a, b, depth in overlaps(scene):
             raise Reject("overlap", f"{label}{a} and {b} are {depth * 1000:.1f} mm deep in one another at the start")
-        return Run(values, scene, crew.executor.trace(scene))
+        return Run(values, scene, pair.traces.trace(scene))
     except EngineError as error:
         raise Reject("unstable", f"{label}{error}") from None
     except WmsError as error:
@@ -148,7 +148,7 @@ def free(scene: Scene) -> list[str]:
     return [b.name for b in scene.bodies if b.motion == "dynamic" and b.name not in held]
 
 
-def nudged(run: Run, by: float, key: Iterable[object], crew: EnginePair) -> Run:
+def nudged(run: Run, by: float, key: Iterable[object], pair: EnginePair) -> Run:
     """The same episode with every free body set aside by so much (m), in a direction that depends on `key`.
 
     Raises Reject if the engine gives up on it.
@@ -161,6 +161,6 @@ def nudged(run: Run, by: float, key: Iterable[object], crew: EnginePair) -> Run:
         bodies.append(replace(body, pose=pose) if body.name in names else body)
     scene = replace(run.scene, bodies=tuple(bodies))
     try:
-        return Run(run.values, scene, crew.executor.trace(scene))
+        return Run(run.values, scene, pair.traces.trace(scene))
     except WmsError as error:
         raise Reject("unstable", f"set aside by {by * 1000:g} mm: {error}") from None

@@ -1,4 +1,4 @@
-"""The looks of a task: from where, when, and what is kept of each."""
+"""The views of a task: from where, when, and what is kept of each."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from wmspec.check.ir import Channel, TaskSpec
 View = tuple[str, float]
 
 
-def looked(spec: TaskSpec, values: Environment) -> list[View]:
-    """The looks of a task, in order."""
+def views_of(spec: TaskSpec, values: Environment) -> list[View]:
+    """The views that a task shows, in order."""
     return [(o.camera, time) for o in spec.observations for time in evaluate(o.times, values)]
 
 
-def kept(spec: TaskSpec) -> frozenset[Channel]:
+def channels_of(spec: TaskSpec) -> frozenset[Channel]:
     """What is kept of every picture shown: the colours, and what any of the observations asks for."""
     return frozenset[Channel]({"rgb"}).union(*(o.channels for o in spec.observations))

@@ -19,45 +19,45 @@ AROUND = 3 / 256
 
 
 def visible(observed: Observed, name: str, camera: str) -> float:
-    """The share of the picture that shows the body, the least over the looks of the camera."""
-    return min(_over_looks(observed, name, camera, share))
+    """The share of the picture that shows the body, the least over the views of the camera."""
+    return min(_over_views(observed, name, camera, share))
 
 
 def occluded(observed: Observed, name: str, camera: str) -> float:
-    """The share of the body within the picture that others hide, the most over the looks of the camera."""
-    return max(_over_looks(observed, name, camera, hidden))
+    """The share of the body within the picture that others hide, the most over the views of the camera."""
+    return max(_over_views(observed, name, camera, hidden))
 
 
 def contrast(observed: Observed, name: str, camera: str) -> float:
-    """The difference (CIEDE2000) of the body's colour from what is around it, the least over the looks of the camera.
+    """The difference (CIEDE2000) of the body's colour from what is around it, the least over the views of the camera.
 
     0 where it is not seen.
     """
-    return min(_over_looks(observed, name, camera, lambda o, i, look: outstanding(o.picture(*look), i)))
+    return min(_over_views(observed, name, camera, lambda o, i, view: outstanding(o.picture(*view), i)))
 
 
-def _over_looks(
+def _over_views(
     observed: Observed, name: str, camera: str, measure: Callable[[Observed, int, View], float]
 ) -> list[float]:
     index = observed.index(name)
-    return [measure(observed, index, look) for look in observed.looks_of(camera)]
+    return [measure(observed, index, view) for view in observed.views_of(camera)]
 
 
-def share(observed: Observed, index: int, look: View) -> float:
+def share(observed: Observed, index: int, view: View) -> float:
     """The share of a picture that shows a body, 0..1."""
-    return float((observed.picture(*look).ids == index).mean())
+    return float((observed.picture(*view).ids == index).mean())
 
 
-def hidden(observed: Observed, index: int, look: View) -> float:
+def hidden(observed: Observed, index: int, view: View) -> float:
     """The share of a body within the picture that others hide, 0..1; 1 if it is outside the picture."""
-    whole = outline(observed, index, look).inside
-    seen = int((observed.picture(*look).ids == index).sum())
+    whole = outline(observed, index, view).inside
+    seen = int((observed.picture(*view).ids == index).sum())
     return min(max(1 - seen / whole, 0.0), 1.0) if whole > 0 else 1.0
 
 
-def outline(observed: Observed, index: int, look: View) -> Silhouette:
-    """The silhouette of a body in a look."""
-    camera, time = look
+def outline(observed: Observed, index: int, view: View) -> Silhouette:
+    """The silhouette of a body in a view."""
+    camera, time = view
     height, width = observed.picture(camera, time).ids.shape
     return silhouette(observed.scene, index, (camera, observed.trace.poses(time)), (width, height))
 

@@ -39,23 +39,23 @@ def shown(observed: Observed, names: Iterable[str]) -> None:
     camera need not be seen.
     """
     riding = {c.name: c.body for c in observed.scene.cameras if c.body is not None}
-    fixed = [look for look in observed.looks if look[0] not in riding]
+    fixed = [view for view in observed.views if view[0] not in riding]
     moments = sorted({time for _, time in fixed})
     for name in _there(observed, names):
         if fixed:
             for time in moments:
-                _seen_once(observed, name, [look for look in observed.looks if look[1] == time])
+                _seen_once(observed, name, [view for view in observed.views if view[1] == time])
         elif name not in riding.values():
-            _seen_once(observed, name, observed.looks)
+            _seen_once(observed, name, observed.views)
 
 
 def shown_in(option: str, observed: Observed, names: Iterable[str]) -> None:
     """Raise Reject unless the one picture of an option shows each of the bodies well; a riding camera's need not."""
-    (look,) = observed.looks
-    if any(c.name == look[0] and c.body is not None for c in observed.scene.cameras):
+    (view,) = observed.views
+    if any(c.name == view[0] and c.body is not None for c in observed.scene.cameras):
         return
     for name in _there(observed, names):
-        if fault := unseen(observed, name, look):
+        if fault := unseen(observed, name, view):
             raise Reject("unseen", f"{name} in option {option}: {fault}")
 
 
@@ -64,25 +64,25 @@ def _there(observed: Observed, names: Iterable[str]) -> list[str]:
     return [body.name for body in observed.scene.bodies if body.name in wanted]
 
 
-def _seen_once(observed: Observed, name: str, looks: Sequence[View]) -> None:
+def _seen_once(observed: Observed, name: str, views: Sequence[View]) -> None:
     faults = []
-    for look in looks:
-        fault = unseen(observed, name, look)
+    for view in views:
+        fault = unseen(observed, name, view)
         if not fault:
             return
-        faults.append(f"{name} from {look[0]} at {look[1]:g} s: {fault}")
+        faults.append(f"{name} from {view[0]} at {view[1]:g} s: {fault}")
     raise Reject("unseen", "; ".join(faults))
 
 
-def unseen(observed: Observed, name: str, look: View) -> str:
-    """Why a body is not well seen in a look; empty if it is."""
+def unseen(observed: Observed, name: str, view: View) -> str:
+    """Why a body is not well seen in a view; empty if it is."""
     index = observed.index(name)
-    frame = observed.picture(*look)
+    frame = observed.picture(*view)
     pixels = int((frame.ids == index).sum())
     if pixels < LEAST_VISIBLE * frame.ids.size:
         return f"{pixels} of {frame.ids.size} pixels"
     if observed.scene.bodies[index].motion != "static":
-        outline = visibility.outline(observed, index, look)
+        outline = visibility.outline(observed, index, view)
         if outline.inside < LEAST_INSIDE * outline.all:
             return f"{1 - outline.inside / outline.all:.0%} of it is outside the frame"
         if pixels < (1 - MOST_HIDDEN) * outline.inside:

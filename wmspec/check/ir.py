@@ -236,16 +236,21 @@ class Difference(Node):
     unit: str
 
 
-class Question(Node):
-    """A question. `text` alternates literal texts and values spoken. `sort` is the kind of the options.
+#: What a question has as options: labels, which are said in words; none, as an open number; pictures.
+QuestionKind = Literal["labels", "numbers", "pictures"]
 
-    With `options` the answer is one of them. Without, either the answer is a picture and the other options are the
-    pictures of the counterfactuals, or it is a number that is asked for openly, right `within` so much of it.
+
+class Question(Node):
+    """A question. `text` alternates literal texts and values spoken. `sort` is that of the answer's value.
+
+    Of labels, the answer is one of the `options`. An open number is right `within` so much of it. Where the answer is a
+    picture, the other options are the pictures of the counterfactuals.
     `stable` is how far (m) every free object is nudged to see whether the answer holds.
     """
 
     name: str = ""
     text: tuple[str | Said, ...]
+    kind: QuestionKind
     sort: str
     options: Expr | None
     answer: Expr

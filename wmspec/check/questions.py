@@ -10,12 +10,12 @@ from wmspec.check import ir
 from wmspec.check.bounds import within
 from wmspec.check.counterfactuals import Counterfactuals
 from wmspec.check.expressions import Expressions
+from wmspec.check.question_kinds import ANSWER, COUNTERFACTUAL, QUESTION_RULES, broken, question_kind
 from wmspec.check.typed import ZERO, Failed, Typed, constant, joined
 from wmspec.check.types import (
     A_LENGTH,
     LABEL,
     OBJECT,
-    PICTURE,
     TEXT,
     TRUTH,
     Kind,
@@ -59,9 +59,9 @@ class Questions:
             if clause.kind in _ONCE and len(clauses[clause.kind]) > 1:
                 notes = (Note("said here first", clauses[clause.kind][0].span),)
                 self.report.add("WMS202", f"`{clause.kind}` is said twice", clause.span, "remove one", notes)
-        if "answer" not in clauses:
+        if ANSWER not in clauses:
             self.check.fail("WMS501", "this question has no answer", question.text.span, "add `answer EXPRESSION`")
-        options, answer = self._answer(question, clauses)
+        kind, options, answer = self._answer(question, clauses)
         margins = self._tried(self.margin, clauses.get("margin", []))
         ensures = self._tried(self.ensure, clauses.get("ensure", []))
         changes = self._tried(self.counterfactuals.counterfactual, question.counterfactuals)
@@ -71,6 +71,7 @@ class Questions:
         return ir.Question(
             name=question.name.id if question.name else "",
             text=text,
+            kind=kind,
             sort=str(answer.kind),
             options=options,
             answer=answer.expr,
@@ -106,38 +107,28 @@ class Questions:
 
     # ------------------------------------------------------------ answers
 
-    def _answer(self, question: s.Question, clauses: dict[str, list[s.Clause]]) -> tuple[ir.Expr | None, Typed]:
-        """The options (None for pictures and open numbers) and the answer, with the kind of both."""
-        clause = clauses["answer"][0]
+    def _answer(
+        self, question: s.Question, clauses: dict[str, list[s.Clause]]
+    ) -> tuple[ir.QuestionKind, ir.Expr | None, Typed]:
+        """The kind of the question, its options in words (None if it has none) and its answer."""
+        clause = clauses[ANSWER][0]
         answer = self.check.measuring(clause.value)
         if answer.kind == Quantity(ZERO):
             answer = Typed(answer.expr, Quantity(NUMBER))
-        if answer.kind == PICTURE:
-            self._pictured(question, clauses)
-            return None, answer
+        places = {kind: written[0].span for kind, written in clauses.items()}
         if question.counterfactuals:
-            span = question.counterfactuals[0].span
-            what = "counterfactuals are the options of picture questions"
-            self.check.fail("WMS502", what, span, "answer with `frame(CAMERA, TIME)`")
-        if _said(answer.kind) is None and answer.kind != TRUTH:
-            self.check.fail("WMS502", f"{article(str(answer.kind))} is no answer to a question", clause.value.span)
+            places[COUNTERFACTUAL] = question.counterfactuals[0].span
+        kind = question_kind(answer.kind, places.keys())
+        rules = QUESTION_RULES[kind]
+        noun = article(str(answer.kind))
+        rule = broken(rules, answer.kind, places.keys())
+        if rules.spoken and _said(answer.kind) is None and answer.kind != TRUTH:
+            self.check.fail("WMS502", f"{noun} is no answer to a question", clause.value.span)
+        if rule is not None:
+            self.check.fail("WMS502", rule.message.format(answer=noun), places[rule.at], rule.remedy)
         if "options" in clauses:
-            return self._options(clauses["options"][0], answer)
-        if answer.kind == TRUTH:
-            return _YES_NO, answer
-        if isinstance(answer.kind, Quantity) and "within" in clauses:
-            return None, answer
-        open_ = " or, to ask for it openly, `within TOLERANCE`" * isinstance(answer.kind, Quantity)
-        message = f"the answer is {article(str(answer.kind))}, but there are no options"
-        self.check.fail("WMS502", message, clause.span, f"add `options [...]`{open_}")
-
-    def _pictured(self, question: s.Question, clauses: dict[str, list[s.Clause]]) -> None:
-        if "options" in clauses:
-            message = "the options of a picture question are its counterfactuals"
-            self.check.fail("WMS502", message, clauses["options"][0].span, "remove `options`")
-        if not question.counterfactuals:
-            message = "a picture question needs counterfactuals to choose from"
-            self.check.fail("WMS502", message, clauses["answer"][0].span, "add `counterfactual NAME { ... }`")
+            return kind, *self._options(clauses["options"][0], answer)
+        return kind, _YES_NO if answer.kind == TRUTH else None, answer
 
     def _options(self, clause: s.Clause, answer: Typed) -> tuple[ir.Expr, Typed]:
         """The options, and the answer as one of their common kind."""
@@ -154,12 +145,6 @@ class Questions:
         if "within" not in clauses:
             return None
         clause = clauses["within"][0]
-        if not isinstance(answer.kind, Quantity):
-            message = f"`within` is for answers that are quantities, and this one is {article(str(answer.kind))}"
-            self.check.fail("WMS502", message, clause.span, "remove it")
-        if "options" in clauses:
-            message = "an answer is one of its options or open, not both"
-            self.check.fail("WMS502", message, clause.span, "remove `options` or `within`")
         typed = self.check.value(clause.value, (answer.kind,), "`within`, like the answer,")
         within(self.check, typed.expr, Slot((answer.kind,), "", least=0), clause.value.span, "`within`")
         return typed.expr

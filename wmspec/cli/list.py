@@ -34,7 +34,7 @@ def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_js
 
 
 def _row(path: Path, spec: Any) -> dict[str, Any]:
-    from wmspec.ask.views import looked
+    from wmspec.ask.views import views_of
     from wmspec.check.ir import Choices
     from wmspec.design.design import Design
     from wmspec.layout.values import Values
@@ -48,7 +48,7 @@ def _row(path: Path, spec: Any) -> dict[str, Any]:
         "dimension": spec.dimension,
         "title": spec.title,
         "instances": len(design),
-        "images": len(looked(spec, Values(spec, first.values, None, first.key))),
+        "images": len(views_of(spec, Values(spec, first.values, None, first.key))),
         "paper": None if there is None else {"task": there.name, "instances": there.cases, "images": there.images},
         "design": spec.plan.kind,
         "groups": design.draws,

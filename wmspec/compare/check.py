@@ -1,4 +1,4 @@
-"""One instance in several engines, with the counterfactuals that its picture questions need."""
+"""One instance in several engines, with the counterfactuals that its questions need executed."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
 
+from wmspec.ask.asking import Asking
+from wmspec.ask.kinds import KINDS
+from wmspec.ask.model import TRUTH
 from wmspec.ask.runs import EnginePair, Run, values_of
 from wmspec.check.ir import Counterfactual, Question, TaskSpec
-from wmspec.compare.answers import Answer, agree, answer, told
+from wmspec.compare.answers import EngineAnswer, agree, answer, difference
 from wmspec.compare.compare import compare
-from wmspec.compare.model import TRUTH, Cause, Checked, Comparison, Failure, Pair, Verdict
+from wmspec.compare.model import Cause, Checked, Comparison, Failure, Pair, Verdict
 from wmspec.compare.tolerance import Tolerances
 from wmspec.design.design import Design, Instance
 from wmspec.diagnostics import WmsError
@@ -29,20 +32,20 @@ SIDE = 256
 Traces = Mapping[tuple[str, str], Trace]
 
 
-def check(design: Design, index: int, executors: Sequence[TraceCache], tolerances: Tolerances) -> Checked:
+def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances: Tolerances) -> Checked:
     """Execute an instance in every engine and compare each pair of them."""
     spec, instance = design.spec, design[index]
     scenes, failures = _scenes(spec, instance)
-    traces, failed = _execute(scenes, executors)
-    pairs = list(combinations([e.engine for e in executors], 2))
+    traces, failed = _execute(scenes, engines)
+    pairs = list(combinations([e.engine for e in engines], 2))
     comparisons = tuple(
         compare(run, scene, traces[a, run], traces[b, run], tolerances)
         for run, scene in scenes.items()
         for a, b in pairs
         if (a, run) in traces and (b, run) in traces
     )
-    asking = _Asking(design, instance, scenes, traces)
-    verdicts = tuple(verdict for q in range(len(spec.questions)) for verdict in asking.verdicts(q, pairs, comparisons))
+    executed = _Executed(design, instance, scenes, traces)
+    verdicts = tuple(v for q in range(len(spec.questions)) for v in executed.verdicts(q, pairs, comparisons))
     return Checked(spec.name, index, instance.factors, instance.nuisances, comparisons, verdicts, (*failures, *failed))
 
 
@@ -51,12 +54,16 @@ def run_name(spec: TaskSpec, q: int, change: Counterfactual) -> str:
     return change.name if len(spec.questions) == 1 else f"{change.name} ({q + 1})"
 
 
+def _changes(question: Question) -> tuple[Counterfactual, ...]:
+    """The counterfactuals that a question needs executed."""
+    return KINDS[question.kind].executed(question)
+
+
 def _scenes(spec: TaskSpec, instance: Instance) -> tuple[dict[str, Scene], list[Failure]]:
     """The scenes to execute, by run, and those that cannot be made."""
     changes: dict[str, Counterfactual | None] = {TRUTH: None}
     for q, question in enumerate(spec.questions):
-        if question.sort == "picture":
-            changes |= {run_name(spec, q, c): c for c in question.counterfactuals}
+        changes |= {run_name(spec, q, change): change for change in _changes(question)}
     scenes, failures = {}, []
     for run, change in changes.items():
         try:
@@ -66,19 +73,19 @@ def _scenes(spec: TaskSpec, instance: Instance) -> tuple[dict[str, Scene], list[
     return scenes, failures
 
 
-def _execute(scenes: Mapping[str, Scene], executors: Iterable[TraceCache]) -> tuple[Traces, list[Failure]]:
+def _execute(scenes: Mapping[str, Scene], engines: Iterable[TraceCache]) -> tuple[Traces, list[Failure]]:
     traces, failures = {}, []
-    for executor in executors:
+    for executed in engines:
         for run, scene in scenes.items():
             try:
-                traces[executor.engine, run] = executor.trace(scene)
+                traces[executed.engine, run] = executed.trace(scene)
             except WmsError as error:
-                failures.append(Failure(executor.engine, run, str(error)))
+                failures.append(Failure(executed.engine, run, str(error)))
     return traces, failures
 
 
 @dataclass(frozen=True)
-class _Asking:
+class _Executed:
     """An executed instance whose questions are asked."""
 
     design: Design
@@ -89,37 +96,54 @@ class _Asking:
     def verdicts(self, q: int, pairs: Sequence[Pair], comparisons: Sequence[Comparison]) -> list[Verdict]:
         """A question in every pair of engines that executed what it needs."""
         spec, question = self.design.spec, self.design.spec.questions[q]
-        runs = {TRUTH: TRUTH} | {
-            c.name: run_name(spec, q, c) for c in question.counterfactuals if question.sort == "picture"
+        runs = {TRUTH, *(run_name(spec, q, change) for change in _changes(question))}
+        answers = {
+            engine: self._answer(q, engine)
+            for engine in dict.fromkeys(engine for pair in pairs for engine in pair)
+            if all((engine, run) in self.traces for run in runs)
         }
-        answers = {e: self._answer(question, e, runs) for e in dict.fromkeys(e for pair in pairs for e in pair)}
-        found = []
+        verdicts = []
         for pair in pairs:
-            a, b = (answers[e] for e in pair)
-            if a is None or b is None:
-                continue
-            agreed = agree(a, b)
-            why = None if agreed else _cause([c for c in comparisons if c.engines == pair and c.run in runs.values()])
-            rejected = (a.rejected, b.rejected)
-            said = (a.said, b.said)
-            found.append(Verdict(q, question.sort, pair, said, rejected, agreed, told(a, b, pair), why))
-        return found
+            if all(engine in answers for engine in pair):
+                compared = [c for c in comparisons if c.engines == pair and c.run in runs]
+                verdicts.append(_verdict(q, question, pair, (answers[pair[0]], answers[pair[1]]), compared))
+        return verdicts
 
-    def _answer(self, question: Question, engine: str, runs: Mapping[str, str]) -> Answer | None:
-        if any((engine, run) not in self.traces for run in runs.values()):
-            return None
-        changes = {c.name: c for c in question.counterfactuals}
-        made = {
-            name: Run(
-                values_of(self.design, self.instance, changes.get(name)), self.scenes[run], self.traces[engine, run]
-            )
-            for name, run in runs.items()
-        }
-        return answer(question, made, EnginePair(TraceCache(engine), _studio(engine)))
+    def _answer(self, q: int, engine: str) -> EngineAnswer:
+        spec, question = self.design.spec, self.design.spec.questions[q]
+
+        def alternative(change: Counterfactual) -> Run:
+            return self._run(engine, run_name(spec, q, change), change)
+
+        pair = EnginePair(TraceCache(engine), _renders(engine))
+        return answer(Asking(question, self._run(engine, TRUTH, None), alternative, pair))
+
+    def _run(self, engine: str, name: str, change: Counterfactual | None) -> Run:
+        """What was executed, as it is asked about."""
+        values = values_of(self.design, self.instance, change)
+        return Run(values, self.scenes[name], self.traces[engine, name])
+
+
+def _verdict(
+    q: int, question: Question, pair: Pair, answers: tuple[EngineAnswer, EngineAnswer], compared: Sequence[Comparison]
+) -> Verdict:
+    a, b = answers
+    agreed = agree(a, b)
+    return Verdict(
+        question=q,
+        kind=question.kind,
+        sort=question.sort,
+        engines=pair,
+        answers=(a.words, b.words),
+        rejected=(a.rejected, b.rejected),
+        agree=agreed,
+        detail=difference(a, b, pair),
+        cause=None if agreed else _cause(compared),
+    )
 
 
 @cache
-def _studio(engine: str) -> RenderCache:
+def _renders(engine: str) -> RenderCache:
     """Draws only for what is measured on pictures; it costs nothing where nothing is."""
     return RenderCache(engine, SIDE, SIDE)
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from wmspec.check.ir import QuestionKind
 from wmspec.draws import Level
 
 #: The names of two engines, in the order in which they were asked for.
 Pair = tuple[str, str]
-
-#: The run without a counterfactual.
-TRUTH = "truth"
 
 
 @dataclass(frozen=True)
@@ -87,12 +85,13 @@ class Comparison:
 class Verdict:
     """One question in two engines.
 
-    `sort` is the kind of its answer, as the language names it. `answers` are what each engine says, in words.
-    `rejected` is why an engine would not ask it (None if it would). `agree` holds if each engine's outcome picks the
-    other's answer, whether or not it would be asked.
+    `kind` is that of the question and `sort` that of its answer's value, as the language names it. `answers` are what
+    each engine says, in words. `rejected` is why an engine would not ask it (None if it would). `agree` holds if each
+    engine's outcome picks the other's answer, whether or not it would be asked.
     """
 
     question: int
+    kind: QuestionKind
     sort: str
     engines: Pair
     answers: tuple[str, str]

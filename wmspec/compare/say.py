@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from math import degrees
 
-from wmspec.check.types import TRUTH
-from wmspec.check.vocabulary import WORDS
+from wmspec.ask.kinds import KINDS
 from wmspec.compare.model import Cause, Checked, Comparison, Failure, Gap, Verdict
 
 
@@ -16,21 +15,13 @@ def failure(found: Failure) -> str:
 
 def dispute(verdict: Verdict) -> str:
     """How and why an answer differs."""
-    why = cause(verdict.cause) if verdict.cause else f"the trajectories agree within tolerance: {_remedy(verdict.sort)}"
+    why = (
+        cause(verdict.cause)
+        if verdict.cause
+        else f"the trajectories agree within tolerance: {KINDS[verdict.kind].remedy(verdict.sort)}"
+    )
     gate = "".join(f"; {e} would not ask it ({r})" for e, r in zip(verdict.engines, verdict.rejected, strict=True) if r)
     return f"question {verdict.question + 1}, {' and '.join(verdict.engines)}: {verdict.detail}{gate}; {why}"
-
-
-def _remedy(sort: str) -> str:
-    """What to do about an answer that the least difference decides."""
-    if sort == "picture":
-        return "ask for options that are further apart, with `distinct by`"
-    if sort == str(TRUTH) or sort in WORDS:
-        return (
-            "it is on the brink of turning: let factors and places keep away from there, or ask for a `margin` "
-            "of a quantity that decides it, such as a distance"
-        )
-    return "ask for a larger margin"
 
 
 def parting(comparison: Comparison) -> str:

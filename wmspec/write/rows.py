@@ -12,8 +12,9 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.ask.model import Change, Option, Picture, QuestionRow, Strength, Vote
-from wmspec.ask.views import kept
+from wmspec.ask.kinds import KINDS
+from wmspec.ask.model import Change, Picture, QuestionRow, Strength, Vote
+from wmspec.ask.views import channels_of
 from wmspec.check.ir import Choices, Factor, TaskSpec
 
 Row = dict[str, Any]
@@ -95,7 +96,7 @@ def schema(spec: TaskSpec) -> pa.Schema:
 
 def channels(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
     """The columns of what a task keeps of its pictures beside their colours."""
-    wanted = kept(spec)
+    wanted = channels_of(spec)
     return {name: column for channel in CHANNELS if channel in wanted for name, column in CHANNELS[channel].items()}
 
 
@@ -122,56 +123,55 @@ def identity(task: str, index: int, question: int, engine: str) -> str:
     return f"{task}/{index:06d}/q{question}/{engine}"
 
 
-def encode(asked: QuestionRow) -> Row:
+def encode(question: QuestionRow) -> Row:
     """The row of a question. Encodes its pictures (a few ms each), so call it where the question was made."""
     return {
-        "id": identity(asked.task, asked.index, asked.question, asked.engine),
-        "task": asked.task,
-        "dimension": asked.dimension,
-        "index": asked.index,
-        "block": asked.block,
-        "question": asked.question,
-        "question_name": asked.name,
-        "engine": asked.engine,
-        "renderer": asked.renderer,
-        "text": asked.text,
-        "context": [_image(p) for p in asked.context],
-        "context_camera": [p.camera for p in asked.context],
-        "context_time": [p.time for p in asked.context],
-        **_options(asked.options),
-        "answer": asked.answer,
-        "answer_value": asked.value,
-        "answer_number": asked.number.value if asked.number else None,
-        "answer_unit": asked.number.unit if asked.number else None,
-        "answer_within": asked.number.within if asked.number else None,
-        "answer_standing": asked.standing,
-        "difference": _strength(asked.difference),
-        "margin": asked.margin,
-        "measured": [{"name": n, "value": float(v)} for n, v in asked.measured.items()],
-        "agreement": [_vote(v) for v in asked.agreement],
-        "seed": asked.seed,
-        **_kept(asked.context),
-        **{f"factor.{n}": v for n, v in asked.factors.items()},
-        **{f"group.{n}": v for n, v in asked.groups.items()},
-        **{f"nuisance.{n}": v for n, v in asked.nuisances.items()},
+        "id": identity(question.task, question.index, question.question, question.engine),
+        "task": question.task,
+        "dimension": question.dimension,
+        "index": question.index,
+        "block": question.block,
+        "question": question.question,
+        "question_name": question.name,
+        "engine": question.engine,
+        "renderer": question.renderer,
+        "text": question.text,
+        "context": [_image(p) for p in question.context],
+        "context_camera": [p.camera for p in question.context],
+        "context_time": [p.time for p in question.context],
+        **_options(question),
+        "answer": question.answer,
+        "answer_value": question.value,
+        "answer_number": question.number.value if question.number else None,
+        "answer_unit": question.number.unit if question.number else None,
+        "answer_within": question.number.within if question.number else None,
+        "answer_standing": question.standing,
+        "difference": _strength(question.difference),
+        "margin": question.margin,
+        "measured": [{"name": n, "value": float(v)} for n, v in question.measured.items()],
+        "agreement": [_vote(v) for v in question.agreement],
+        "seed": question.seed,
+        **_kept(question.context),
+        **{f"factor.{n}": v for n, v in question.factors.items()},
+        **{f"group.{n}": v for n, v in question.groups.items()},
+        **{f"nuisance.{n}": v for n, v in question.nuisances.items()},
     }
 
 
-def _options(options: tuple[Option, ...]) -> Row:
-    texts = [o.text for o in options if o.text is not None]
-    pictures = [o.picture for o in options if o.picture is not None]
-    if len(texts) + len(pictures) != len(options) or (texts and pictures):
-        raise ValueError("the options of a question are either all texts or all pictures")
+def _options(question: QuestionRow) -> Row:
+    options, offered = question.options, KINDS[question.kind].offered(question.options)
+    if len(offered.texts or ()) + len(offered.pictures) != len(options):
+        raise ValueError("every option of a question has a text, or every one has a picture")
     return {
-        "option_text": None if pictures else texts,
-        "option_image": [_image(p) for p in pictures],
+        "option_text": None if offered.texts is None else list(offered.texts),
+        "option_image": [_image(p) for p in offered.pictures],
         "option_kind": [o.kind for o in options],
         "option_name": [o.name for o in options],
-        "option_change": [_said(o.change) for o in options],
+        "option_change": [_change(o.change) for o in options],
     }
 
 
-def _said(change: Change | None) -> str | None:
+def _change(change: Change | None) -> str | None:
     if change is None:
         return None
     if change.kind in ("without", "order"):

@@ -41,8 +41,8 @@ class Outcome:
 
 def work(job: Job, task: str, index: int) -> Outcome:
     """Ask an instance in every engine of the job."""
-    design, crews = _design(job, task), _crews(job)
-    answers = {engine: ask(design, index, crew) for engine, crew in crews.items()}
+    design, pairs = _design(job, task), _pairs(job)
+    answers = {engine: ask(design, index, pair) for engine, pair in pairs.items()}
     rows: list[Row] = []
     rejected: list[Rejected] = []
     for q in range(len(design.spec.questions)):
@@ -61,7 +61,7 @@ def _design(job: Job, task: str) -> Design:
 
 
 @cache
-def _crews(job: Job) -> dict[str, EnginePair]:
+def _pairs(job: Job) -> dict[str, EnginePair]:
     return {
         engine: EnginePair(TraceCache(engine), RenderCache(job.renderer or engine, *job.size, job.look, job.samples))
         for engine in job.engines

@@ -1,0 +1,76 @@
+"""One question of an executed instance: what its kind answers it from, and how the answers of runs are told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from wmspec.ask.describe import Ambiguous
+from wmspec.ask.measure import Measured
+from wmspec.ask.model import Reject
+from wmspec.ask.observed import Observed
+from wmspec.ask.runs import EnginePair, Run
+from wmspec.ask.views import View, views_of
+from wmspec.check.ir import Counterfactual, Question
+from wmspec.diagnostics import WmsError
+from wmspec.draws import bits
+from wmspec.layout.values import Values
+
+
+@dataclass(frozen=True)
+class Asking:
+    """A question, the `run` of what happens, and who executes what would have happened under a counterfactual."""
+
+    question: Question
+    run: Run
+    execute: Callable[[Counterfactual], Run]
+    pair: EnginePair
+
+    @property
+    def values(self) -> Values:
+        """The values of the spec before the episode."""
+        return self.run.values
+
+    @cached_property
+    def views(self) -> Sequence[View]:
+        """What is shown with the question."""
+        return views_of(self.values.spec, self.values)
+
+    @cached_property
+    def observed(self) -> Observed:
+        """What happens, as it is shown."""
+        return self.run.observed(self.views, self.pair)
+
+    @cached_property
+    def measured(self) -> Measured:
+        """What is measured on what happens."""
+        return Measured(self.values, self.observed)
+
+    def measured_on(self, run: Run) -> Measured:
+        """What is measured on another run, from the same views."""
+        return Measured(run.values, run.observed(self.views, self.pair))
+
+    @cached_property
+    def alternatives(self) -> tuple[Run, ...]:
+        """What would have happened under each of the question's counterfactuals. Raises Reject as executing does."""
+        return tuple(map(self.execute, self.question.counterfactuals))
+
+
+@dataclass(frozen=True)
+class AnswerSlot:
+    """Where the truth goes: at `position` modulo the number of options; `key` decides the order of the others."""
+
+    position: int
+    key: tuple[object, ...]
+
+    def order(self, truth: int, n: int) -> list[int]:
+        """The options 0..n-1 in order, the truth at its place."""
+        others = sorted((i for i in range(n) if i != truth), key=lambda i: bits(*self.key, i))
+        others.insert(self.position % n, truth)
+        return others
+
+
+def refused(error: WmsError) -> Reject:
+    """Why an instance whose values lead to an error, a division by a speed of zero, say, yields no question."""
+    return Reject("alike" if isinstance(error, Ambiguous) else "invalid", str(error))
