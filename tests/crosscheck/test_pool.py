@@ -10,7 +10,7 @@ def square(i: int) -> int:
     if i == 2:
         os._exit(7)
     if i == 3:
-        time.sleep(60)
+        time.sleep(600)
     return i * i
 
 
@@ -25,8 +25,8 @@ def test_what_hangs_is_given_up() -> None:
 
 
 def test_a_pool_that_is_closed_stops_its_work() -> None:
-    results = in_order(square, ((i,) for i in (1, 3)), Effort(workers=2, timeout=60))
+    results = in_order(square, ((i,) for i in (1, 3)), Effort(workers=2, timeout=600))
     assert next(results) == 1
     started = time.monotonic()
     results.close()
-    assert time.monotonic() - started < 20
+    assert time.monotonic() - started < 300, "it was not waited for"

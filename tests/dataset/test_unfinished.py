@@ -127,6 +127,24 @@ def test_what_was_kept_for_another_plan_is_not_taken(tmp_path: Path, run: Run) -
         assert not dataset.kept(shard)
 
 
+def test_an_instance_has_its_name_once_it_is_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that is killed at any moment, here before the file gets its name, leaves nothing that counts."""
+    shard = next(PLAN.shards())
+
+    def killed(*paths: Path) -> None:
+        raise KeyboardInterrupt
+
+    with Dataset.open(tmp_path, PLAN) as dataset:
+        with monkeypatch.context() as patched:
+            patched.setattr(Path, "replace", killed)
+            with pytest.raises(KeyboardInterrupt):
+                dataset.keep(shard, shard.indices[0], outcome(shard, shard.indices[0]))
+        assert not left(tmp_path)
+        assert not dataset.kept(shard)
+        dataset.keep(shard, shard.indices[0], outcome(shard, shard.indices[0]))
+        assert list(dataset.kept(shard)) == [shard.indices[0]]
+
+
 def test_a_full_disk_is_told_when_an_instance_is_kept(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
     with pytest.raises(Stopped):
         run(2)

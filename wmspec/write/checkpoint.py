@@ -1,7 +1,7 @@
 """The instances of a shard that is not whole yet, each in a file, so that a run that is stopped loses none of them.
 
-A file's name ends in the hash of its content: one that was not written to its end, or was damaged since, is none. So
-nothing waits for the disk here, and what a power cut takes is made again.
+A file has its name once it is written to its end, whoever kills the run. The name ends in the hash of its content: one
+that a power cut took, or that was damaged since, is none and is made again. So nothing waits for the disk here.
 """
 
 from __future__ import annotations
@@ -26,32 +26,27 @@ def keep(folder: Path, plan: Plan, shard: Shard, index: int, outcome: Outcome) -
     """Write down what came of an instance. Raises WmsError, and leaves nothing, if it cannot be written."""
     rejected = json.dumps([asdict(r) for r in outcome.rejected])
     rows = table(list(outcome.rows), schema(shard.task.spec))
-    said = {"plan": plan.fingerprint, "index": str(index), "rejected": rejected}
-    content = _arrow(rows.replace_schema_metadata(said))
-    path = _place(folder, shard) / f"{index}-{hashlib.sha256(content).hexdigest()}{_SUFFIX}"
-    with files.explained(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            path.write_bytes(content)
-        except BaseException:
-            path.unlink(missing_ok=True)
-            raise
+    metadata = {"plan": plan.fingerprint, "index": str(index), "rejected": rejected}
+    content = _arrow(rows.replace_schema_metadata(metadata))
+    name = f"{index}-{hashlib.sha256(content).hexdigest()}{_SUFFIX}"
+    files.write(folder, f"{_place(shard)}/{name}", content, synced=False)
 
 
 def kept(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
     """What came of the instances of a shard that were kept, by index. Raises WmsError if they may not be read."""
-    found = {}
-    with files.explained(_place(folder, shard)):
-        for path in sorted(_place(folder, shard).glob(f"*{_SUFFIX}")):
+    outcomes = {}
+    place = folder / _place(shard)
+    with files.explained(place):
+        for path in sorted(place.glob(f"*{_SUFFIX}")):
             content = path.read_bytes()
             if path.stem.partition("-")[2] != hashlib.sha256(content).hexdigest():
                 continue
             rows = pa.ipc.open_stream(content).read_all()
-            said = rows.schema.metadata
-            if said[b"plan"].decode() == plan.fingerprint and int(said[b"index"]) in shard.indices:
-                rejected = tuple(Rejected(**r) for r in json.loads(said[b"rejected"]))
-                found[int(said[b"index"])] = Outcome(tuple(rows.to_pylist()), rejected)
-    return found
+            metadata = rows.schema.metadata
+            if metadata[b"plan"].decode() == plan.fingerprint and int(metadata[b"index"]) in shard.indices:
+                rejected = tuple(Rejected(**r) for r in json.loads(metadata[b"rejected"]))
+                outcomes[int(metadata[b"index"])] = Outcome(tuple(rows.to_pylist()), rejected)
+    return outcomes
 
 
 def _arrow(content: pa.Table) -> bytes:
@@ -64,8 +59,9 @@ def _arrow(content: pa.Table) -> bytes:
 
 def discard(folder: Path, shard: Shard) -> None:
     """Remove what was kept of a shard that is whole. Raises WmsError if that cannot be done."""
-    with files.explained(_place(folder, shard)):
-        _clear(_place(folder, shard))
+    place = folder / _place(shard)
+    with files.explained(place):
+        _clear(place)
 
 
 def discard_all(folder: Path) -> None:
@@ -82,5 +78,6 @@ def _clear(place: Path) -> None:
             place.rmdir()
 
 
-def _place(folder: Path, shard: Shard) -> Path:
-    return folder / files.PROGRESS / shard.task.spec.name / f"{shard.number:05d}"
+def _place(shard: Shard) -> str:
+    """Where a shard's instances are kept in the dataset's folder."""
+    return f"{files.PROGRESS}/{shard.task.spec.name}/{shard.number:05d}"

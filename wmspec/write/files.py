@@ -54,10 +54,11 @@ def explained(path: Path) -> Iterator[None]:
         raise WmsError(remedy.format(error.filename or path, said)) from error
 
 
-def write(folder: Path, name: str, content: bytes) -> None:
-    """Write a folder's file `name` whole or not at all: under another name, to the disk, and only then under its own.
+def write(folder: Path, name: str, content: bytes, synced: bool = True) -> None:
+    """Write a folder's file `name` whole or not at all: under another name, and only then under its own.
 
-    Raises WmsError, and leaves what was there before, if that fails.
+    If `synced`, it is on the disk before it has its name, so that a power cut leaves it whole too. Raises WmsError, and
+    leaves what was there before, if it cannot be written.
     """
     path, scratch = folder / name, folder / PROGRESS
     part = scratch / f"{hashlib.sha256(name.encode()).hexdigest()[:16]}.part"
@@ -66,13 +67,15 @@ def write(folder: Path, name: str, content: bytes) -> None:
         try:
             with part.open("wb") as file:
                 file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
+                if synced:
+                    file.flush()
+                    os.fsync(file.fileno())
             part.replace(path)
         except BaseException:
             part.unlink(missing_ok=True)
             raise
-        _sync(path.parent)
+        if synced:
+            _sync(path.parent)
 
 
 def _sync(folder: Path) -> None:
