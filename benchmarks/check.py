@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
+from wmspec.api.loading import spec_files
 from wmspec.check.task import check
-from wmspec.cli.common import spec_files
 from wmspec.design.design import Design
 from wmspec.diagnostics import Report
 from wmspec.parse.load import library_folder

@@ -7,9 +7,8 @@ import pytest
 
 from tests.endtoend.test_commands import SPEED, wmspec
 from tests.engines import installed
-from wmspec.cli.common import load_tasks
-from wmspec.cli.generate import indices
-from wmspec.design.design import Design
+from wmspec.api import load
+from wmspec.api.making import indices
 from wmspec.paper import COLUMNS, REBUILT, column
 
 
@@ -64,7 +63,7 @@ def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
 def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -> None:
     def made(name: str, per_task: int | None = None, full: bool = False) -> tuple[int, ...]:
         (path,) = Path("specs").rglob(f"{name}.wms")
-        return indices(Design(load_tasks([path])[0][1]), per_task, full, (1, 1))
+        return indices(load(path), per_task, full, (1, 1))
 
     assert len(made("speed_tabletop")) == 2304
     assert made("speed_tabletop", full=True) == tuple(range(2376))

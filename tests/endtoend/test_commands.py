@@ -71,7 +71,7 @@ def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
         (["run", COLLIDE, "-i", "99999"], "has instances 0 to"),
         (["run", COLLIDE, "-b", "mujocco"], "did you mean `mujoco`?"),
         (["run", "nowhere.usda"], "there is no such file"),
-        (["run", STAGE, "--for", "1ms"], "--for 1ms: shorter than one sample; ask for at least 4.17ms"),
+        (["run", STAGE, "--for", "1ms"], "1ms: shorter than one sample; ask for at least 4.17ms"),
         (["run", STAGE, "--for", "soon"], "expected a time such as 2s"),
         (["render", COLLIDE, "--size", "7", "-o", "out"], "expected pixels such as 256"),
         (["generate", COLLIDE, "-o", "/proc/nowhere"], "/proc"),

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from wmspec.api.progress import progress_bar
 from wmspec.cli.common import json_option, make_folder, write_text
-from wmspec.cli.progress import progress_bar
 
 if TYPE_CHECKING:
     from wmspec.audit.model import Audit, Verdict

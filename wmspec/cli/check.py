@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import spec_files, specs_argument
+from wmspec.cli.common import specs_argument
 
 if TYPE_CHECKING:
-    from wmspec.diagnostics import Report
+    from wmspec.api import Diagnosis
 
 _COLORS = {"error": "red", "warning": "yellow", "note": "cyan", "help": "green"}
 
@@ -28,42 +28,36 @@ def check_command(specs: tuple[Path, ...], form: str) -> None:
 
     Text is coloured on a terminal, unless NO_COLOR is set. SARIF is what code hosts show beside the lines.
     """
-    from wmspec.check.task import check
-    from wmspec.diagnostics import Report
-    from wmspec.lint.dry_run import trial
+    from wmspec.api import diagnose
 
-    report = Report()
-    tasks = []
-    for path in spec_files(specs):
-        for spec in check(path, report):
-            tasks += [(spec.name, trial(spec, report))]
+    diagnosis = diagnose(*specs)
     if form == "json":
-        records = [d.record() for d in report.diagnostics]
-        click.echo(json.dumps({"diagnostics": records, "tasks": dict(tasks)}, indent=2))
+        records = [d.record() for d in diagnosis.diagnostics]
+        click.echo(json.dumps({"diagnostics": records, "tasks": dict(diagnosis.tasks)}, indent=2))
     elif form == "sarif":
         from wmspec.cli.sarif import sarif
 
-        click.echo(json.dumps(sarif(report.diagnostics), indent=2))
+        click.echo(json.dumps(sarif(diagnosis.diagnostics), indent=2))
     else:
-        _tell(report, tasks)
-    if report.failed:
+        _print(diagnosis)
+    if not diagnosis.passed:
         raise SystemExit(2)
 
 
-def _tell(report: Report, tasks: list[tuple[str, int]]) -> None:
+def _print(diagnosis: Diagnosis) -> None:
     """Diagnostics to standard error, the tasks without mistakes to standard output."""
-    for diagnostic in report.diagnostics:
+    for diagnostic in diagnosis.diagnostics:
         text = diagnostic.render()
         click.echo((_coloured(text) if _in_colour() else text) + "\n", err=True)
-    if report.failed:
-        errors = [d for d in report.diagnostics if d.severity == "error"]
+    if not diagnosis.passed:
+        errors = [d for d in diagnosis.diagnostics if d.severity == "error"]
         codes = sorted({d.code for d in errors})
         more = f"`wmspec explain {codes[0]}` tells more"
         click.echo(f"{len(errors)} mistake{'s' * (len(errors) != 1)}; {more}", err=True)
         return
-    for name, count in tasks:
+    for name, count in diagnosis.tasks:
         click.echo(f"{name}: {count:,} instances, no mistakes")
-    if not tasks:
+    if not diagnosis.tasks:
         click.echo("no tasks here, and no mistakes")
 
 

@@ -1,15 +1,18 @@
-"""What several commands share: reading specs, telling diagnostics, common options."""
+"""What several commands share: their options, and how a person's texts become values."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.diagnostics import WmsError
+
+if TYPE_CHECKING:
+    from wmspec.api import Instance
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -36,107 +39,35 @@ def look_options(command: F) -> F:
     return look(samples(command))
 
 
-def samples_for(look: str, samples: int | None) -> int | None:
-    """The samples, if the look has any. Raises WmsError if not."""
-    if look == "parity" and samples is not None:
-        raise WmsError("the look `parity` has no samples to choose; leave out --samples, or add --look beauty")
-    return samples
+def tell(text: str) -> None:
+    """What is doubtful, and what is left out, on standard error."""
+    click.echo(text, err=True)
 
 
-def spec_files(paths: Iterable[Path]) -> list[Path]:
-    """The spec files meant: a file as it is, a folder as every .wms below it. Raises WmsError where there is none."""
-    files: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            found = sorted(path.rglob("*.wms"))
-            if not found:
-                raise WmsError(f"{path}: there is no .wms file in this folder")
-            files += found
-        else:
-            files.append(path)
-    return list(dict.fromkeys(files))
+def instance_of(path: Path, index: int, seed: int) -> Instance:
+    """An instance of the only task of a spec file. Raises WmsError if it has several, or no such instance."""
+    from wmspec.api import load_all
 
-
-def load_tasks(paths: Iterable[Path]) -> list[tuple[Path, Any]]:
-    """The checked tasks of all spec files, each with its file. Libraries yield none.
-
-    Warnings go to standard error. Raises SpecError with every mistake of every file.
-    """
-    from wmspec.check.task import check
-    from wmspec.diagnostics import Report
-
-    report = Report()
-    tasks = [(path, task) for path in spec_files(paths) for task in check(path, report)]
-    report.stop_if_failed()
-    for diagnostic in report.diagnostics:
-        click.echo(diagnostic.render(), err=True)
-    if not tasks:
-        raise WmsError("there is no task in the files given; a task begins with `task NAME : DIMENSION {`")
-    names: dict[str, Path] = {}
-    for path, task in tasks:
-        if task.name in names:
-            raise WmsError(f"two tasks are called `{task.name}`: in {names[task.name]} and in {path}; rename one")
-        names[task.name] = path
-    return tasks
-
-
-def of_dimensions(tasks: list[tuple[Path, Any]], dimensions: Sequence[str]) -> list[tuple[Path, Any]]:
-    """The tasks of any of the dimensions, or of one below; all without dimensions. Raises WmsError if one has none."""
-    known = {task.dimension for _, task in tasks}
-    for wanted in dimensions:
-        if not any(_within(dimension, wanted) for dimension in known):
-            parts = {d.rsplit(".", n)[0] for d in known for n in range(d.count(".") + 1)}
-            raise WmsError(f"no task has the dimension `{wanted}`; {suggestion(wanted, parts)}".rstrip("; "))
-    return [(p, t) for p, t in tasks if not dimensions or any(_within(t.dimension, d) for d in dimensions)]
-
-
-def _within(dimension: str, wanted: str) -> bool:
-    return f"{dimension}.".startswith(f"{wanted}.")
-
-
-def executable(tasks: list[tuple[Path, Any]], paths: Iterable[Path]) -> list[tuple[Path, Any]]:
-    """The tasks that can be executed. What else a folder holds is told and left out.
-
-    Raises WmsError for a file that was named itself, and where nothing is left.
-    """
-    from wmspec.stage.agents import refuse
-
-    named, found = set(paths), []
-    for path, task in tasks:
-        try:
-            refuse(task)
-            found.append((path, task))
-        except WmsError as error:
-            if path in named or len(tasks) == 1:
-                raise
-            click.echo(f"left out `{task.name}`: {error}", err=True)
-    if not found:
-        raise WmsError("none of these tasks can be executed yet; `wmspec list` shows all that there are")
-    return found
-
-
-def one_task(path: Path) -> Any:
-    """The only task of a spec file. Raises WmsError if it has none or several."""
-    tasks = load_tasks([path])
+    tasks = load_all(path, seed=seed, tell=tell)
     if len(tasks) > 1:
         raise WmsError(f"{path} has {len(tasks)} tasks; this command takes a file with one")
-    return tasks[0][1]
-
-
-def instance_of(design: Any, index: int) -> Any:
-    """An instance by index. Raises WmsError outside the design."""
+    if index < 0:
+        raise WmsError(f"instance {index}: the first is 0")
     try:
-        return design[index]
+        return tasks[0][index]
     except IndexError as error:
         raise WmsError(f"{error}") from None
 
 
 def parse_size(text: str) -> tuple[int, int]:
     """`256` or `320x240` as width and height in pixels. Raises WmsError for anything else."""
+    from wmspec.api.drawing import LEAST_SIDE, MOST_SIDE
+
     match = re.fullmatch(r"(\d+)(?:x(\d+))?", text.strip())
     width, height = (int(match[1]), int(match[2] or match[1])) if match else (0, 0)
-    if not (16 <= width <= 4096 and 16 <= height <= 4096):
-        raise WmsError(f"size `{text}`: expected pixels such as 256 or 320x240, each from 16 to 4096")
+    if not all(LEAST_SIDE <= side <= MOST_SIDE for side in (width, height)):
+        limits = f"from {LEAST_SIDE} to {MOST_SIDE}"
+        raise WmsError(f"size `{text}`: expected pixels such as 256 or 320x240, each {limits}")
     return width, height
 
 

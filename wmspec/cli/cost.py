@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.progress import progress_bar
+from wmspec.api.progress import progress_bar
 
 if TYPE_CHECKING:
     from wmspec.execute.pool import Effort

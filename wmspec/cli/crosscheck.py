@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import executable, load_tasks, seed_option, specs_argument, write_text
-from wmspec.cli.progress import progress_bar
-from wmspec.diagnostics import WmsError
+from wmspec.cli.common import seed_option, specs_argument, tell, write_text
+
+if TYPE_CHECKING:
+    from wmspec.api import Agreement
 
 #: The most disagreements that are told in full on the terminal; the files hold all.
 MOST_TOLD = 20
@@ -69,57 +69,48 @@ def crosscheck_command(
     Exits with 1 if a question that either engine would be asked has another answer in the other, or if an engine cannot
     execute an instance. With --strict, and for tasks without questions, trajectories must be within tolerance too.
     """
-    from wmspec.check.record import to_json
-    from wmspec.compare.record import junit, record
-    from wmspec.compare.sweep import Job, sweep
-    from wmspec.compare.tolerance import tolerances
-    from wmspec.execute.backends import chosen
-    from wmspec.execute.pool import Effort
+    from wmspec.api import crosscheck, progress_bar
 
-    engines = chosen(backends)
-    if len(engines) < 2:
-        raise WmsError(f"a crosscheck needs two engines, and there is only {engines[0]}; try `wmspec doctor`")
-    tasks = [spec for _, spec in executable(load_tasks(specs), specs)]
-    limits = tuple((t.name, tolerances(settings, t.tolerances)) for t in tasks)
-    job = Job(tuple((t.name, to_json(t)) for t in tasks), seed, engines, limits)
     try:
-        with progress_bar(sum(_count(t, seed, sample) for t in tasks), "crosschecking") as progress:
-            checked = sweep(tasks, sample, job, Effort(workers or os.cpu_count() or 1, timeout), progress)
+        agreement = crosscheck(
+            specs,
+            sample=sample,
+            backend=backends,
+            seed=seed,
+            tolerance=settings,
+            strict=strict,
+            workers=workers,
+            timeout=timeout,
+            progress=progress_bar,
+            tell=tell,
+        )
     except KeyboardInterrupt:
         raise SystemExit(130) from None
     if junit_file:
-        write_text(Path(junit_file), junit(job, checked, strict))
+        write_text(Path(junit_file), agreement.junit())
     if json_file:
-        text = json.dumps(record(job, checked, strict), indent=2, ensure_ascii=False)
+        text = json.dumps(agreement.record(), indent=2, ensure_ascii=False)
         if json_file == "-":
             click.echo(text)
         else:
             write_text(Path(json_file), text + "\n")
     if json_file != "-":
-        _print(checked, engines, strict)
-    if not all(c.passes(strict) for c in checked):
+        _print(agreement)
+    if not agreement.passed:
         raise SystemExit(1)
 
 
-def _count(task: Any, seed: int, sample: int) -> int:
-    from wmspec.design.design import Design
-
-    return min(sample, len(Design(task, seed)))
-
-
-def _print(checked: Sequence[Any], engines: Sequence[str], strict: bool) -> None:
+def _print(agreement: Agreement) -> None:
     from rich.console import Console
     from rich.table import Table
 
     from wmspec.compare.say import complaints
-    from wmspec.compare.summary import lines, suspects
-    from wmspec.compare.sweep import pairs
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     headings = ("task", "engines", "answers", "before gates", "within tolerance", "gap, median", "largest", "event")
     for heading in headings:
         table.add_column(heading, justify="left" if heading in headings[:2] else "right", overflow="fold")
-    for line in lines(checked, pairs(engines)):
+    for line in agreement.lines:
         table.add_row(
             line.task,
             " ".join(line.engines),
@@ -129,21 +120,20 @@ def _print(checked: Sequence[Any], engines: Sequence[str], strict: bool) -> None
             f"{line.late * 1000:.1f} ms",
         )
     Console(width=None if os.isatty(1) else 120).print(table)
-    failed = [c for c in checked if not c.passes(strict)]
+    failed = agreement.failed
     for instance in failed[:MOST_TOLD]:
         settings = ", ".join(f"{k} {_short(v)}" for k, v in instance.factors.items())
         click.echo(f"\n{instance.task}, instance {instance.index} ({settings})")
-        for complaint in complaints(instance, strict):
+        for complaint in complaints(instance, agreement.strict):
             click.echo(f"  {complaint}")
     if len(failed) > MOST_TOLD:
         click.echo(f"\n... and {len(failed) - MOST_TOLD} more instances; --json FILE has them all")
-    found = suspects(checked)
-    if found:
+    if agreement.suspects:
         click.echo("\nmore often with:")
-    for s in found:
+    for s in agreement.suspects:
         where = f"where {s.factor} is {_short(s.value)}"
         click.echo(f"  {s.task}: {s.what} in {s.with_it} instances {where}, in {s.without} elsewhere")
-    click.echo(f"\n{len(checked) - len(failed)} of {len(checked)} instances pass")
+    click.echo(f"\n{len(agreement.instances) - len(failed)} of {len(agreement.instances)} instances pass")
 
 
 def _short(value: Any) -> str:

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import spec_files
 from wmspec.diagnostics import WmsError
 from wmspec.places import Source
 
@@ -24,6 +23,7 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
 
     Spaces, indents and columns become regular. Words, comments and what the spec means stay as they are.
     """
+    from wmspec.api.loading import spec_files
     from wmspec.diagnostics import SpecError
     from wmspec.parse.format import format_spec
     from wmspec.parse.load import read_source

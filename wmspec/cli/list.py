@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import dimension_option, json_option, load_tasks, of_dimensions
+from wmspec.cli.common import dimension_option, json_option, tell
+
+if TYPE_CHECKING:
+    from wmspec.api import Task
 
 
 @click.command("list")
@@ -23,44 +26,36 @@ def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_js
 
     Without SPECS: the tasks that come with wmspec.
     """
-    from wmspec.parse.load import library_folder
+    from wmspec.api import load_all
+    from wmspec.api.loading import of_dimensions
 
-    tasks = of_dimensions(load_tasks(specs or [library_folder().parent]), only_dimension)
-    found = [_row(path, spec) for path, spec in tasks]
+    rows = [_row(task) for task in of_dimensions(load_all(*specs, tell=tell), only_dimension)]
     if as_json:
-        click.echo(json.dumps(found, indent=2))
+        click.echo(json.dumps(rows, indent=2))
     else:
-        _print(found)
+        _print(rows)
 
 
-def _row(path: Path, spec: Any) -> dict[str, Any]:
-    from wmspec.ask.views import views_of
-    from wmspec.check.ir import Choices
-    from wmspec.design.design import Design
-    from wmspec.layout.values import Values
-    from wmspec.paper import column
-    from wmspec.stage.agents import executable
-
-    design, there = Design(spec), column(spec.name)
-    first = design[0]
+def _row(task: Task) -> dict[str, Any]:
+    there = task.paper
     return {
-        "task": spec.name,
-        "dimension": spec.dimension,
-        "title": spec.title,
-        "instances": len(design),
-        "images": len(views_of(spec, Values(spec, first.values, None, first.key))),
+        "task": task.name,
+        "dimension": task.dimension,
+        "title": task.title,
+        "instances": len(task),
+        "images": task.images,
         "paper": None if there is None else {"task": there.name, "instances": there.cases, "images": there.images},
-        "design": spec.plan.kind,
-        "groups": design.draws,
-        "factors": {f.name: len(f.domain.values) if isinstance(f.domain, Choices) else None for f in design.factors},
-        "nuisances": [n.name for n in design.nuisances],
-        "questions": len(spec.questions),
-        "executable": executable(spec),
-        "file": str(path),
+        "design": task.spec.plan.kind,
+        "groups": task.groups,
+        "factors": {f.name: None if f.values is None else len(f.values) for f in task.factors},
+        "nuisances": [n.name for n in task.nuisances],
+        "questions": task.questions,
+        "executable": task.executable,
+        "file": task.file,
     }
 
 
-def _print(found: Sequence[dict[str, Any]]) -> None:
+def _print(rows: Sequence[dict[str, Any]]) -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -68,7 +63,7 @@ def _print(found: Sequence[dict[str, Any]]) -> None:
     numbers = ("instances", "groups", "paper's")
     for name in ("task", "dimension", *numbers, "factors"):
         table.add_column(name, justify="right" if name in numbers else "left", overflow="fold")
-    for row in found:
+    for row in rows:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
         factors = ", ".join(f"{name} ({count or 'continuous'})" for name, count in row["factors"].items())
         asked = f" × {row['questions']}" if row["questions"] > 1 else ""
@@ -78,17 +73,17 @@ def _print(found: Sequence[dict[str, Any]]) -> None:
     if not console.is_terminal:  # programs read lines: one a task, however long
         console.width = 10_000
     console.print(table)
-    if not all(row["executable"] for row in found):
+    if not all(row["executable"] for row in rows):
         console.print("* robots act in these: they are checked, and cannot be executed yet", highlight=False)
-    console.print(_covered(found), highlight=False)
+    console.print(_covered(rows), highlight=False)
 
 
-def _covered(found: Sequence[dict[str, Any]]) -> str:
+def _covered(rows: Sequence[dict[str, Any]]) -> str:
     """How much of the paper these tasks rebuild."""
     from wmspec.paper import COLUMNS
 
-    total, rebuilt = sum(c.cases for c in COLUMNS), [row["paper"] for row in found if row["paper"]]
-    instances = sum(row["instances"] for row in found)
+    total, rebuilt = sum(c.cases for c in COLUMNS), [row["paper"] for row in rows if row["paper"]]
+    instances = sum(row["instances"] for row in rows)
     return (
         f"{instances:,} instances; of the paper's {len(COLUMNS)} tasks and {total:,} instances, these rebuild "
         f"{len(rebuilt)} and {sum(there['instances'] for there in rebuilt):,}"

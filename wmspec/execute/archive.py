@@ -11,8 +11,7 @@ from pxr import Sdf, Tf, Usd
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.diagnostics import WmsError
-from wmspec.scene.model import Contact, Scene, Trace
-from wmspec.usd import read
+from wmspec.scene.model import Contact, Trace
 
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
 
@@ -36,22 +35,22 @@ def save(stage: Usd.Stage, trace: Trace, path: Path) -> None:
         raise WmsError(f"{path}: cannot be written: {error.strerror}") from None
 
 
-def load(path: Path) -> tuple[Scene, Trace]:
-    """A trace and its scene, as `save` wrote them. Raises WmsError if the file is something else."""
+def load(path: Path) -> tuple[Usd.Stage, Trace]:
+    """A trace and the stage that it is of, as `save` wrote them. Raises WmsError if the file is something else."""
     try:
         with np.load(path, allow_pickle=False) as file:
-            found: dict[str, Any] = dict(file)
+            arrays: dict[str, Any] = dict(file)
         layer = Sdf.Layer.CreateAnonymous(".usda")
-        layer.ImportFromString(str(found["stage"]))
-        contacts = zip(found["contacts"].tolist(), found["contact_times"].tolist(), strict=True)
+        layer.ImportFromString(str(arrays["stage"]))
+        contacts = zip(arrays["contacts"].tolist(), arrays["contact_times"].tolist(), strict=True)
         trace = Trace(
-            str(found["engine"]),
-            tuple(found["bodies"].tolist()),
-            **{name: found[name] for name in ARRAYS},
+            str(arrays["engine"]),
+            tuple(arrays["bodies"].tolist()),
+            **{name: arrays[name] for name in ARRAYS},
             contacts=tuple(Contact(*pair, *times) for pair, times in contacts),
         )
     except FileNotFoundError:
         raise WmsError(f"{path}: there is no such file") from None
     except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, Tf.ErrorException):
         raise WmsError(f"{path}: not a trace of wmspec; `wmspec run SPEC -o trace.npz` writes one") from None
-    return read(Usd.Stage.Open(layer)), trace
+    return Usd.Stage.Open(layer), trace

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing.context import SpawnContext, SpawnProcess
+from types import ModuleType
 from typing import Any, Literal, TypeVar, cast
 
 from pebble import ProcessExpired, ProcessPool
@@ -67,9 +69,25 @@ def in_order(
             yield result(*under_way.popleft())
 
 
+class _Worker(SpawnProcess):
+    """A process that imports wmspec and not the script that asked for it, which therefore needs no `__main__` guard."""
+
+    def start(self) -> None:
+        script = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            super().start()
+        finally:
+            sys.modules["__main__"] = script
+
+
+class _Context(SpawnContext):
+    Process = _Worker
+
+
 @contextmanager
 def _pool(workers: int) -> Iterator[Any]:
-    pool = ProcessPool(max_workers=workers, max_tasks=PIECES_PER_WORKER, context=get_context("spawn"))
+    pool = ProcessPool(max_workers=workers, max_tasks=PIECES_PER_WORKER, context=_Context())
     try:
         yield pool
         pool.close()

@@ -1,9 +1,21 @@
-"""How far a long command has come, on standard error."""
+"""How far something long has come."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+
+#: Told the task and how many more of its instances are finished.
+Advance = Callable[[str, int], None]
+
+#: Begins to show progress: of so many instances, and what is done with them.
+Progress = Callable[[int, str], AbstractContextManager[Advance]]
+
+
+@contextmanager
+def silent(total: int, doing: str) -> Iterator[Advance]:  # noqa: ARG001  as `Progress` has it
+    """Show nothing."""
+    yield lambda task, count: None  # noqa: ARG005
 
 
 @contextmanager

@@ -1,0 +1,280 @@
+"""The public API: what it names, what it gives, and that it says so where it cannot."""
+
+from __future__ import annotations
+
+import dataclasses
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import wmspec
+from wmspec import api
+
+COLLIDE = Path("specs/prediction/mechanistic/collide.wms")
+TWO = """
+use room
+task first : custom { object ball { shape: sphere  on: floor }  observe front at [0 s] }
+task second : custom { object block { on: floor }  observe front at [0 s] }
+"""
+FALL = """
+use room
+task fall : custom {
+  factor height in [20, 40] cm
+  object ball { shape: sphere  size: 10 cm  color: red  on: floor }
+  action let_go = drop(ball, height: height) at 0 s
+  horizon 0.5 s
+  observe front at [0 s, 0.2 s]
+}
+"""
+
+
+def test_what_is_public() -> None:
+    """Taking a name away, or adding one, is a promise to users: change this list with the changelog."""
+    assert sorted(api.HOMES) == [
+        *("Agreement", "Asked", "Choices", "Diagnosis", "Drawing", "Episode", "Factor", "Instance", "SpecError"),
+        *("Task", "Track", "WmsError", "crosscheck", "diagnose", "generate", "load", "load_all", "load_episode"),
+        *("open_stage", "progress_bar", "run"),
+    ]
+    for name in api.HOMES:
+        public = getattr(wmspec, name)
+        assert public is getattr(api, name)
+        assert public.__doc__, f"{name} says nothing of itself"
+        assert name in dir(wmspec)
+    with pytest.raises(AttributeError, match="lod"):
+        _ = wmspec.lod  # type: ignore[attr-defined]
+
+
+def test_importing_it_imports_nothing_heavy() -> None:
+    heavy = "numpy", "pxr", "lark", "pydantic", "click", "mujoco", "pybullet", "sapien"
+    ask = f"import sys, wmspec; print([m for m in {heavy} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+# ---------------------------------------------------------------- tasks
+
+
+def test_a_task_is_the_sequence_of_its_instances() -> None:
+    task = wmspec.load(COLLIDE)
+    assert len(task) == 1728
+    assert task.dimension == "prediction.mechanistic.physics"
+    assert task.counterfactuals == ("next", "opposite", "last")
+    level = task.factors[0]
+    assert (level.name, level.unit, level.values, level.nuisance) == ("level", "", (0, 1, 2, 3), False)
+    (lane,) = task.nuisances
+    assert lane.values is None
+    assert lane.bounds == pytest.approx((-0.06, 0.06))
+    assert task[-1].index == 1727
+    assert [one.index for one in task[10:13]] == [10, 11, 12]
+    with pytest.raises(IndexError, match="instances 0 to 1727"):
+        task[1728]
+
+
+@given(st.data())
+def test_neighbors_differ_in_one_factor_alone(data: st.DataObject) -> None:
+    task = wmspec.load(COLLIDE)
+    one = task[data.draw(st.integers(0, len(task) - 1))]
+    factor = data.draw(st.sampled_from(sorted(one.factors)))
+    for other in one.neighbors(factor):
+        assert {f for f in one.factors if one.factors[f] != other.factors[f]} == {factor}
+        assert one.nuisances == other.nuisances
+
+
+def test_names_that_are_not_there_are_told_with_those_that_are() -> None:
+    one = wmspec.load(COLLIDE)[3]
+    with pytest.raises(wmspec.WmsError, match="no factor `levl`; did you mean `level`"):
+        one.neighbors("levl")
+    with pytest.raises(wmspec.WmsError, match="no counterfactual `nxt`; did you mean `next`"):
+        one.stage("nxt")
+
+
+def test_mistakes_are_raised_together() -> None:
+    text = "use room task t : custom { object a { freiction: 1 } object b { size: 1 s } observe front at [0 s] }"
+    with pytest.raises(wmspec.SpecError) as caught:
+        wmspec.load(text=text)
+    assert [d.code for d in caught.value.diagnostics] == ["WMS203", "WMS301"]
+    assert "<text>:1:" in str(caught.value)
+
+
+def test_of_several_tasks_one_is_named() -> None:
+    with pytest.raises(wmspec.WmsError, match="has 2 tasks; choose one of first, second by name"):
+        wmspec.load(text=TWO)
+    assert wmspec.load(text=TWO, task="second").name == "second"
+    with pytest.raises(wmspec.WmsError, match="no task `secnd`; did you mean `second`"):
+        wmspec.load(text=TWO, task="secnd")
+    with pytest.raises(wmspec.WmsError, match="either the path of a spec or its text"):
+        wmspec.load()
+
+
+def test_load_all_takes_files_and_folders(tmp_path: Path) -> None:
+    (tmp_path / "two.wms").write_text(TWO)
+    assert [t.name for t in wmspec.load_all(tmp_path)] == ["first", "second"]
+    (tmp_path / "again.wms").write_text(TWO)
+    with pytest.raises(wmspec.WmsError, match="two tasks are called `first`"):
+        wmspec.load_all(tmp_path)
+
+
+def test_diagnose_tells_all_without_raising(tmp_path: Path) -> None:
+    (tmp_path / "wrong.wms").write_text("task t : custom { object a { freiction: 1 } }")
+    wrong = wmspec.diagnose(tmp_path)
+    assert not wrong.passed
+    assert wrong.diagnostics[0].span.line == 1
+    right = wmspec.diagnose(COLLIDE)
+    assert right.passed
+    assert right.tasks == (("collide", 1728),)
+
+
+def test_the_seed_decides_the_draws() -> None:
+    here, there = (wmspec.load(COLLIDE, seed=seed)[5] for seed in (0, 1))
+    assert here.factors == there.factors
+    assert here.nuisances != there.nuisances
+
+
+# ---------------------------------------------------------------- episodes
+
+
+@pytest.fixture(scope="module")
+def episode() -> wmspec.Episode:
+    pytest.importorskip("mujoco")
+    return wmspec.load(text=FALL)[1].run("mujoco")
+
+
+def test_an_episode_has_the_ways_of_bodies(episode: wmspec.Episode) -> None:
+    ball = episode["ball"]
+    assert episode.time.shape == (121,)
+    assert ball.position.shape == ball.linear_velocity.shape == (121, 3)
+    assert ball.orientation.shape == (121, 4)
+    fallen = ball.position[0, 2] - ball.position[48, 2]
+    assert fallen == pytest.approx(9.81 * 0.2**2 / 2, rel=0.02), "free fall for 0.2 s"
+    with pytest.raises(wmspec.WmsError, match="did you mean `ball`"):
+        episode["bal"]
+
+
+def test_pictures_show_the_same_moment(episode: wmspec.Episode) -> None:
+    rgb, ids, depth = episode.frame("front", 0.2), episode.ids("front", 0.2), episode.depth("front", 0.2)
+    assert (rgb.shape, rgb.dtype, ids.shape, depth.shape) == ((256, 256, 3), np.uint8, (256, 256), (256, 256))
+    ball = ids == episode.bodies.index("ball")
+    red, green, _ = rgb[ball].mean(axis=0)
+    assert red > green + 50
+    rows = [
+        np.flatnonzero((episode.ids("front", t) == episode.bodies.index("ball")).any(axis=1)).mean() for t in (0, 0.2)
+    ]
+    assert rows[1] > rows[0], "it falls"
+    assert depth[ball].max() < depth[~ball & (depth > 0)].max()
+    assert episode.frame("front", 0.2, size=(64, 32)).shape == (32, 64, 3)
+
+
+def test_what_cannot_be_drawn_is_told(episode: wmspec.Episode) -> None:
+    with pytest.raises(wmspec.WmsError, match="outside the episode, which lasts"):
+        episode.frame("front", 3.0)
+    with pytest.raises(wmspec.WmsError, match="no camera 'frnt'"):
+        episode.frame("frnt", 0)
+    with pytest.raises(wmspec.WmsError, match="each side of a picture has 16 to 4096"):
+        episode.frame("front", 0, size=3)
+
+
+def test_an_episode_is_read_as_it_was_saved(episode: wmspec.Episode, tmp_path: Path) -> None:
+    episode.save(tmp_path / "fall.npz")
+    again = wmspec.load_episode(tmp_path / "fall.npz")
+    assert np.array_equal(again["ball"].position, episode["ball"].position)
+    assert np.array_equal(again.frame("front", 0.2), episode.frame("front", 0.2))
+
+
+def test_a_stage_from_disk_runs_like_its_instance(episode: wmspec.Episode, tmp_path: Path) -> None:
+    wmspec.load(text=FALL)[1].write(tmp_path)
+    there = wmspec.run(tmp_path / "000001.usda", "mujoco")
+    assert np.array_equal(there["ball"].position, episode["ball"].position)
+    assert wmspec.run(tmp_path / "000001.usda", "mujoco", duration=0.1).time[-1] == pytest.approx(0.1)
+
+
+def test_a_stage_that_does_not_say_how_long_it_lasts_is_not_guessed_at(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    (tmp_path / "ball.usda").write_text(
+        '#usda 1.0\ndef Sphere "ball" (apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"]) {}\n'
+    )
+    with pytest.raises(wmspec.WmsError, match="the stage does not say how long it lasts"):
+        wmspec.run(tmp_path / "ball.usda", "mujoco")
+
+
+def test_a_counterfactual_is_run_as_an_instance_is() -> None:
+    pytest.importorskip("mujoco")
+    one = wmspec.load(COLLIDE)[0]
+    pushed, harder = one.run("mujoco"), one.run("mujoco", "next")
+    at = int(0.3 * 240)
+    faster = harder["ball"].linear_velocity[at] - pushed["ball"].linear_velocity[at]
+    assert np.linalg.norm(faster) == pytest.approx(0.25, rel=0.05)
+
+
+def test_asking_gives_questions_and_tells_what_was_rejected() -> None:
+    pytest.importorskip("mujoco")
+    (question,) = wmspec.load(COLLIDE)[3].ask("mujoco", size=128)
+    assert "which picture" in question.text.lower()
+    assert len(question.options) == 4
+    assert question.answer is not None
+    assert question.options[question.answer].kind == "truth"
+    impossible = COLLIDE.read_text().replace("ensure   contact(ball, victim)", "ensure not contact(ball, victim)")
+    asked = wmspec.load(text=impossible)[3].ask("mujoco", size=128)
+    assert len(asked) == 0
+    assert [r.reason for r in asked.rejected] == ["ensure"]
+
+
+# ---------------------------------------------------------------- many instances
+
+
+def test_a_crosscheck_is_a_table() -> None:
+    pytest.importorskip("mujoco")
+    pytest.importorskip("pybullet")
+    agreement = wmspec.crosscheck(wmspec.load(COLLIDE), sample=2, backend="mujoco,pybullet", workers=1)
+    (line,) = agreement.lines
+    assert dataclasses.is_dataclass(line)
+    assert (line.task, line.engines, line.episodes.all) == ("collide", ("mujoco", "pybullet"), 2 * 4)
+    table = agreement.to_pandas()
+    assert list(table["task"]) == ["collide"]
+    assert table["episodes_of"][0] == 8
+
+
+def test_a_crosscheck_needs_two_engines() -> None:
+    pytest.importorskip("mujoco")
+    with pytest.raises(wmspec.WmsError, match="needs two engines"):
+        wmspec.crosscheck(COLLIDE, backend="mujoco")
+
+
+def example(page: str) -> str:
+    """The example of the API as it stands in a page."""
+    _, _, rest = Path(page).read_text().partition("```python\nimport wmspec\n")
+    return "import wmspec\n" + rest.partition("```")[0]
+
+
+def work(folder: Path) -> None:
+    (folder / "specs").mkdir()
+    for place in ("collide.wms", "specs/collide.wms"):
+        (folder / place).write_text(COLLIDE.read_text())
+
+
+def run_example(code: str, folder: Path) -> None:
+    work(folder)
+    (folder / "example.py").write_text(code)
+    done = subprocess.run([sys.executable, "example.py"], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert (folder / "out/manifest.json").exists()
+
+
+def test_the_example_is_a_script_that_runs(tmp_path: Path) -> None:
+    """It needs no `if __name__ == "__main__"`, though it starts processes."""
+    pytest.importorskip("mujoco")
+    pytest.importorskip("pybullet")
+    code = example("docs/api.md").replace("sample=20", 'sample=1, backend="mujoco,pybullet"')
+    code = code.replace('backend="all", per_task=60', 'backend="mujoco", size=64, per_task=2')
+    run_example(code, tmp_path)
+
+
+@pytest.mark.slow
+def test_the_example_runs_as_it_stands(tmp_path: Path) -> None:
+    for engine in ("mujoco", "pybullet", "sapien"):
+        pytest.importorskip(engine)
+    run_example(example("docs/api.md"), tmp_path)

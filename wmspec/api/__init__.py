@@ -1,0 +1,69 @@
+"""The public Python API: everything here may be relied on, and nothing else of wmspec.
+
+The names are those of `import wmspec` too. Each is imported when it is first used, so that `import wmspec` is quick.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wmspec.api.agreement import Agreement as Agreement
+    from wmspec.api.agreement import crosscheck as crosscheck
+    from wmspec.api.drawing import Drawing as Drawing
+    from wmspec.api.episode import Episode as Episode
+    from wmspec.api.episode import Track as Track
+    from wmspec.api.episode import load_episode as load_episode
+    from wmspec.api.episode import open_stage as open_stage
+    from wmspec.api.episode import run as run
+    from wmspec.api.loading import Diagnosis as Diagnosis
+    from wmspec.api.loading import diagnose as diagnose
+    from wmspec.api.loading import load as load
+    from wmspec.api.loading import load_all as load_all
+    from wmspec.api.making import Choices as Choices
+    from wmspec.api.making import generate as generate
+    from wmspec.api.progress import progress_bar as progress_bar
+    from wmspec.api.task import Asked as Asked
+    from wmspec.api.task import Factor as Factor
+    from wmspec.api.task import Instance as Instance
+    from wmspec.api.task import Task as Task
+    from wmspec.diagnostics import SpecError as SpecError
+    from wmspec.diagnostics import WmsError as WmsError
+
+#: Every public name and the module in which it is.
+HOMES = {
+    "Agreement": "wmspec.api.agreement",
+    "Asked": "wmspec.api.task",
+    "Choices": "wmspec.api.making",
+    "Diagnosis": "wmspec.api.loading",
+    "Drawing": "wmspec.api.drawing",
+    "Episode": "wmspec.api.episode",
+    "Factor": "wmspec.api.task",
+    "Instance": "wmspec.api.task",
+    "SpecError": "wmspec.diagnostics",
+    "Task": "wmspec.api.task",
+    "Track": "wmspec.api.episode",
+    "WmsError": "wmspec.diagnostics",
+    "crosscheck": "wmspec.api.agreement",
+    "diagnose": "wmspec.api.loading",
+    "generate": "wmspec.api.making",
+    "load": "wmspec.api.loading",
+    "load_all": "wmspec.api.loading",
+    "load_episode": "wmspec.api.episode",
+    "open_stage": "wmspec.api.episode",
+    "progress_bar": "wmspec.api.progress",
+    "run": "wmspec.api.episode",
+}
+
+__all__ = list(HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in HOMES:
+        raise AttributeError(f"module 'wmspec' has no attribute {name!r}")
+    return getattr(import_module(HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(HOMES)

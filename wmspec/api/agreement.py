@@ -1,0 +1,144 @@
+"""Do the engines agree on the same instances?"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wmspec.api.loading import Tell, executable, load_all, of_dimensions, warn
+from wmspec.api.progress import Progress, silent
+from wmspec.api.task import Task
+from wmspec.check.record import to_json
+from wmspec.compare.model import Checked
+from wmspec.compare.record import junit, record
+from wmspec.compare.summary import Line, Suspect, lines, suspects
+from wmspec.compare.sweep import Job, pairs, sweep
+from wmspec.compare.tolerance import tolerances
+from wmspec.diagnostics import WmsError
+from wmspec.execute.backends import chosen
+from wmspec.execute.pool import Effort
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Tasks, as they are or by the paths of specs and folders of them.
+Tasks = Task | str | PathLike[str] | Iterable[Task | str | PathLike[str]]
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """What came of a crosscheck: the `instances` that were executed, each with its comparisons and verdicts.
+
+    With `strict`, an instance passes only if its trajectories are within tolerance too.
+    """
+
+    job: Job
+    instances: tuple[Checked, ...]
+    strict: bool
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """A line for every task and pair of engines: how many answers agree, and how far bodies part."""
+        return lines(self.instances, pairs(self.job.engines))
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """The values of factors with which more goes wrong than without."""
+        return suspects(self.instances)
+
+    @property
+    def failed(self) -> tuple[Checked, ...]:
+        """The instances on which the engines do not agree, or that one cannot execute."""
+        return tuple(c for c in self.instances if not c.passes(self.strict))
+
+    @property
+    def passed(self) -> bool:
+        """Whether the engines agree on all of them."""
+        return not self.failed
+
+    def record(self) -> dict[str, Any]:
+        """All of it as JSON values, SI units."""
+        return record(self.job, self.instances, self.strict)
+
+    def junit(self) -> str:
+        """JUnit XML, as continuous integration reads it, a test case for each instance."""
+        return junit(self.job, self.instances, self.strict)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The lines as a table. Raises WmsError if pandas is not installed."""
+        try:
+            import pandas as pd
+        except ImportError:
+            raise WmsError("a table needs pandas; install it with `pip install pandas`, or use `lines`") from None
+        return pd.DataFrame([_row(line) for line in self.lines])
+
+
+def crosscheck(
+    tasks: Tasks,
+    *,
+    sample: int = 20,
+    backend: str = "all",
+    seed: int = 0,
+    tolerance: Iterable[str] = (),
+    strict: bool = False,
+    workers: int | None = None,
+    timeout: float = 300.0,
+    progress: Progress = silent,
+    tell: Tell = warn,
+) -> Agreement:
+    """Execute `sample` random instances of each task in several engines and compare trajectories, events and answers.
+
+    Args:
+        tasks: a task, the path of a spec or of a folder of them, or several.
+        sample: how many instances of each task.
+        backend: two or more engines, joined by commas, or "all" that are installed.
+        seed: what the draws depend on, of tasks that are given by their path; a task has its own.
+        tolerance: settings such as "drift=1cm/s" in place of a task's own tolerances.
+        strict: whether trajectories must be within tolerance for an instance to pass.
+        workers: processes; one for each core if it is left out.
+        timeout: seconds that an instance may take.
+        progress: shows how far it has come; `wmspec.progress_bar` does.
+        tell: told what is left out.
+
+    Raises:
+        WmsError: there are not two engines, or nothing that can be executed.
+    """
+    engines = chosen(backend)
+    if len(engines) < 2:
+        raise WmsError(f"a crosscheck needs two engines, and there is only {engines[0]}; try `wmspec doctor`")
+    found = gathered(tasks, seed, tell)
+    specs = [task.spec for task in found]
+    limits = tuple((s.name, tolerances(tolerance, s.tolerances)) for s in specs)
+    job = Job(tuple((s.name, to_json(s)) for s in specs), found[0].seed, engines, limits)
+    effort = Effort(workers or os.cpu_count() or 1, timeout)
+    with progress(sum(min(sample, len(task)) for task in found), "crosschecking") as advance:
+        return Agreement(job, sweep(specs, sample, job, effort, advance), strict)
+
+
+def gathered(tasks: Tasks, seed: int, tell: Tell, dimensions: Sequence[str] = ()) -> tuple[Task, ...]:
+    """The tasks meant, of these dimensions, that can be executed; what else a folder holds is told and left out.
+
+    Raises WmsError if they have different seeds, or if there is none.
+    """
+    given = [tasks] if isinstance(tasks, Task | str | PathLike) else list(tasks)
+    paths = [Path(spec) for spec in given if not isinstance(spec, Task)]
+    loaded = [spec for spec in given if isinstance(spec, Task)]
+    if paths:
+        loaded += load_all(*paths, seed=seed, tell=tell)
+    seeds = {task.seed for task in loaded}
+    if len(seeds) > 1:
+        raise WmsError(f"these tasks have different seeds, {sorted(seeds)}; load them with one")
+    return executable(of_dimensions(loaded, dimensions), paths, tell)
+
+
+def _row(line: Line) -> Mapping[str, Any]:
+    """A line with its shares as two columns each."""
+    plain = asdict(line) | {"engines": " ".join(line.engines)}
+    for name in ("answers", "before_gates", "episodes"):
+        share = plain.pop(name)
+        plain |= {name: share["good"], f"{name}_of": share["all"]}
+    return plain

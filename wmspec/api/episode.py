@@ -1,0 +1,228 @@
+"""Executed episodes: where everything was at every moment, and what cameras saw."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from os import PathLike
+from pathlib import Path
+from typing import Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from pxr import Tf, Usd, UsdUtils
+
+import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
+from wmspec.api.drawing import Drawing, renderer_of
+from wmspec.diagnostics import WmsError, suggestion
+from wmspec.execute import archive
+from wmspec.execute.trace_cache import TraceCache
+from wmspec.importers.usd_open import complaint
+from wmspec.scene.camera import find
+from wmspec.scene.model import Contact, Frame, Scene, Shot, Trace
+from wmspec.usd import read
+from wmspec.write import film, typeset
+from wmspec.write.overlay import annotated
+
+
+@dataclass(frozen=True)
+class Track:
+    """The way of one body, T samples of it.
+
+    `position` (T, 3) m and `orientation` (T, 4), quaternions (w, x, y, z), are of the body's frame; `linear_velocity`
+    (T, 3) m/s and `angular_velocity` (T, 3) rad/s of its centre of mass, in world axes.
+    """
+
+    position: NDArray[np.float64]
+    orientation: NDArray[np.float64]
+    linear_velocity: NDArray[np.float64]
+    angular_velocity: NDArray[np.float64]
+
+
+@dataclass(frozen=True, repr=False)
+class Episode:
+    """What happened on a `stage` in one engine: `episode["ball"]` is the way of a body."""
+
+    stage: Usd.Stage
+    scene: Scene
+    trace: Trace
+
+    def __repr__(self) -> str:
+        return f"<Episode of {self.scene.name} in {self.engine}: {self.time[-1]:g} s, {len(self.bodies)} bodies>"
+
+    @property
+    def engine(self) -> str:
+        """Who executed it."""
+        return self.trace.engine
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """When the samples are, (T,) s; the first is 0."""
+        return self.trace.time
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The names of all bodies, in the order in which `ids` counts them."""
+        return self.trace.bodies
+
+    @property
+    def movable(self) -> tuple[str, ...]:
+        """The names of the bodies that can move."""
+        return tuple(body.name for body in self.scene.bodies if body.motion != "static")
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Which bodies touched, from when to when (s)."""
+        return self.trace.contacts
+
+    def __getitem__(self, body: str) -> Track:
+        """The way of a body. Raises WmsError if there is none of that name."""
+        if body not in self.bodies:
+            raise WmsError(f"there is no body `{body}`; {suggestion(body, self.bodies)}")
+        trace, i = self.trace, self.bodies.index(body)
+        ways = (trace.position, trace.orientation, trace.linear_velocity, trace.angular_velocity)
+        return Track(*(way[:, i] for way in ways))
+
+    def views(self, camera: str = "") -> list[tuple[str, float]]:
+        """The cameras and times (s) of the pictures that the stage asks for; of one camera, if it is named.
+
+        Where it asks for none, the start as every camera sees it. Raises WmsError if there is no such camera.
+        """
+        asked = [(o.camera, t) for o in self.scene.observations for t in o.times]
+        views = asked or [(c.name, 0.0) for c in self.scene.cameras]
+        if not camera:
+            return views
+        find(self.scene, camera)
+        times = sorted({t for c, t in views if c == camera} or {t for _, t in views})
+        return [(camera, t) for t in times]
+
+    def frame(self, camera: str, time: float, **drawing: Unpack[Drawing]) -> NDArray[np.uint8]:
+        """What a camera sees at the sample nearest to a time (s): (height, width, 3), sRGB.
+
+        Raises WmsError if there is no such camera, the time is outside the episode, or the engine cannot draw.
+        """
+        return self._drawn(camera, time, False, drawing).rgb
+
+    def ids(self, camera: str, time: float, **drawing: Unpack[Drawing]) -> NDArray[np.int16]:
+        """Which of the `bodies` each pixel shows, (height, width); -1 for none. Raises as `frame` does."""
+        return self._drawn(camera, time, False, drawing).ids
+
+    def depth(self, camera: str, time: float, **drawing: Unpack[Drawing]) -> NDArray[np.float32]:
+        """How far what each pixel shows is, (height, width) m along the view axis; 0 for nothing. Raises as `frame`."""
+        distances = self._drawn(camera, time, True, drawing).depth
+        assert distances is not None
+        return distances
+
+    def picture(self, camera: str, time: float, *, overlay: bool = False, **drawing: Unpack[Drawing]) -> Image.Image:
+        """The same as a picture; with an `overlay` of names and of the ways that things have come."""
+        frame = self._drawn(camera, time, False, drawing)
+        return annotated(frame, self.scene, self.trace, camera, time) if overlay else Image.fromarray(frame.rgb)
+
+    def sheet(self, camera: str = "", *, overlay: bool = False, **drawing: Unpack[Drawing]) -> Image.Image:
+        """All views on a sheet, a row for each camera, with both told above each; a single one as it is."""
+        views = self.views(camera)
+        if len(views) == 1:
+            return self.picture(*views[0], overlay=overlay, **drawing)
+        rows = []
+        for each in dict.fromkeys(camera for camera, _ in views):
+            shown = [
+                _captioned(f"{each}, {time:.3g} s", self.picture(each, time, overlay=overlay, **drawing))
+                for other, time in views
+                if other == each
+            ]
+            rows.append(typeset.beside(shown, 8))
+        return typeset.padded(typeset.above(rows, 12), 12)
+
+    def film(
+        self,
+        path: str | PathLike[str],
+        camera: str = "",
+        *,
+        rate: float = 25.0,
+        overlay: bool = False,
+        **drawing: Unpack[Drawing],
+    ) -> Path:
+        """Write the whole episode as a .gif, or, with the extra `video`, as an .mp4, at so many pictures a second.
+
+        Raises WmsError if it cannot be written.
+        """
+        path = Path(path)
+        if path.suffix.lower() not in film.WRITERS:
+            raise WmsError(f"{path}: a film is a file that ends in {' or '.join(film.WRITERS)}")
+        camera = camera or self.views()[0][0]
+        moments = (i / rate for i in range(int(self.time[-1] * rate + 1e-9) + 1))
+        pictures = (self.picture(camera, moment, overlay=overlay, **drawing) for moment in moments)
+        try:
+            film.WRITERS[path.suffix.lower()](pictures, rate, path)
+        except OSError as error:
+            raise WmsError(f"{path}: cannot be written: {error.strerror or error}") from None
+        return path
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write trace and stage to an .npz file, which `load_episode` reads. Raises WmsError if that is impossible."""
+        archive.save(self.stage, self.trace, Path(path))
+
+    def _drawn(self, camera: str, time: float, depth: bool, drawing: Drawing) -> Frame:
+        find(self.scene, camera)
+        if not -1e-9 <= time <= self.time[-1] + 0.5 / self.scene.rate:
+            raise WmsError(f"{time:g} s is outside the episode, which lasts {self.time[-1]:g} s")
+        shot = Shot(camera, self.trace.poses(time))
+        return renderer_of(self.engine, **drawing).draw(self.scene, shot, depth=depth)
+
+
+def open_stage(path: str | PathLike[str]) -> Usd.Stage:
+    """A USD stage from anywhere. Raises WmsError if there is no such file, or if USD cannot open it."""
+    path = Path(path)
+    if not path.is_file():
+        raise WmsError(f"{path}: there is no such file")
+    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us, here and by the reader
+    try:
+        return Usd.Stage.Open(str(path))
+    except Tf.ErrorException as error:
+        what = complaint(error, path, str(path))
+        raise WmsError(f"{path}: not a stage that USD can open: {what}") from None
+    finally:
+        del quiet
+
+
+def run(stage: Usd.Stage | str | PathLike[str], engine: str, duration: float | None = None) -> Episode:
+    """Execute a stage, or the stage in a file, in an engine; for a `duration` (s) other than its own, if it is given.
+
+    Raises:
+        StageError: the stage holds what cannot be executed; its `problems` are all of it.
+        WmsError: it says nothing of how long it lasts, there is no such engine, or the engine gives up on it.
+    """
+    opened = open_stage(stage) if isinstance(stage, str | PathLike) else stage
+    if duration is None and read(opened).duration <= 0:
+        name = stage if isinstance(stage, str | PathLike) else opened.GetRootLayer().identifier
+        raise WmsError(f"{name}: the stage does not say how long it lasts; add for instance `--for 2s` (`duration=2`)")
+    return execute(opened, engine, duration)
+
+
+def execute(stage: Usd.Stage, engine: str, duration: float | None = None) -> Episode:
+    """The same for a stage that may well last a single moment."""
+    scene = read(stage)
+    if duration is not None:
+        if duration * scene.rate < 0.99:  # the time told is rounded
+            raise WmsError(
+                f"{1000 * duration:g}ms: shorter than one sample; ask for at least {1000 / scene.rate:.3g}ms"
+            )
+        scene = replace(scene, duration=round(duration * scene.rate) / scene.rate)
+    return Episode(stage, scene, executor(engine).trace(scene))
+
+
+def load_episode(path: str | PathLike[str]) -> Episode:
+    """An episode that was saved, here or by `wmspec run -o`. Raises WmsError if the file is something else."""
+    stage, trace = archive.load(Path(path))
+    return Episode(stage, read(stage), trace)
+
+
+@cache
+def executor(engine: str) -> TraceCache:
+    """Who executes in an engine; the same scene is executed once."""
+    return TraceCache(engine)
+
+
+def _captioned(caption: str, picture: Image.Image) -> Image.Image:
+    return typeset.above([typeset.paragraph(caption, typeset.Style(15), picture.width), picture], 2)

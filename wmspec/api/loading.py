@@ -1,0 +1,168 @@
+"""Reading specs: one task, all tasks of files and folders, or all that is wrong with them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+from wmspec.api.task import Task
+from wmspec.check.task import check_program
+from wmspec.diagnostics import Diagnostic, Report, WmsError, suggestion
+from wmspec.parse.load import Program, load_source
+from wmspec.parse.load import load as load_program
+from wmspec.places import Source
+
+PathOrText = str | PathLike[str]
+
+#: Told what is doubtful but no mistake, a text at a time.
+Tell = Callable[[str], None]
+
+
+def warn(text: str) -> None:
+    """Tell as Python does."""
+    warnings.warn(text, stacklevel=2)
+
+
+def load(
+    path: PathOrText | None = None, *, text: str | None = None, task: str = "", seed: int = 0, tell: Tell = warn
+) -> Task:
+    """The task of a spec: of a file at `path`, or of a `text`, whose libraries are looked for in the current folder.
+
+    Of several tasks `task` names one. All draws depend on the `seed`.
+
+    Raises:
+        SpecError: the spec has mistakes; its `diagnostics` are all of them.
+        WmsError: it cannot be read, or holds no task, or several and none was named.
+    """
+    if (path is None) == (text is None):
+        raise WmsError('give either the path of a spec or its text: `load("my.wms")` or `load(text="task ...")`')
+    tasks = _tasks([_text(text)] if text is not None else [Path(path)], seed, tell)  # type: ignore[arg-type]
+    names = [t.name for t in tasks]
+    where = "the text" if path is None else str(path)
+    if task and task not in names:
+        raise WmsError(f"{where} has no task `{task}`; {suggestion(task, names)}")
+    if not task and len(tasks) > 1:
+        raise WmsError(f"{where} has {len(tasks)} tasks; choose one of {', '.join(names)} by name, or use `load_all`")
+    return tasks[names.index(task)] if task else tasks[0]
+
+
+def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn) -> tuple[Task, ...]:
+    """All tasks of spec files, and of all specs in folders, in order; without any, those that come with wmspec.
+
+    Raises:
+        SpecError: specs have mistakes; its `diagnostics` are all of them.
+        WmsError: a file cannot be read, there is no task at all, or two have one name.
+    """
+    from wmspec.parse.load import library_folder
+
+    return _tasks(spec_files(map(Path, paths or [library_folder().parent])), seed, tell)
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is wrong with specs: the `diagnostics`, warnings too, and every task's name with its number of instances."""
+
+    diagnostics: tuple[Diagnostic, ...]
+    tasks: tuple[tuple[str, int], ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether there is no mistake; warnings are none."""
+        return not any(d.severity == "error" for d in self.diagnostics)
+
+
+def diagnose(*paths: PathOrText) -> Diagnosis:
+    """Check specs, their designs, and a sample of their scenes; nothing is executed.
+
+    Raises WmsError if a file cannot be read.
+    """
+    from wmspec.lint.dry_run import trial
+
+    report = Report()
+    files = spec_files(map(Path, paths))
+    tasks = tuple((task.name, trial(task.spec, report)) for path in files for task in _checked(path, 0, report))
+    return Diagnosis(report.diagnostics, tasks)
+
+
+def spec_files(paths: Iterable[Path]) -> list[Path]:
+    """The spec files meant: a file as it is, a folder as every .wms below it. Raises WmsError where there is none."""
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            below = sorted(path.rglob("*.wms"))
+            if not below:
+                raise WmsError(f"{path}: there is no .wms file in this folder")
+            files += below
+        else:
+            files.append(path)
+    return list(dict.fromkeys(files))
+
+
+def of_dimensions(tasks: Sequence[Task], dimensions: Sequence[str]) -> tuple[Task, ...]:
+    """The tasks of any of the dimensions, or of one below; all without dimensions. Raises WmsError if one has none."""
+    known = {task.dimension for task in tasks}
+    for wanted in dimensions:
+        if not any(_within(dimension, wanted) for dimension in known):
+            parts = {d.rsplit(".", n)[0] for d in known for n in range(d.count(".") + 1)}
+            raise WmsError(f"no task has the dimension `{wanted}`; {suggestion(wanted, parts)}".rstrip("; "))
+    return tuple(t for t in tasks if not dimensions or any(_within(t.dimension, d) for d in dimensions))
+
+
+def executable(tasks: Sequence[Task], named: Iterable[Path], tell: Tell = warn) -> tuple[Task, ...]:
+    """The tasks that can be executed. What else a folder holds is told and left out.
+
+    Raises WmsError for a task of a file that was `named` itself, and where nothing is left.
+    """
+    kept, files = [], set(named)
+    for task in tasks:
+        try:
+            task.refuse()
+            kept.append(task)
+        except WmsError as error:
+            if task.path in files or len(tasks) == 1:
+                raise
+            tell(f"left out `{task.name}`: {error}")
+    if not kept:
+        raise WmsError("none of these tasks can be executed yet; `wmspec list` shows all that there are")
+    return tuple(kept)
+
+
+def _within(dimension: str, wanted: str) -> bool:
+    return f"{dimension}.".startswith(f"{wanted}.")
+
+
+def _text(text: str) -> Source:
+    return Source("<text>", text.replace("\r\n", "\n"))
+
+
+def _program(spec: Path | Source, report: Report) -> Program:
+    return load_program(spec, report) if isinstance(spec, Path) else load_source(spec, Path(), report)
+
+
+def _tasks(specs: Iterable[Path | Source], seed: int, tell: Tell) -> tuple[Task, ...]:
+    report = Report()
+    tasks = tuple(task for spec in specs for task in _checked(spec, seed, report))
+    report.stop_if_failed()
+    for diagnostic in report.diagnostics:
+        tell(diagnostic.render())
+    if not tasks:
+        raise WmsError("there is no task in the files given; a task begins with `task NAME : DIMENSION {`")
+    first: dict[str, Task] = {}
+    for task in tasks:
+        if task.name in first:
+            there, here = first[task.name].file, task.file
+            raise WmsError(f"two tasks are called `{task.name}`: in {there} and in {here}; rename one")
+        first[task.name] = task
+    return tasks
+
+
+def _checked(spec: Path | Source, seed: int, report: Report) -> list[Task]:
+    own = Report()  # mistakes of one file do not keep another's tasks from being checked
+    program = _program(spec, own)
+    checked = check_program(program, own)
+    report.include(own.diagnostics)
+    path = spec if isinstance(spec, Path) else None
+    return [Task(task, program, path, seed) for task in checked]

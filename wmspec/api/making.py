@@ -1,0 +1,150 @@
+"""Datasets of tasks."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TypedDict, Unpack
+
+from wmspec import __version__
+from wmspec.api.agreement import Tasks, gathered
+from wmspec.api.drawing import pixels, samples_of
+from wmspec.api.loading import Tell, warn
+from wmspec.api.progress import Progress, silent
+from wmspec.api.task import Task
+from wmspec.ask.consensus import Consensus
+from wmspec.design.design import share
+from wmspec.diagnostics import WmsError
+from wmspec.execute.backends import chosen, drawing, engine_version
+from wmspec.execute.pool import Effort
+from wmspec.paper import instances
+from wmspec.scene.model import Look
+from wmspec.write.dataset import Dataset
+from wmspec.write.generate import generate as make
+from wmspec.write.manifest import Summary
+from wmspec.write.plan import Plan
+from wmspec.write.plan import Task as PlannedTask
+from wmspec.write.reuse import Before
+
+
+class Choices(TypedDict, total=False):
+    """What a dataset is to hold.
+
+    `per_task`: how many instances of each task, drawn at random; if left out, as many as the paper has of its tasks,
+    and all of others; `full`: all. `part`: only share i of n of them, (i, n). `dimensions`: only tasks of these.
+    `backend`: engines, joined by commas, or "all"; `renderer`: the one that draws, if not each what it executes.
+    `consensus`: keep a question if "all" engines agree on it, the "majority", or "none" need to. `seed`: what the draws
+    depend on, of tasks that are given by their path. `size` (px), `look` and `samples`: as in `Drawing`.
+    """
+
+    per_task: int | None
+    full: bool
+    part: tuple[int, int]
+    dimensions: Sequence[str]
+    backend: str
+    renderer: str
+    consensus: Consensus
+    seed: int
+    size: int | tuple[int, int]
+    look: Look
+    samples: int | None
+
+
+def generate(
+    tasks: Tasks,
+    output: str | PathLike[str],
+    *,
+    reuse: Iterable[str | PathLike[str]] = (),
+    force: bool = False,
+    workers: int | None = None,
+    timeout: float = 300.0,
+    progress: Progress = silent,
+    tell: Tell = warn,
+    **choices: Unpack[Choices],
+) -> Summary:
+    """Make a dataset of tasks: Parquet with pictures, a manifest and a card, in the folder `output`.
+
+    Stopped or killed, the same call goes on with the next instance.
+
+    Args:
+        tasks: a task, the path of a spec or of a folder of them, or several.
+        output: the folder.
+        reuse: folders to take instances from that were made before.
+        force: whether to replace a different dataset in the folder.
+        workers: processes; one for each core if it is left out.
+        timeout: seconds that an instance may take.
+        progress: shows how far it has come; `wmspec.progress_bar` does.
+        tell: told what is left out, and what was damaged and is made again.
+        **choices: what it is to hold, see `Choices`.
+
+    Returns:
+        What was kept and what was rejected, counted.
+
+    Raises:
+        WmsError: two choices exclude each other, an engine is missing, or the folder cannot be used.
+    """
+    plan = planned(tasks, tell, **choices)
+    before = Before([Path(folder) for folder in reuse], plan)
+    with Dataset.open(Path(output), plan, force) as dataset:
+        for notice in dataset.notices:
+            tell(notice)
+        with progress(sum(len(shard.indices) for shard in dataset.pending()), "generating") as advance:
+            make(dataset, effort(workers, timeout), advance, before)
+        return dataset.finish()
+
+
+def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan:
+    """What a dataset is to hold, before anything is made. Raises WmsError where `generate` would."""
+    look, renderer, backend = choices.get("look", "parity"), choices.get("renderer", ""), choices.get("backend", "all")
+    per_task, full = choices.get("per_task"), choices.get("full", False)
+    if full and per_task:
+        raise WmsError("`full` makes all instances and `per_task` some of them; give one of the two")
+    found = gathered(tasks, choices.get("seed", 0), tell, choices.get("dimensions", ()))
+    engines = chosen(backend) if renderer else drawing(chosen(backend), look)
+    drawers = drawing(chosen(renderer), look) if renderer else engines
+    if renderer and len(drawers) > 1:
+        raise WmsError("one engine draws; name it as `renderer`, or leave it out so that each draws for itself")
+    for task in found:
+        if not task.questions:
+            raise WmsError(f"the task `{task.name}` has no question, so there is nothing to generate")
+    return Plan(
+        texts=texts(found),
+        tasks=tuple(PlannedTask(t.spec, indices(t, per_task, full, choices.get("part", (1, 1)))) for t in found),
+        engines=engines,
+        size=pixels(choices.get("size", 256)),
+        seed=found[0].seed,
+        consensus=choices.get("consensus", "all"),
+        look=look,
+        samples=samples_of(look, choices.get("samples")),
+        renderer=drawers[0] if renderer else "",
+        versions={"wmspec": __version__} | {name: engine_version(name) for name in {*engines, *drawers}},
+    )
+
+
+def effort(workers: int | None, timeout: float) -> Effort:
+    """How hard to try; a worker for each core if nothing is said."""
+    return Effort(workers or os.cpu_count() or 1, timeout)
+
+
+def texts(tasks: Sequence[Task]) -> dict[str, str]:
+    """The specs and what they use, by file name, with as much of the path as tells two files apart."""
+    programs = {task.path.resolve() if task.path else Path(task.file): task.program for task in tasks}
+    found: dict[str, str] = {}
+    for path in sorted(programs):
+        program = programs[path]
+        parts = next(n for n in range(1, 99) if [p.parts[-n:] for p in programs].count(path.parts[-n:]) == 1)
+        found["/".join(path.parts[-parts:])] = program.source.text
+        found |= {file.span.source.name: file.span.source.text for file in program.libraries}
+    return found
+
+
+def indices(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:
+    """The instances to make: all, or a sample as large as asked for or as the paper's, and of these a share."""
+    count = len(task) if full else per_task or instances(task.name, task.questions)
+    chosen = range(len(task)) if count is None or count >= len(task) else sorted(task.design.sample(count))
+    try:
+        return tuple(chosen[share(len(chosen), *part)])
+    except IndexError as error:
+        raise WmsError(f"part {part}: {error}") from None
