@@ -31,6 +31,7 @@ COMMANDS = (
     "crosscheck",
     "view",
     "audit",
+    "evaluate",
     "doctor",
 )
 

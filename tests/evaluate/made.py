@@ -1,0 +1,44 @@
+"""Small datasets to ask: words, pictures, and numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from tests.audit.made import Ask, make, race, roll
+from wmspec.ask.model import Number, QuestionRow
+
+ENGINES = ("mujoco", "pybullet")
+
+
+def in_words(folder: Path, count: int = 12) -> Path:
+    return make(folder, "race", _drawn(race()), count, ENGINES)
+
+
+def in_pictures(folder: Path, count: int = 12) -> Path:
+    return make(folder, "roll", _drawn(roll()), count, ENGINES)
+
+
+def _drawn(ask: Ask) -> Ask:
+    """What an engine shows differs from what the other shows, in a corner."""
+
+    def drawn(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        question = ask(asked, random)
+        for picture in question.context:
+            picture.rgb[0, 0] = ENGINES.index(asked.engine)
+        return question
+
+    return drawn
+
+
+def in_numbers(folder: Path, count: int = 12) -> Path:
+    """How far does it roll? Half a metre and as many centimetres as the index has."""
+
+    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        far = Number(0.5 + asked.index / 100, "m", within=0.02)
+        shown = _drawn(roll())(asked, random).context
+        return replace(asked, text="How far?", context=shown, options=(), answer=None, value="far", number=far)
+
+    return make(folder, "roll", ask, count, ENGINES)

@@ -1,0 +1,192 @@
+"""`wmspec evaluate`: what a model replies to the questions of a dataset."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wmspec.cli.common import json_option, seed_option
+from wmspec.cli.progress import progress_bar
+from wmspec.errors import WmsError
+
+if TYPE_CHECKING:
+    from wmspec.evaluate.request import Ask
+    from wmspec.evaluate.results import Counts
+    from wmspec.evaluate.run import Run
+    from wmspec.evaluate.server import Server
+
+_PATH = click.Path(path_type=Path)
+
+
+@click.command("evaluate")
+@click.argument("dataset", type=_PATH, required=False)
+@click.option("--model", "-m", metavar="MODEL", help="openai:NAME, hf:PATH, random, blind, options-only or oracle.")
+@click.option(
+    "--output", "-o", type=_PATH, metavar="FILE", help="The results, a .parquet file; taken up if it is there."
+)
+@click.option("--base-url", metavar="URL", help="Any OpenAI-compatible server.  [default: OPENAI_BASE_URL, or OpenAI]")
+@click.option(
+    "--prompt", default="default", show_default=True, help="default, paper, numbers, montage, clip, or a file."
+)
+@click.option(
+    "--ablate", type=click.Choice(["pictures", "question"]), help="Leave out all pictures; or all but the options."
+)
+@click.option("--permute", is_flag=True, help="Ask once for every circular permutation of the options.")
+@click.option("--samples", type=click.IntRange(1), default=1, show_default=True, help="Replies to each request.")
+@click.option("--parameter", "-p", multiple=True, metavar="NAME=VALUE", help="Of the request, such as max_tokens=64.")
+@click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
+@click.option("--engine", multiple=True, metavar="NAME", help="Only what this engine executed.")
+@click.option(
+    "--limit", type=click.IntRange(1), metavar="N", help="Only so many questions, evenly over tasks and engines."
+)
+@click.option("--max-requests", type=click.IntRange(0), metavar="N", help="Send at most so many requests in this call.")
+@click.option("--max-cost", type=click.FloatRange(0), metavar="COST", help="Stop before the results have cost more.")
+@click.option("--price", type=(float, float), metavar="IN OUT", help="What a million tokens cost, sent and received.")
+@click.option("--rate", type=click.FloatRange(0, min_open=True), metavar="N", help="At most so many requests a minute.")
+@click.option("--concurrency", type=click.IntRange(1, 256), default=8, show_default=True, help="Requests at a time.")
+@click.option(
+    "--retries", type=click.IntRange(0), default=5, show_default=True, help="Tries after the first, with pauses."
+)
+@click.option(
+    "--timeout", type=click.FloatRange(0, min_open=True), default=120, show_default=True, help="Seconds a try."
+)
+@click.option("--cache", type=_PATH, metavar="FILE", help="Keep replies there and take them from there.")
+@click.option("--dry-run", is_flag=True, help="Say what would be asked, and show the first request.")
+@click.option("--rescore", type=_PATH, metavar="FILE", help="Score results again from their texts; asks nothing.")
+@seed_option
+@json_option
+@click.pass_context
+def evaluate_command(
+    ctx: click.Context, /, dataset: Path | None, rescore: Path | None, as_json: bool, **said: Any
+) -> None:
+    """Ask a model the questions of a dataset, and write down and score what it replies.
+
+    Stopped or killed, the same command goes on where it was. The key of a server is read from OPENAI_API_KEY and
+    written nowhere. Exit code 1 if requests have failed; the same command tries them again.
+    """
+    if rescore is not None:
+        _rescore(rescore, as_json)
+        return
+    if dataset is None or said["model"] is None:
+        raise WmsError("what is asked, and who? `wmspec evaluate DATASET --model MODEL -o results.parquet`")
+    run, server = _run(dataset, said)
+    if said["dry_run"]:
+        _tell_requests(run)
+        return
+    ctx.exit(_evaluate(run, server, said, as_json))
+
+
+def _run(dataset: Path, said: dict[str, Any]) -> tuple[Run, Server | None]:
+    from wmspec.evaluate import prompt, server
+    from wmspec.evaluate.limits import Limits
+    from wmspec.evaluate.question import Selection
+    from wmspec.evaluate.run import Run, Settings
+    from wmspec.write.reader import Finished
+
+    opened = Finished.open(dataset)
+    opened.intact()
+    served = said["model"].startswith("openai:")
+    url = server.address(said["base_url"]) if served else None
+    settings = Settings(
+        model=said["model"],
+        prompt_name=Path(said["prompt"]).stem,
+        prompt=prompt.load(said["prompt"]),
+        address=url,
+        ablation=said["ablate"],
+        seed=said["seed"],
+        parameters=_parameters(said["parameter"], said["samples"]) if served or said["model"].startswith("hf:") else (),
+    )
+    limits = Limits(said["max_requests"], said["rate"], said["max_cost"])
+    selection = Selection(said["task"], said["engine"], said["limit"])
+    run = Run(opened, settings, selection, said["permute"], said["samples"], limits)
+    return run, server.Server(url, said["timeout"], said["retries"], said["price"]) if url else None
+
+
+def _parameters(said: tuple[str, ...], samples: int) -> tuple[tuple[str, Any], ...]:
+    """What goes into every request, in order. `NAME=null` takes one away."""
+    values: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
+    for each in said:
+        name, equals, value = each.partition("=")
+        if not name or not equals:
+            raise WmsError(f"--parameter {each}: expected NAME=VALUE, such as max_tokens=64")
+        try:
+            values[name] = json.loads(value)
+        except ValueError:
+            values[name] = value
+    if samples > 1 and values["temperature"] == 0:
+        raise WmsError("--samples: at temperature 0 they are all the same; add --parameter temperature=0.7")
+    return tuple(sorted((name, value) for name, value in values.items() if value is not None))
+
+
+def _evaluate(run: Run, server: Server | None, said: dict[str, Any], as_json: bool) -> int:
+    from wmspec.evaluate.cache import Cached
+    from wmspec.evaluate.model import Model
+    from wmspec.evaluate.models import open_model
+    from wmspec.evaluate.run import evaluate
+
+    output: Path | None = said["output"]
+    if output is None or output.suffix != ".parquet":
+        raise WmsError("where to? the results are a .parquet file: add -o results.parquet")
+    settings = run.settings
+    parameters = dict(settings.parameters)
+    model: Model = open_model(settings.model, run.dataset, settings.seed, parameters, server, said["concurrency"])
+    if said["cache"] is not None:
+        model = Cached(model, parameters, said["cache"])
+    total = sum(len(list(run.asks(question))) for question in run.chosen())
+    with progress_bar(total, "asking", "replies") as bar:
+        ended = evaluate(run, model, output, lambda right, count, cost: bar(_so_far(right, count, cost), 1))
+    _tell(ended.counts, output, as_json)
+    if ended.missing and not as_json:
+        click.echo(f"{ended.missing:,} requests were not sent, because a limit was reached; the same command goes on")
+    return 1 if ended.counts.status.get("error") else 0
+
+
+def _so_far(right: int, count: int, cost: float) -> str:
+    return f"{right / count:.1%} right" + (f", cost {cost:.4g}" if cost else "")
+
+
+def _tell(counted: Counts, path: Path, as_json: bool) -> None:
+    """What came out, for a terminal or a program."""
+    if as_json:
+        from dataclasses import asdict
+
+        click.echo(json.dumps(asdict(counted), indent=1))
+        return
+    chance = f"; guessing: {counted.chance:.1%}" if counted.chance is not None else ""
+    share = counted.right / counted.replies if counted.replies else 0.0
+    click.echo(f"{path}: {counted.replies:,} replies, {counted.right:,} right ({share:.1%}{chance})")
+    read = counted.status.get("ok", 0)
+    lost = {name: count for name, count in counted.status.items() if name != "ok"}
+    if lost:
+        told = ", ".join(f"{count:,} {name}" for name, count in lost.items())
+        among = f"; of those that could be read {counted.right / read:.1%} are right" if read else ""
+        click.echo(f"counted as wrong: {told}{among}")
+    if counted.tokens_in or counted.tokens_out:
+        cost = f"; cost {counted.cost:.4g}" if counted.cost is not None else ""
+        click.echo(f"{counted.tokens_in:,} tokens sent, {counted.tokens_out:,} received{cost}")
+
+
+def _rescore(path: Path, as_json: bool) -> None:
+    from wmspec.evaluate.results import rescore
+
+    counted, changed = rescore(path)
+    _tell(counted, path, as_json)
+    if not as_json:
+        click.echo(f"{changed:,} scores have changed")
+
+
+def _tell_requests(run: Run) -> None:
+    """How many requests there are, and the first, with its pictures as sizes."""
+    chosen = run.chosen()
+    click.echo(f"{sum(len(list(run.asks(question))) for question in chosen):,} requests for {len(chosen):,} questions")
+    first: Ask | None = run.first()
+    if first is not None:
+        from wmspec.evaluate.request import Text
+
+        click.echo(f"the first, {first.question.id}, prompt {run.settings.prompt.hash}:\n\n{first.request.system}\n")
+        for part in first.request.parts:
+            name = type(part).__name__.lower()
+            click.echo(part.text if isinstance(part, Text) else f"<{name}, {len(part.content):,} bytes>")
