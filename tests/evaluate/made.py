@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.audit.made import Ask, make, race, roll
+from wmspec.ask.kinds.numbers import NumberAnswer
 from wmspec.ask.model import Number, QuestionRow
 
 ENGINES = ("mujoco", "pybullet")
@@ -39,6 +40,8 @@ def in_numbers(folder: Path, count: int = 12) -> Path:
     def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
         far = Number(0.5 + asked.index / 100, "m", within=0.02)
         shown = _drawn(roll())(asked, random).context
-        return replace(asked, text="How far?", context=shown, options=(), answer=None, value="far", number=far)
+        measured = NumberAnswer(far.value, 0.02)
+        blank = replace(asked, context=shown, options=(), answer=None)
+        return replace(blank, text="How far?", value="far", number=far, evidence=measured)
 
     return make(folder, "roll", ask, count, ENGINES)

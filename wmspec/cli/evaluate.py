@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from wmspec.api.progress import progress_bar
 from wmspec.cli.common import json_option, seed_option
-from wmspec.cli.progress import progress_bar
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 
 if TYPE_CHECKING:
     from wmspec.evaluate.request import Ask

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.evaluate.model import Reply
 from wmspec.write.files import explained
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
-from wmspec.errors import WmsError, suggestion
+from wmspec.diagnostics import WmsError, suggestion
 from wmspec.resources import resource
 
 Labels = Literal["letters", "numbers"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-from wmspec.errors import WmsError, suggestion
+from wmspec.diagnostics import WmsError, suggestion
 from wmspec.write.reader import PICTURES, Finished
 from wmspec.write.rows import Row
 

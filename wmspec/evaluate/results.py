@@ -13,7 +13,7 @@ from typing import Any, Literal
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.errors import WmsError
+from wmspec.diagnostics import WmsError
 from wmspec.evaluate import reply as replies
 from wmspec.evaluate.journal import Key, Replies
 from wmspec.evaluate.model import Outcome, Reply
