@@ -88,7 +88,7 @@ def reference() -> Iterator[str]:
             else "Anywhere:"
         )
         yield f"{told}\n"
-        chosen = ((n, f) for n, f in FUNCTIONS.items() if f.measured == measured)
+        chosen = ((n, f) for n, f in FUNCTIONS.items() if bool(f.measured) == measured)
         rows = ((f"`{signature(n, f)}`", str(f.result), f.meaning) for n, f in chosen)
         yield from table(("function", "gives", "meaning"), rows)
     yield "### Settings\n"

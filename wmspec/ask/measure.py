@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from pkgutil import resolve_name
 from typing import Any
 
-from wmspec.ask import motion, outcome, visibility
 from wmspec.ask.observed import Observed
 from wmspec.check.functions import FUNCTIONS
 from wmspec.diagnostics import WmsError
-from wmspec.layout.functions import extreme
 from wmspec.layout.values import Values
-from wmspec.layout.view import front
-
-#: What an option can say where two are too near to one another to choose.
-NEITHER = "neither"
 
 
 class Measured:
@@ -39,11 +33,13 @@ class Measured:
 
     def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
         """A measured function, or one of the design. An option of a function, if given, is its last argument."""
-        if function not in FUNCTIONS or not FUNCTIONS[function].measured:
+        row = FUNCTIONS.get(function)
+        if row is None or not row.measured:
             return self.values.call(function, arguments)
-        if function in CHOICES:
-            return CHOICES[function](self, *arguments)
-        value = MEASURES[function](self.observed, *arguments)
+        measure = resolve_name(row.measured)
+        if row.chooses:
+            return measure(self, *arguments)
+        value = measure(self.observed, *arguments)
         if isinstance(value, float | bool):
             if not math.isfinite(value):
                 raise WmsError(f"{function} of {', '.join(map(str, arguments))} is not finite")
@@ -53,71 +49,3 @@ class Measured:
     def each(self, function: str, names: tuple[str, ...]) -> dict[str, float]:
         """A measure of each of the bodies."""
         return {name: float(self.call(function, (name,))) for name in names}
-
-
-MEASURES: dict[str, Callable[..., Any]] = {
-    "speed": motion.speed,
-    "moved": motion.moved,
-    "onset": motion.onset,
-    "moving_time": motion.moving_time,
-    "heading": motion.heading,
-    "heads_to": motion.heads_to,
-    "trajectory": motion.trajectory,
-    "displacement": outcome.displacement,
-    "distance": outcome.distance,
-    "contact": outcome.contact,
-    "at_rest": outcome.at_rest,
-    "toppled": outcome.toppled,
-    "height": outcome.height,
-    "contains": outcome.contains,
-    "visible": visibility.visible,
-    "occluded": visibility.occluded,
-    "contrast": visibility.contrast,
-    "frame": lambda _, camera, time: (camera, time),
-}
-
-# ---------------------------------------------------------------- which of several
-
-
-def _fastest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
-    return extreme(measured.each("speed", names), True, tie)
-
-
-def _slowest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
-    return extreme(measured.each("speed", names), False, tie)
-
-
-def _longest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
-    return extreme(measured.each("moving_time", names), True, tie)
-
-
-def _mover(measured: Measured, names: tuple[str, ...]) -> str:
-    """Speeds compare as distances travelled do: all were observed for the same time."""
-    if not any(measured.each("moved", names).values()):
-        raise WmsError(f"none of {', '.join(names)} moves, so there is no mover")
-    return extreme(measured.each("speed", names), True)
-
-
-def _first(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
-    moving = tuple(name for name, moved in measured.each("moved", names).items() if moved)
-    onsets = sorted(measured.each("onset", moving).items(), key=lambda pair: pair[1])
-    if not onsets and tie is None:
-        raise WmsError(f"none of {', '.join(names)} moves, so none is first")
-    if not onsets or (tie is not None and len(onsets) > 1 and onsets[1][1] - onsets[0][1] < tie):
-        return NEITHER
-    return onsets[0][0]
-
-
-def _relation(measured: Measured, a: str, b: str) -> str:
-    """As the cameras show it."""
-    return outcome.relation(measured.observed, a, b, front(measured.values))
-
-
-CHOICES: dict[str, Callable[..., str]] = {
-    "fastest": _fastest,
-    "slowest": _slowest,
-    "longest": _longest,
-    "mover": _mover,
-    "first": _first,
-    "relation": _relation,
-}

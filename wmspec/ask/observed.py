@@ -90,3 +90,8 @@ class Observed:
         if not views:
             raise WmsError(f"nothing is observed with the camera `{camera}`; write `observe {camera} at [...]`")
         return views
+
+
+def frame(_observed: Observed, camera: str, time: float) -> View:
+    """The picture from a camera at a time (s), which is drawn when it is known which."""
+    return camera, time

@@ -28,18 +28,20 @@ from wmspec.check.units import SPEED, VOLUME
 
 @dataclass(frozen=True)
 class Function:
-    """A function: its parameters, its result, and whether it is measured on the executed episode.
+    """A function: its parameters and its result. `options` are parameters that may be left out, by name; each is written
 
-    `options` are parameters that may be left out, by name; each is written `name: value`. With `repeated`, the last of
-    the parameters may be given any number of times.
+    `name: value`. With `repeated`, the last of the parameters may be given any number of times. `measured` is what
+    measures it on the executed episode, if that is what it does: `module:function`, called with what was `Observed` and
+    the arguments, names for bodies and cameras. What `chooses` among bodies by another measure is given `Measured`.
     """
 
     meaning: str
     parameters: tuple[Kind, ...]
     result: Kind
-    measured: bool
+    measured: str = ""
     options: dict[str, Kind] = field(default_factory=dict)
     repeated: bool = False
+    chooses: bool = False
 
 
 _TIE: dict[str, Kind] = {"tie": A_NUMBER}
@@ -48,61 +50,61 @@ _FRACTION = A_NUMBER
 
 FUNCTIONS: dict[str, Function] = {
     # places
-    "toward": Function("the heading from the acting object to another", (OBJECT,), AN_ANGLE, False),
-    "opposite": Function("the heading the other way", (AN_ANGLE,), AN_ANGLE, False),
-    "left_of": Function("the place so far to the left of an object's middle, seen from the front", (OBJECT, A_LENGTH), PLACE, False),
-    "right_of": Function("the place so far to the right of an object's middle, seen from the front", (OBJECT, A_LENGTH), PLACE, False),
-    "in_front_of": Function("the place so much nearer to the front than an object's middle", (OBJECT, A_LENGTH), PLACE, False),
-    "behind": Function("the place so much further from the front than an object's middle", (OBJECT, A_LENGTH), PLACE, False),
-    "polar": Function("the place at a distance and heading from an object's middle", (OBJECT, A_LENGTH, AN_ANGLE), PLACE, False),
-    "between": Function("the place half way between two objects", (OBJECT, OBJECT), PLACE, False),
+    "toward": Function("the heading from the acting object to another", (OBJECT,), AN_ANGLE),
+    "opposite": Function("the heading the other way", (AN_ANGLE,), AN_ANGLE),
+    "left_of": Function("the place so far to the left of an object's middle, seen from the front", (OBJECT, A_LENGTH), PLACE),
+    "right_of": Function("the place so far to the right of an object's middle, seen from the front", (OBJECT, A_LENGTH), PLACE),
+    "in_front_of": Function("the place so much nearer to the front than an object's middle", (OBJECT, A_LENGTH), PLACE),
+    "behind": Function("the place so much further from the front than an object's middle", (OBJECT, A_LENGTH), PLACE),
+    "polar": Function("the place at a distance and heading from an object's middle", (OBJECT, A_LENGTH, AN_ANGLE), PLACE),
+    "between": Function("the place half way between two objects", (OBJECT, OBJECT), PLACE),
     # colours
-    "rgb": Function("a colour by its sRGB parts, 0 to 1", (A_NUMBER, A_NUMBER, A_NUMBER), COLOR, False),
-    "shade": Function("a shade of a colour: 0 is the darkest that is still that colour, 1 the lightest", (COLOR, A_NUMBER), COLOR, False),
+    "rgb": Function("a colour by its sRGB parts, 0 to 1", (A_NUMBER, A_NUMBER, A_NUMBER), COLOR),
+    "shade": Function("a shade of a colour: 0 is the darkest that is still that colour, 1 the lightest", (COLOR, A_NUMBER), COLOR),
     # sums
-    "min": Function("the smallest of quantities of one kind", (QUANTITY,), QUANTITY, False, repeated=True),
-    "max": Function("the largest of quantities of one kind", (QUANTITY,), QUANTITY, False, repeated=True),
-    "abs": Function("the size of a quantity without its sign", (QUANTITY,), QUANTITY, False),
-    "floor": Function("the whole number below", (A_NUMBER,), A_NUMBER, False),
-    "mod": Function("what is left of the first after taking away the second as often as it fits", (QUANTITY, QUANTITY), QUANTITY, False),
-    "pick": Function("the item of a list by its number, the first is 0; after the last comes the first again", (List(ITEM), A_NUMBER), ITEM, False),
-    "sqrt": Function("the square root", (A_NUMBER,), A_NUMBER, False),
-    "sin": Function("of an angle", (AN_ANGLE,), A_NUMBER, False),
-    "cos": Function("of an angle", (AN_ANGLE,), A_NUMBER, False),
+    "min": Function("the smallest of quantities of one kind", (QUANTITY,), QUANTITY, repeated=True),
+    "max": Function("the largest of quantities of one kind", (QUANTITY,), QUANTITY, repeated=True),
+    "abs": Function("the size of a quantity without its sign", (QUANTITY,), QUANTITY),
+    "floor": Function("the whole number below", (A_NUMBER,), A_NUMBER),
+    "mod": Function("what is left of the first after taking away the second as often as it fits", (QUANTITY, QUANTITY), QUANTITY),
+    "pick": Function("the item of a list by its number, the first is 0; after the last comes the first again", (List(ITEM), A_NUMBER), ITEM),
+    "sqrt": Function("the square root", (A_NUMBER,), A_NUMBER),
+    "sin": Function("of an angle", (AN_ANGLE,), A_NUMBER),
+    "cos": Function("of an angle", (AN_ANGLE,), A_NUMBER),
     # what is there
-    "count": Function("how many of the objects are there", (_OBJECTS,), A_NUMBER, False),
-    "volume": Function("how much room an object takes", (OBJECT,), Quantity(VOLUME), False),
-    "largest": Function("the one with the largest volume", (_OBJECTS,), OBJECT, False, _TIE),
-    "smallest": Function("the one with the smallest volume", (_OBJECTS,), OBJECT, False, _TIE),
-    "luminance": Function("how light an object's colour is, 0 to 1", (OBJECT,), A_NUMBER, False),
-    "darkest": Function("the one with the darkest colour", (_OBJECTS,), OBJECT, False, _TIE),
-    "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, False, _TIE),
-    "fits": Function("whether an object fits into the hollow of a compound one, without turning it", (OBJECT, OBJECT), TRUTH, False),
+    "count": Function("how many of the objects are there", (_OBJECTS,), A_NUMBER),
+    "volume": Function("how much room an object takes", (OBJECT,), Quantity(VOLUME)),
+    "largest": Function("the one with the largest volume", (_OBJECTS,), OBJECT, options=_TIE),
+    "smallest": Function("the one with the smallest volume", (_OBJECTS,), OBJECT, options=_TIE),
+    "luminance": Function("how light an object's colour is, 0 to 1", (OBJECT,), A_NUMBER),
+    "darkest": Function("the one with the darkest colour", (_OBJECTS,), OBJECT, options=_TIE),
+    "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, options=_TIE),
+    "fits": Function("whether an object fits into the hollow of a compound one, without turning it", (OBJECT, OBJECT), TRUTH),
     # what happened while observed
-    "speed": Function("distance travelled while observed, over that time", (OBJECT,), Quantity(SPEED), True),
-    "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, True, _TIE),
-    "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, True, _TIE),
-    "moved": Function("whether it moved while observed", (OBJECT,), TRUTH, True),
-    "mover": Function("the one that travelled furthest", (_OBJECTS,), OBJECT, True),
-    "onset": Function("when it first moved", (OBJECT,), A_TIME, True),
-    "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, True),
-    "first": Function("the one that moved first", (_OBJECTS,), OBJECT, True, {"tie": A_TIME}),
-    "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, True, _TIE),
-    "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it", (OBJECT,), AN_ANGLE, True),
-    "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, True),
-    "trajectory": Function("the form of its path", (OBJECT,), PATH, True),
+    "speed": Function("distance travelled while observed, over that time", (OBJECT,), Quantity(SPEED), "wmspec.ask.motion:speed"),
+    "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, "wmspec.ask.choices:fastest", _TIE, chooses=True),
+    "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, "wmspec.ask.choices:slowest", _TIE, chooses=True),
+    "moved": Function("whether it moved while observed", (OBJECT,), TRUTH, "wmspec.ask.motion:moved"),
+    "mover": Function("the one that travelled furthest", (_OBJECTS,), OBJECT, "wmspec.ask.choices:mover", chooses=True),
+    "onset": Function("when it first moved", (OBJECT,), A_TIME, "wmspec.ask.motion:onset"),
+    "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, "wmspec.ask.motion:moving_time"),
+    "first": Function("the one that moved first", (_OBJECTS,), OBJECT, "wmspec.ask.choices:first", {"tie": A_TIME}, chooses=True),
+    "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, "wmspec.ask.choices:longest", _TIE, chooses=True),
+    "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it", (OBJECT,), AN_ANGLE, "wmspec.ask.motion:heading"),
+    "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, "wmspec.ask.motion:heads_to"),
+    "trajectory": Function("the form of its path", (OBJECT,), PATH, "wmspec.ask.motion:trajectory"),
     # how it was and how it ended
-    "displacement": Function("how far it is at the end from where it began", (OBJECT,), A_LENGTH, True),
-    "distance": Function("between the middles of two objects, at the end", (OBJECT, OBJECT), A_LENGTH, True),
-    "relation": Function("where the first is from the second when last seen, as the pictures show it", (OBJECT, OBJECT), RELATION, True),
-    "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, True),
-    "at_rest": Function("whether it stands still at the end", (OBJECT,), TRUTH, True),
-    "toppled": Function("whether it ended more than half way tipped over", (OBJECT,), TRUTH, True),
-    "height": Function("how high its middle is at the end", (OBJECT,), A_LENGTH, True),
-    "contains": Function("whether the first ended with the second within its upright box", (OBJECT, OBJECT), TRUTH, True),
+    "displacement": Function("how far it is at the end from where it began", (OBJECT,), A_LENGTH, "wmspec.ask.outcome:displacement"),
+    "distance": Function("between the middles of two objects, at the end", (OBJECT, OBJECT), A_LENGTH, "wmspec.ask.outcome:distance"),
+    "relation": Function("where the first is from the second when last seen, as the pictures show it", (OBJECT, OBJECT), RELATION, "wmspec.ask.choices:relation", chooses=True),
+    "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, "wmspec.ask.outcome:contact"),
+    "at_rest": Function("whether it stands still at the end", (OBJECT,), TRUTH, "wmspec.ask.outcome:at_rest"),
+    "toppled": Function("whether it ended more than half way tipped over", (OBJECT,), TRUTH, "wmspec.ask.outcome:toppled"),
+    "height": Function("how high its middle is at the end", (OBJECT,), A_LENGTH, "wmspec.ask.outcome:height"),
+    "contains": Function("whether the first ended with the second within its upright box", (OBJECT, OBJECT), TRUTH, "wmspec.ask.outcome:contains"),
     # what is seen
-    "visible": Function("the share of the picture that shows it, least over the looks of a camera", (OBJECT, CAMERA), _FRACTION, True),
-    "occluded": Function("the share of it that others hide, most over the looks of a camera", (OBJECT, CAMERA), _FRACTION, True),
-    "contrast": Function("how much its colour differs from what is around it (CIEDE2000), least over the looks", (OBJECT, CAMERA), A_NUMBER, True),
-    "frame": Function("the picture from a camera at a time of the episode", (CAMERA, A_TIME), PICTURE, True),
+    "visible": Function("the share of the picture that shows it, least over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.ask.visibility:visible"),
+    "occluded": Function("the share of it that others hide, most over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.ask.visibility:occluded"),
+    "contrast": Function("how much its colour differs from what is around it (CIEDE2000), least over the looks", (OBJECT, CAMERA), A_NUMBER, "wmspec.ask.visibility:contrast"),
+    "frame": Function("the picture from a camera at a time of the episode", (CAMERA, A_TIME), PICTURE, "wmspec.ask.observed:frame"),
 }  # fmt: skip

@@ -26,13 +26,18 @@ from wmspec.check.vocabulary import Slot
 class Verb:
     """An action's verb: its arguments in order. `start` and `duration` come from the timings `at`, `for`, ...
 
-    `lasts`: it needs `for TIME`. A verb that is not `executed` is checked, and refused when a stage is made.
+    `lasts`: it needs `for TIME`. `author` is the function that says on the stage what happens, as `module:function`; a
+    verb without one is checked, and refused when a stage is made. `staged` is which action of the stage it becomes, if
+    not one of its own name. `carries`: it moves its object whatever is in the way. `holds`: its object stays until then.
     """
 
     meaning: str
     arguments: dict[str, Slot]
     lasts: bool
-    executed: bool = True
+    author: str = ""
+    staged: str = ""
+    carries: bool = False
+    holds: bool = False
 
 
 _DIRECTION = Slot((AN_ANGLE, DIRECTION), "heading on the ground, anticlockwise from +x; a word; or `toward(object)`")
@@ -48,12 +53,12 @@ VERBS: dict[str, Verb] = {
             "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
             "rolling": Slot((TRUTH,), "whether a round object sets off rolling instead of sliding", "false"),
         },
-        lasts=False,
+        lasts=False, author="wmspec.stage.actions:launch",
     ),
     "slide": Verb(
         "sets the object sliding on what it rests on, as fast as makes friction stop it after the distance",
         {"object": _OBJECT, "direction": _DIRECTION, "distance": Slot((A_LENGTH,), "how far it slides", above=0)},
-        lasts=False,
+        lasts=False, author="wmspec.stage.actions:slide", staged="launch",
     ),
     "glide": Verb(
         "carries the object along a straight line at constant speed, pushing whatever is in its way",
@@ -62,7 +67,7 @@ VERBS: dict[str, Verb] = {
             "direction": _DIRECTION,
             "speed": Slot((Quantity(SPEED),), "how fast it goes", least=0, most=100),
         },
-        lasts=True,
+        lasts=True, author="wmspec.stage.actions:glide", carries=True,
     ),
     "follow": Verb(
         "carries the object along a path at constant speed, from where it is",
@@ -73,7 +78,7 @@ VERBS: dict[str, Verb] = {
             "length": Slot((A_LENGTH,), "from one end of the path to the other; the diameter of a circle", "40 cm", above=0),
             "width": Slot((A_LENGTH,), "how far the path strays to the side", "10 cm", above=0),
         },
-        lasts=True,
+        lasts=True, author="wmspec.stage.actions:follow", carries=True,
     ),
     "teleport": Verb(
         "puts the object somewhere else at once",
@@ -82,7 +87,7 @@ VERBS: dict[str, Verb] = {
             "to": Slot((POINT2, POINT3, PLACE), "where to, as in its `at`"),
             "yaw": Slot((AN_ANGLE,), "how it is turned there; as before if left out", optional=True),
         },
-        lasts=False,
+        lasts=False, author="wmspec.stage.actions:teleport", carries=True,
     ),
     "impulse": Verb(
         "strikes the object in its centre of mass",
@@ -92,7 +97,7 @@ VERBS: dict[str, Verb] = {
             "impulse": Slot((Quantity(IMPULSE),), "mass times the change of velocity", least=0),
             "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
         },
-        lasts=False,
+        lasts=False, author="wmspec.stage.actions:impulse",
     ),
     "force": Verb(
         "pulls the object at its centre of mass",
@@ -102,18 +107,18 @@ VERBS: dict[str, Verb] = {
             "force": Slot((Quantity(FORCE),), "how strongly", least=0),
             "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
         },
-        lasts=True,
+        lasts=True, author="wmspec.stage.actions:force",
     ),
-    "release": Verb("holds the object where it is until then, and lets go", {"object": _OBJECT}, lasts=False),
+    "release": Verb("holds the object where it is until then, and lets go", {"object": _OBJECT}, lasts=False, author="wmspec.stage.actions:release", holds=True),
     "drop": Verb(
         "holds the object above where it would rest until then, and lets go",
         {"object": _OBJECT, "height": Slot((A_LENGTH,), "how far above", above=0, most=100)},
-        lasts=False,
+        lasts=False, author="wmspec.stage.actions:release", staged="release", holds=True,
     ),
     "drive": Verb(
         "sends a joint's drive to another target",
         {"joint": Slot((JOINT,), "which joint"), "target": Slot((AN_ANGLE, A_LENGTH), "where to")},
-        lasts=False,
+        lasts=False, author="wmspec.stage.actions:drive",
     ),
 }  # fmt: skip
 
@@ -126,22 +131,22 @@ _BY = Slot((AN_ANGLE,), "by how much", "90 deg", above=0, most=6.3)
 #: What each model of robot can do. Its verbs take as long as `for TIME` says.
 ROBOTS: dict[str, dict[str, Verb]] = {
     "panda": {
-        "push": Verb("pushes an object over what it rests on", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True, False),
-        "pick": Verb("grasps an object and lifts it", {"object": _GRIPPED, "height": _HIGH}, True, False),
-        "lift": Verb("raises an object that it holds or supports", {"object": _GRIPPED, "height": _HIGH}, True, False),
-        "place": Verb("puts down the object that it holds", {"object": _GRIPPED, "on": Slot((OBJECT,), "on what"), "at": Slot((POINT2,), "where on it", "(0 m, 0 m)")}, True, False),
-        "rotate": Verb("turns an object that it holds", {"object": _GRIPPED, "angle": Slot((AN_ANGLE,), "by how much, anticlockwise from above")}, True, False),
-        "drop": Verb("opens its hand", {"object": _GRIPPED}, False, False),
+        "push": Verb("pushes an object over what it rests on", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True),
+        "pick": Verb("grasps an object and lifts it", {"object": _GRIPPED, "height": _HIGH}, True),
+        "lift": Verb("raises an object that it holds or supports", {"object": _GRIPPED, "height": _HIGH}, True),
+        "place": Verb("puts down the object that it holds", {"object": _GRIPPED, "on": Slot((OBJECT,), "on what"), "at": Slot((POINT2,), "where on it", "(0 m, 0 m)")}, True),
+        "rotate": Verb("turns an object that it holds", {"object": _GRIPPED, "angle": Slot((AN_ANGLE,), "by how much, anticlockwise from above")}, True),
+        "drop": Verb("opens its hand", {"object": _GRIPPED}, False),
     },
     "car": {
-        "forward": Verb("drives on along its lane", {"distance": _FAR}, True, False),
-        "turn": Verb("turns at the next crossing", {"direction": _SIDE}, True, False),
-        "change_lane": Verb("moves over to the next lane", {"direction": _SIDE}, True, False),
-        "stop": Verb("brakes to a halt", {}, True, False),
+        "forward": Verb("drives on along its lane", {"distance": _FAR}, True),
+        "turn": Verb("turns at the next crossing", {"direction": _SIDE}, True),
+        "change_lane": Verb("moves over to the next lane", {"direction": _SIDE}, True),
+        "stop": Verb("brakes to a halt", {}, True),
     },
     "walker": {
-        "move": Verb("walks straight ahead, until a wall stops it", {"distance": _FAR}, True, False),
-        "turn": Verb("turns on the spot", {"direction": _SIDE, "angle": _BY}, True, False),
-        "look": Verb("looks up or down", {"angle": Slot((AN_ANGLE,), "upwards; negative is down", least=-1.6, most=1.6)}, True, False),
+        "move": Verb("walks straight ahead, until a wall stops it", {"distance": _FAR}, True),
+        "turn": Verb("turns on the spot", {"direction": _SIDE, "angle": _BY}, True),
+        "look": Verb("looks up or down", {"angle": Slot((AN_ANGLE,), "upwards; negative is down", least=-1.6, most=1.6)}, True),
     },
 }  # fmt: skip

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from wmspec.check.ir import Thing
+from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import HEADINGS
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import paths
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from wmspec.layout.values import Values
 
 #: Verbs that carry an object whatever is in its way, which makes it kinematic.
-CARRYING = ("glide", "follow", "teleport")
+CARRYING = tuple(name for name, verb in VERBS.items() if verb.carries)
 
 
 @dataclass(frozen=True)

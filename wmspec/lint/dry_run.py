@@ -9,6 +9,7 @@ from dataclasses import replace
 from wmspec.check import units
 from wmspec.check.evaluate import parts
 from wmspec.check.ir import Call, Counterfactual, TaskSpec
+from wmspec.check.verbs import VERBS
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told_of
 from wmspec.design.design import Design, Instance
@@ -28,9 +29,6 @@ from wmspec.stage.episode import built
 
 #: How many instances are built, and how many of them with every counterfactual.
 TRIED, TRIED_CHANGED = 12, 4
-
-#: Verbs that hold their object until they happen, which they do even if that is never.
-_HOLDING = ("drop", "release")
 
 #: What follows from the place or the turn of something else, as it should.
 _FOLLOWS = ("pose", "way", "form", "there", "start")
@@ -131,7 +129,7 @@ class _Trial:
         end: float = values.ref("end")
         for action in self.spec.things:
             name = action.name
-            if action.kind == "action" and action.verb not in _HOLDING and values.there(name):
+            if action.kind == "action" and not VERBS[action.verb].holds and values.there(name):
                 start: float = values.property(name, "start")
                 if start > end - 1e-9 and self.new("late", name):
                     lasts = f"the episode lasts {units.told(end, units.TIME)} {told_of(self.design, instance)}"

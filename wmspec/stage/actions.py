@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from pkgutil import resolve_name
 
 from wmspec.check.ir import TaskSpec, Thing
+from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import ROUND
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import motion
@@ -16,9 +17,6 @@ from wmspec.space import UP, Vector, dot, heading, rotate, times
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.joints import has_drive, joined, joint_path
 from wmspec.stage.objects import object_path
-
-#: What a verb is called on the stage, if not by its own name.
-_STAGED = {"slide": "launch", "drop": "release"}
 
 #: What is round lies if the upward part of its axis (a unit vector) is below this, and slides if it goes along that.
 LYING, ALONG = 0.5, 0.99
@@ -41,10 +39,10 @@ def carrier_sources(spec: TaskSpec) -> frozenset[str]:
 
 def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, str]) -> None:
     """The prim of an action that happens. Raises WmsError with its place if it cannot."""
-    name = action.name
+    name, verb = action.name, VERBS[action.verb]
     there = (f"{name}.there", f"{name}.object", f"{name}.joint")
     prim = doc.add(f"/World/Episode/Actions/{name}", "WmsAction", (), there)
-    prim.set("wms:verb", "token", _STAGED.get(action.verb, action.verb), uniform=True)
+    prim.set("wms:verb", "token", verb.staged or action.verb, uniform=True)
     if "object" in action.properties:
         target = values.property(name, "object")
         _able(action, target, values, carried)
@@ -52,7 +50,7 @@ def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, 
     prim.set("wms:start", "double", values.property(name, "start"), f"{name}.start", uniform=True)
     if values.has(name, "duration"):
         prim.set("wms:duration", "double", values.property(name, "duration"), f"{name}.duration", uniform=True)
-    _VERBS[action.verb](prim, action, values)
+    resolve_name(verb.author)(prim, action, values)
 
 
 def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -> None:
@@ -65,7 +63,7 @@ def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -
             action.place,
             "use verbs that carry it, or none of them",
         )
-    if action.verb in ("launch", "slide") and joined(values, target):
+    if "launch" in (action.verb, VERBS[action.verb].staged) and joined(values, target):
         raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, "use `impulse`")
 
 
@@ -85,7 +83,8 @@ def _vector(prim: Prim, name: str, value: Vector, *sources: str) -> None:
 # ---------------------------------------------------------------- sudden velocities
 
 
-def _launch(prim: Prim, action: Thing, values: Values) -> None:
+def launch(prim: Prim, action: Thing, values: Values) -> None:
+    """A velocity and a spin, at once."""
     name, target = action.name, values.property(action.name, "object")
     speed = values.property(name, "speed")
     _velocity(prim, action, values, speed, f"{name}.speed")
@@ -108,7 +107,7 @@ def _rolling(action: Thing, target: str, speed: float, values: Values) -> Vector
     return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
 
 
-def _slide(prim: Prim, action: Thing, values: Values) -> None:
+def slide(prim: Prim, action: Thing, values: Values) -> None:
     """What friction stops after a distance d sets off with the speed sqrt(2 mu g d)."""
     name, target = action.name, values.property(action.name, "object")
     held, here = holder(values, target), values.pose(target).position
@@ -147,18 +146,21 @@ def _rolls(target: str, way: Vector, values: Values) -> bool:
 # ---------------------------------------------------------------- carried
 
 
-def _glide(prim: Prim, action: Thing, values: Values) -> None:
+def glide(prim: Prim, action: Thing, values: Values) -> None:
+    """A constant velocity for a while."""
     _velocity(prim, action, values, values.property(action.name, "speed"), f"{action.name}.speed")
 
 
-def _follow(prim: Prim, action: Thing, values: Values) -> None:
+def follow(prim: Prim, action: Thing, values: Values) -> None:
+    """A path."""
     points, moments = motion.way(values, action, motion.before(values, action).pose.position)
     form = tuple(f"{action.name}.{p}" for p in ("path", "length", "width"))
     prim.set("wms:points", "double3[]", points, *form, *_toward(action), f"{action.name}.way", uniform=True)
     prim.set("wms:times", "double[]", moments, *form, f"{action.name}.duration", uniform=True)
 
 
-def _teleport(prim: Prim, action: Thing, values: Values) -> None:
+def teleport(prim: Prim, action: Thing, values: Values) -> None:
+    """Another place, at once."""
     name = action.name
     pose = motion.landed(values, action, motion.before(values, action)).pose
     sources = (f"{name}.to", f"{name}.yaw", f"{name}.way")
@@ -169,39 +171,29 @@ def _teleport(prim: Prim, action: Thing, values: Values) -> None:
 # ---------------------------------------------------------------- pushed, released, driven
 
 
-def _impulse(prim: Prim, action: Thing, values: Values) -> None:
+def impulse(prim: Prim, action: Thing, values: Values) -> None:
+    """A blow."""
     strength = times(values.property(action.name, "impulse"), _heading(action, values))
     _vector(prim, "wms:impulse", strength, f"{action.name}.impulse", *_toward(action))
 
 
-def _force(prim: Prim, action: Thing, values: Values) -> None:
+def force(prim: Prim, action: Thing, values: Values) -> None:
+    """A pull for a while."""
     strength = times(values.property(action.name, "force"), _heading(action, values))
     _vector(prim, "wms:force", strength, f"{action.name}.force", *_toward(action))
 
 
-def _release(_prim: Prim, action: Thing, values: Values) -> None:
+def release(_prim: Prim, action: Thing, values: Values) -> None:
+    """Nothing more: it is held until then."""
     target = values.property(action.name, "object")
     if len(values.acting("drop", target)) + len(values.acting("release", target)) > 1:
         raise ImpossibleValue(f"`{target}` is let go more than once", action.place, "keep one `release` or `drop`")
 
 
-def _drive(prim: Prim, action: Thing, values: Values) -> None:
+def drive(prim: Prim, action: Thing, values: Values) -> None:
+    """Another target of a drive."""
     joint = values.spec.thing(values.property(action.name, "joint"))
     if not has_drive(joint, values):
         raise ImpossibleValue(f"the joint `{joint.name}` has no drive", action.place, "give it a `stiffness:`")
     prim.relate("wms:joint", joint_path(joint.name), f"{action.name}.joint")
     prim.set("wms:target", "double", values.property(action.name, "target"), f"{action.name}.target", uniform=True)
-
-
-_VERBS: dict[str, Callable[[Prim, Thing, Values], None]] = {
-    "launch": _launch,
-    "slide": _slide,
-    "glide": _glide,
-    "follow": _follow,
-    "teleport": _teleport,
-    "impulse": _impulse,
-    "force": _force,
-    "release": _release,
-    "drop": _release,
-    "drive": _drive,
-}

@@ -1,0 +1,50 @@
+"""Which of several: choices by other measures."""
+
+from __future__ import annotations
+
+from wmspec.ask import outcome
+from wmspec.ask.measure import Measured
+from wmspec.diagnostics import WmsError
+from wmspec.layout.functions import extreme
+from wmspec.layout.view import front
+
+#: What an option can say where two are too near to one another to choose.
+NEITHER = "neither"
+
+
+def fastest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
+    """The one with the largest speed."""
+    return extreme(measured.each("speed", names), True, tie)
+
+
+def slowest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
+    """The one with the smallest speed."""
+    return extreme(measured.each("speed", names), False, tie)
+
+
+def longest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
+    """The one that moved for the longest time."""
+    return extreme(measured.each("moving_time", names), True, tie)
+
+
+def mover(measured: Measured, names: tuple[str, ...]) -> str:
+    """The one that travelled furthest. Speeds compare as distances travelled do: all were observed for the same time."""
+    if not any(measured.each("moved", names).values()):
+        raise WmsError(f"none of {', '.join(names)} moves, so there is no mover")
+    return extreme(measured.each("speed", names), True)
+
+
+def first(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
+    """The one that moved first."""
+    moving = tuple(name for name, moved in measured.each("moved", names).items() if moved)
+    onsets = sorted(measured.each("onset", moving).items(), key=lambda pair: pair[1])
+    if not onsets and tie is None:
+        raise WmsError(f"none of {', '.join(names)} moves, so none is first")
+    if not onsets or (tie is not None and len(onsets) > 1 and onsets[1][1] - onsets[0][1] < tie):
+        return NEITHER
+    return onsets[0][0]
+
+
+def relation(measured: Measured, a: str, b: str) -> str:
+    """Where the first is from the second, as the cameras show it."""
+    return outcome.relation(measured.observed, a, b, front(measured.values))
