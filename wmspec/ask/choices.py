@@ -28,7 +28,7 @@ def longest(measured: Measured, names: tuple[str, ...], tie: float | None = None
 
 
 def mover(measured: Measured, names: tuple[str, ...]) -> str:
-    """The one that travelled furthest. Speeds compare as distances travelled do: all were observed for the same time."""
+    """The one that travelled furthest. Speeds compare as distances do: all were observed for the same time."""
     if not any(measured.each("moved", names).values()):
         raise WmsError(f"none of {', '.join(names)} moves, so there is no mover")
     return extreme(measured.each("speed", names), True)
