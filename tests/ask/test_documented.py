@@ -29,6 +29,7 @@ PAGE = (Path(__file__).parents[2] / "docs/questions.md").read_text()
         f"it turns by more than {math.degrees(trajectory.LEAST_TURN):.0f}",
         f"a ball of more than {runs.DEEP * 1000:g} mm",
         f"{pictures.LEAST_DIFFERENT * 256**2:.0f} of 256 × 256 pixels show another",
+        f"as near (to {pictures.AS_FAR * 1e6:g} micrometre)",
         f"By {robustness.NUDGE * 1000:g} mm, once",
         f"{gate.LEAST_VISIBLE * 256**2:.0f} of 256 × 256\n   pixels",
         f"at most {gate.MOST_HIDDEN * 100:.0f} % hidden; and a contrast of {gate.LEAST_CONTRAST:g}",

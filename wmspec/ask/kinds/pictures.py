@@ -187,16 +187,17 @@ def _from(mine: PictureAnswer, other: PictureAnswer, name: str) -> str:
 
 def _told_apart(depicted: Sequence[Depicted], frames: Sequence[Frame]) -> None:
     """Raise Reject if two pictures look alike."""
-    looks: dict[tuple[str, tuple[object, ...]], int] = {}
-    shown = [_shown(option.run.scene, frame, looks) for option, frame in zip(depicted, frames, strict=True)]
+    numbers: dict[tuple[object, ...], int] = {}
+    shown = [_shown(option.run.scene, frame, numbers) for option, frame in zip(depicted, frames, strict=True)]
     for i, j in combinations(range(len(shown)), 2):
         share = float((shown[i] != shown[j]).mean())
         if share < LEAST_DIFFERENT:
             raise Reject("alike", f"{depicted[i].name} and {depicted[j].name}: {share:.3%} of the picture differs")
 
 
-def _shown(scene: Scene, frame: Frame, looks: dict[tuple[str, tuple[object, ...]], int]) -> NDArray[np.int64]:
-    """The picture with a number for every body and its surfaces, the same in all pictures that share `looks`."""
-    bodies = [(b.name, tuple(g.surface for g in b.geoms if g.visible)) for b in scene.bodies]
-    numbers = np.array([looks.setdefault(body, len(looks)) for body in bodies] + [-1])
-    return np.asarray(numbers[frame.ids])
+def _shown(scene: Scene, frame: Frame, numbers: dict[tuple[object, ...], int]) -> NDArray[np.int64]:
+    """The picture with a number for every body, its surfaces and the light on them, the same in all `numbers`."""
+    light = pickle.dumps(scene.light)
+    looks = [(b.name, tuple(g.surface for g in b.geoms if g.visible), light) for b in scene.bodies]
+    table = [numbers.setdefault(look, len(numbers)) for look in (*looks, ("", scene.background))]
+    return np.asarray(np.array(table)[frame.ids])  # -1, which is no body, is the last of them

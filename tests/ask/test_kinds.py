@@ -1,0 +1,105 @@
+"""The kinds of questions are one table, and nothing outside their modules asks which kind a question is."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+import wmspec
+from tests.ask.asking import SCENE, asked, one, pair, refused
+from tests.language.specs import task_from
+from wmspec.ask.ask import ask
+from wmspec.ask.consensus import consensus
+from wmspec.ask.kinds import KINDS
+from wmspec.ask.model import TRUTH, QuestionRow
+from wmspec.check.ir import QuestionKind
+from wmspec.check.question_kinds import QUESTION_RULES
+from wmspec.compare.check import check
+from wmspec.compare.tolerance import Tolerances
+from wmspec.design.design import Design
+from wmspec.execute.trace_cache import TraceCache
+
+SOURCES = Path(wmspec.__file__).parent
+#: Where a kind may be named: in its own module, where kinds are told apart, and in the type that names them all.
+KNOWING = ("ask/kinds/", "check/question_kinds.py", "check/ir.py")
+
+
+def test_the_language_and_the_questions_know_the_same_kinds() -> None:
+    assert set(KINDS) == set(QUESTION_RULES) == set(get_args(QuestionKind))
+
+
+def test_no_other_module_asks_which_kind_a_question_is() -> None:
+    names = "|".join((*KINDS, "picture"))
+    asks = re.compile(rf"""\b(kind|sort)\b\s*(==|!=|in|not in)\s*[(\[{{]?\s*["']({names})["']""")
+    for path in sorted(SOURCES.rglob("*.py")):
+        name = path.relative_to(SOURCES).as_posix()
+        assert name.startswith(KNOWING) or not asks.search(path.read_text()), name
+
+
+QUESTIONS = """
+  factor pace in [20, 10] cm/s
+  object ball { shape: sphere  size: 8 cm  color: red   on: table at (-20 cm, 10 cm) }
+  object dice { shape: cube    size: 8 cm  color: blue  on: table at (-20 cm, -10 cm) }
+  action a = glide(ball, direction: 0 deg, speed: pace) for 0.5 s
+  action b = glide(dice, direction: 0 deg, speed: 5 cm/s) for 0.5 s
+  observe front at [0 s, 0.5 s]
+  question "Which is faster?" { options [ball, dice]  answer fastest([ball, dice]) }
+  question "Does it move?"    { answer moved(ball) }
+  question "How far?"         { answer displacement(ball)  within 1 cm }
+  question "What next?"       { answer frame(front, end)  counterfactual slow { action a.speed: 1 cm/s } }
+"""
+
+
+def test_every_kind_is_told_by_its_answer_and_clauses() -> None:
+    questions = asked(QUESTIONS)
+    assert [q.kind for q in questions if isinstance(q, QuestionRow)] == ["labels", "labels", "numbers", "pictures"]
+    assert [q.answer is None for q in questions if isinstance(q, QuestionRow)] == [False, False, True, False]
+
+
+LOOKS = """
+  factor which in [0, 1, 2, 3, 4, 5]
+  object ball { shape: sphere  size: 8 cm  color: red  on: table at (-20 cm + which * 1 cm, 0) }
+  action go = launch(ball, direction: 0 deg, speed: 30 cm/s, rolling: true)
+  horizon 0.8 s
+  observe front at [0 s, 0.2 s]
+  question "What comes next?" {
+    answer frame(front, end)
+    counterfactual other { state %s }
+    counterfactual slow  { action go.speed: 10 cm/s }
+    %s
+  }
+"""
+DARKER = "sun.ambient: 0.2"
+
+
+@pytest.mark.parametrize("change", ["ball.color: blue", "front.at: (10 cm, -105 cm, 92 cm)"])
+def test_what_differs_in_looks_alone_is_an_option_wherever_the_truth_stands(change: str) -> None:
+    """In a dataset of several engines, and in a crosscheck."""
+    design = Design(task_from(SCENE.format(body=LOOKS % (change, "distinct by 5 cm"))))
+    slots = set()
+    for index in range(len(design)):
+        answers = {engine: ask(design, index, pair(engine))[0] for engine in ("mujoco", "pybullet")}
+        for row in consensus(answers, "all").values():
+            assert isinstance(row, QuestionRow), row
+            assert row.answer is not None
+            assert row.options[row.answer].name == TRUTH
+            assert {vote.answer for vote in row.agreement} == {row.answer}
+            slots.add(row.answer)
+    assert slots == {0, 1, 2}
+    engines = [TraceCache("mujoco"), TraceCache("pybullet")]
+    (verdict,) = check(design, 0, engines, Tolerances()).verdicts
+    assert verdict.agree
+    assert verdict.asked
+
+
+def test_options_in_the_same_place_that_look_the_same_are_too_near() -> None:
+    heavier = LOOKS % ("ball.density: 3000 kg/m^3", "distinct by 5 cm")
+    assert refused(heavier).startswith("alike: truth and other: 0.0 cm apart")
+
+
+def test_another_light_is_another_look() -> None:
+    row = one(LOOKS % (DARKER, ""))
+    assert {option.name for option in row.options} == {TRUTH, "other", "slow"}
