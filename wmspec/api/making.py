@@ -136,7 +136,7 @@ def texts(tasks: Sequence[Task]) -> dict[str, str]:
         program = programs[path]
         parts = next(n for n in range(1, 99) if [p.parts[-n:] for p in programs].count(path.parts[-n:]) == 1)
         found["/".join(path.parts[-parts:])] = program.source.text
-        found |= {file.span.source.name: file.span.source.text for file in program.libraries}
+        found |= {file.span.source.name: file.span.source.text for file in program.libraries.values()}
     return found
 
 

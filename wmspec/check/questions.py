@@ -11,6 +11,7 @@ from wmspec.check.bounds import within
 from wmspec.check.counterfactuals import Counterfactuals
 from wmspec.check.expressions import Expressions
 from wmspec.check.question_kinds import ANSWER, COUNTERFACTUAL, QUESTION_RULES, broken, question_kind
+from wmspec.check.modules import Modules
 from wmspec.check.typed import ZERO, Failed, Typed, constant, joined
 from wmspec.check.types import (
     A_LENGTH,
@@ -43,8 +44,9 @@ _YES_NO = ir.Items(items=(ir.Value(value=True), ir.Value(value=False)))
 class Questions:
     """Checks questions; a mistake in one clause is reported and the others are still looked at."""
 
-    def __init__(self, check: Expressions) -> None:
+    def __init__(self, check: Expressions, modules: Modules) -> None:
         self.check = check
+        self.modules = modules
         self.report = check.report
         self.counterfactuals = Counterfactuals(check)
         self._names: dict[str, Span] = {}
@@ -205,7 +207,7 @@ class Questions:
             expr = parse_expression(span, self.report)
             if expr is None:
                 raise Failed
-            typed = self.check.infer(expr)
+            typed = self.check.infer(self.modules.plain(expr))
             sort = _said(typed.kind)
             if sort is None:
                 self.check.fail("WMS302", f"{article(str(typed.kind))} cannot be said in a text", span)

@@ -43,6 +43,8 @@ class Scope:
         if (first := self.names.get(name)) is not None:
             notes = (Note("declared here first", first.name.span),)
             remedy = "give one of them another name"
+            if first.name.span.source is not statement.name.span.source:
+                remedy += ", or the library a name of its own: `use LIBRARY as NAME`"
             self._report.add("WMS202", f"`{name}` is declared twice", statement.name.span, remedy, notes)
             return
         if name in RESERVED:

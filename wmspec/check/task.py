@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -11,6 +12,7 @@ from wmspec.check import ir
 from wmspec.check.expand import Assets
 from wmspec.check.expressions import Expressions
 from wmspec.check.factors import Factors
+from wmspec.check.modules import Item, Modules
 from wmspec.check.observations import Observations
 from wmspec.check.placement_cycles import no_circles
 from wmspec.check.questions import Questions
@@ -40,20 +42,39 @@ def check(path: Path, report: Report) -> tuple[ir.TaskSpec, ...]:
 
 def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
     """The tasks of a parsed spec. A library (a file without tasks) is checked and yields none."""
-    library = [item for file in program.libraries for item in file.items if not isinstance(item, s.Task)]
-    shared = [item for item in program.file.items if not isinstance(item, s.Task)]
     tasks = [item for item in program.file.items if isinstance(item, s.Task)]
     if not tasks:
-        _Task(None, [*library, *shared], report).library()
+        _Task(None, Modules(program, report), (program.file.items,), report).library()
         return ()
-    specs = [_Task(task, [*library, *shared, *task.body], report).task() for task in tasks]
+    specs = [_checked(task, variant, program, report) for task in tasks for variant in _variants(task, report)]
     return tuple(spec for spec in specs if spec is not None)
 
 
+def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:
+    """The variants of a task; of a task without any, the task itself."""
+    named: dict[str, s.Variant] = {}
+    for variant in (item for item in task.body if isinstance(item, s.Variant)):
+        if (first := named.setdefault(variant.name.id, variant)) is not variant:
+            notes = (Note("declared here first", first.name.span),)
+            what = f"there are two variants `{variant.name.id}`"
+            report.add("WMS202", what, variant.name.span, "give one of them another name", notes)
+    return [*named.values()] or [None]
+
+
+def _checked(task: s.Task, variant: s.Variant | None, program: Program, report: Report) -> ir.TaskSpec | None:
+    """The task that a variant is, with what is common to all variants and to the file."""
+    items: list[Iterable[Item]] = [program.file.items, task.body]
+    if variant is not None:
+        items.append(variant.body)
+        task = replace(task, name=replace(task.name, id=f"{task.name.id}_{variant.name.id}"))
+    return _Task(task, Modules(program, report), items, report).task()
+
+
 class _Task:
-    def __init__(self, task: s.Task | None, statements: list[s.Statement], report: Report) -> None:
+    def __init__(self, task: s.Task | None, modules: Modules, items: Iterable[Iterable[Item]], report: Report) -> None:
         self.declaration = task
         self.report = report
+        statements = modules.statements(*items)
         substitute = Substitute()
         templates = Templates(statements, substitute, report)
         self.statements = [templates.expanded(statement) for statement in statements]
@@ -61,7 +82,7 @@ class _Task:
         self.check = Expressions(self.scope, report)
         self.factors = Factors(self.check)
         self.things = Things(self.check)
-        self.questions = Questions(self.check)
+        self.questions = Questions(self.check, modules)
         self.observations = Observations(self.check)
         self._replace(Sets(self.check, self.factors, substitute).members)
         self._replace(Assets(self.check, substitute).expanded)

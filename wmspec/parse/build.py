@@ -52,7 +52,17 @@ class _Builder:
         return s.Docstring(c[0].text[3:-3].strip(), span)
 
     def use(self, c: Any, span: Span) -> s.Use:
-        return s.Use(self(c[0]), span)
+        given = self.every(c[1].children) if c[1] is not None else ()
+        return s.Use(self(c[0]), given, self.maybe(c[2]), self.maybe(c[3]), span)
+
+    def variant(self, c: Any, span: Span) -> s.Variant:
+        return s.Variant(self(c[0]), self.every(c[1:]), span)
+
+    def parameter(self, c: Any, span: Span) -> s.Parameter:
+        return s.Parameter(self(c[0]), self(c[1]), span)
+
+    def dotted(self, c: Any, span: Span) -> s.Name:
+        return s.Name(".".join(self(n).id for n in c if n is not None), span)
 
     def task(self, c: Any, span: Span) -> s.Task:
         path = self.every(c[1].children) if c[1] is not None else ()

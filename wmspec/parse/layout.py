@@ -17,13 +17,14 @@ _TIGHT_BEFORE = {"COMMA", "COLON", "DOT", "RPAR", "RSQB", "LIST_UNIT"}
 _TIGHT_AFTER = {"LPAR", "LSQB", "DOT"}
 _SOFT = {
     "SETTING", "AT", "LIGHT", "CAMERA", "WORLD", "OPTIONS", "ANSWER", "MARGIN", "DISTINCT", "STATE", "ORDER",
-    "DESIGN", "TOLERANCE", "TEMPLATE", "PART", "JOINT", "ROBOT", "OBJECTS", "WITHIN", "DIFFERENCE", "STABLE", "OF"
+    "DESIGN", "TOLERANCE", "TEMPLATE", "PART", "JOINT", "ROBOT", "OBJECTS", "WITHIN", "DIFFERENCE", "STABLE", "OF",
+    "VARIANT", "PARAMETER", "ONLY"
 }  # fmt: skip
 _ATOMS = {"NAME", "NUMBER", "QUANTITY", "STRING", "TRUE", "FALSE", "RPAR", "RSQB", "LIST_UNIT"}
 #: What a value may end with: a `-` after it is a difference, after anything else it is a sign.
 _VALUE_ENDS = _ATOMS | _SOFT | {"REPEAT", "HORIZON"}
 
-Part = s.Statement | s.Task | s.Clause | s.Counterfactual
+Part = s.Statement | s.Task | s.Variant | s.Clause | s.Counterfactual
 
 
 def spelled(token: Token) -> str:
@@ -118,6 +119,8 @@ class Layout:
                 if self._tokens[self._index(colon)].type == "COLON":
                     self._headings.add(colon)
                 self._body(x.span, x.name.span.end, x.body)
+            case s.Variant():
+                self._body(x.span, x.name.span.end, x.body)
             case s.Question():
                 clauses: list[s.Clause | s.Counterfactual] = [*x.clauses, *x.counterfactuals]
                 self._body(x.span, x.text.span.end, sorted(clauses, key=lambda part: part.span.start))
@@ -146,7 +149,7 @@ class Layout:
 
     def _line(self, x: Part) -> None:
         match x:
-            case s.Factor() | s.Let():
+            case s.Factor() | s.Let() | s.Parameter():
                 self.cells[x.name.span.start] = "name"
                 self.cells[self._after(x.name.span.start)] = "="
             case s.Action():

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from wmspec.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
 from wmspec.parse.parser import parse
-from wmspec.parse.syntax import File, Name, Task, Use
+from wmspec.parse.syntax import File, Name, Statement, Task, Use, Variant
 from wmspec.places import Location, Place, Source, Span
 from wmspec.resources import resource
 
@@ -24,11 +24,12 @@ MAX_CHARACTERS = 1_000_000
 
 @dataclass(frozen=True)
 class Program:
-    """A parsed file and the libraries that it uses, directly or not, each once, in order of use."""
+    """A parsed file, the libraries that it uses, directly or not, in order of use, and which library a name means."""
 
     source: Source
     file: File
-    libraries: tuple[File, ...]
+    libraries: dict[Path, File]
+    paths: dict[Span, Path]
 
 
 def load(path: Path, report: Report) -> Program:
@@ -40,9 +41,9 @@ def load(path: Path, report: Report) -> Program:
 def load_source(source: Source, folder: Path, report: Report) -> Program:
     """Parse a spec from text. Libraries are looked for in `folder`, on WMSPEC_PATH, then in wmspec's own."""
     file = parse(source, report)
-    libraries: dict[Path, File] = {}
-    _collect(file, folder, report, libraries, ())
-    return Program(source, file, tuple(libraries.values()))
+    program = Program(source, file, {}, {})
+    _collect(file, folder, report, program, ())
+    return program
 
 
 def read_source(path: Path) -> Source:
@@ -112,32 +113,30 @@ def search_path() -> tuple[Path, ...]:
     return tuple(Path(folder) for folder in os.environ.get("WMSPEC_PATH", "").split(os.pathsep) if folder)
 
 
-def _uses(file: File) -> Iterator[Use]:
-    for item in file.items:
-        yield from (s for s in (item.body if isinstance(item, Task) else (item,)) if isinstance(s, Use))
+def _uses(items: Iterable[Statement | Variant | Task]) -> Iterator[Use]:
+    for item in items:
+        if isinstance(item, Task | Variant):
+            yield from _uses(item.body)
+        elif isinstance(item, Use):
+            yield item
 
 
-def _collect(
-    file: File, folder: Path, report: Report, found: dict[Path, File], trail: tuple[tuple[Path, Span], ...]
-) -> None:
-    for use in _uses(file):
+def _collect(file: File, folder: Path, report: Report, program: Program, trail: tuple[tuple[Path, Span], ...]) -> None:
+    for use in _uses(file.items):
         path = _find(use.name, folder, report)
         if path is None:
             continue
         if any(path == p for p, _ in trail):
             notes = tuple(Note("used from here", span) for _, span in trail)
-            report.add(
-                "WMS208",
-                f"`{use.name.id}` uses itself in a circle",
-                use.span,
-                "move the shared part to a third library",
-                notes,
-            )
-        elif path not in found:
+            help = "move the shared part to a third library"
+            report.add("WMS208", f"`{use.name.id}` uses itself in a circle", use.span, help, notes)
+            continue
+        program.paths[use.name.span] = path
+        if path not in program.libraries:
             library, mistakes = _library(read_source(path))
             report.include(mistakes)
-            _collect(library, path.parent, report, found, (*trail, (path, use.span)))
-            found[path] = library
+            _collect(library, path.parent, report, program, (*trail, (path, use.span)))
+            program.libraries[path] = library
 
 
 @lru_cache(maxsize=64)

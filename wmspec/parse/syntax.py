@@ -111,9 +111,12 @@ class Docstring(Node):
 
 
 class Use(Node):
-    """`use tabletop`."""
+    """`use room(style: warm) as here only [floor, front]`; `only` is the list as it was written."""
 
     name: Name
+    given: tuple[Property, ...]
+    prefix: Name | None
+    only: Expr | None
     span: Span
 
 
@@ -128,6 +131,14 @@ class Factor(Node):
 
 class Let(Node):
     """`let name = value`."""
+
+    name: Name
+    value: Expr
+    span: Span
+
+
+class Parameter(Node):
+    """`parameter style = warm`: what those who use a library may say otherwise."""
 
     name: Name
     value: Expr
@@ -278,6 +289,7 @@ Statement = (
     | Use
     | Factor
     | Let
+    | Parameter
     | Require
     | Setting
     | Design
@@ -290,12 +302,20 @@ Statement = (
 )
 
 
+class Variant(Node):
+    """`variant room { statements }`: a task of its own, with what is common to all variants."""
+
+    name: Name
+    body: tuple[Statement, ...]
+    span: Span
+
+
 class Task(Node):
     """`task name : dimension.path { statements }`."""
 
     name: Name
     path: tuple[Name, ...]
-    body: tuple[Statement, ...]
+    body: tuple[Statement | Variant, ...]
     span: Span
 
 

@@ -1,0 +1,104 @@
+"""`use` with parameters, a choice and a name of its own; variants of a task."""
+
+from pathlib import Path
+
+import pytest
+
+from wmspec.check import ir
+from wmspec.check.task import check
+from wmspec.design.design import Design
+from wmspec.diagnostics import Report
+
+LIBRARY = '''
+"""A shop."""
+use rooms
+parameter tone = sand
+parameter trim = tone
+light sun { diffuse: 0.8  ambient: 0.4 }
+object ground { shape: box  size: (4 m, 4 m, 10 cm)  color: tone  at: (0, 0, -5 cm)  fixed: true }
+object walls : bare_room { wall: tone  trim: trim  at: (0, 0, 0)  fixed: true  solid: false }
+object crate { shape: cube  size: 10 cm  on: ground at (30 cm, 0)  fixed: true }
+camera front { at: (0, -180 cm, 90 cm)  look_at: (0, 0, 0) }
+'''
+TASK = "object ball {{ shape: sphere  size: 10 cm  on: {0}ground }}  observe {0}front at [0 s]"
+
+
+def tasks(folder: Path, text: str) -> tuple[dict[str, ir.TaskSpec], list[str]]:
+    (folder / "shop.wms").write_text(LIBRARY)
+    spec = folder / "spec.wms"
+    spec.write_text(text)
+    report = Report()
+    checked = check(spec, report)
+    return {task.name: task for task in checked}, [str(d) for d in report.diagnostics if d.severity == "error"]
+
+
+def names(task: ir.TaskSpec) -> set[str]:
+    return {thing.name for thing in task.things if thing.kind != "part"}
+
+
+def color(task: ir.TaskSpec, name: str) -> ir.Expr:
+    return task.thing(name).properties["color"].value
+
+
+def test_a_parameter_may_be_a_factor_of_the_task(tmp_path: Path) -> None:
+    text = "use shop(tone: t)\ntask a : custom { factor t in [red, blue] " + TASK.format("") + " }"
+    found, errors = tasks(tmp_path, text)
+    assert not errors
+    assert color(found["a"], "ground") == color(found["a"], "walls.left") == ir.Ref(name="t")
+    assert len(Design(found["a"])) == 2
+
+
+def test_a_library_with_a_name_of_its_own_clashes_with_nothing(tmp_path: Path) -> None:
+    own = "object ground { shape: cube  size: 1 m  at: (0, 0, -1 m)  fixed: true }  camera front { at: (0, -1 m, 1 m) }"
+    text = f"use shop as here\ntask a : custom {{ {own} {TASK.format('here.')} observe front at [0 s] }}"
+    found, errors = tasks(tmp_path, text)
+    assert not errors
+    assert names(found["a"]) >= {"ground", "here_ground", "here_crate", "front", "here_front"}
+    assert [o.camera for o in found["a"].observations] == ["here_front", "front"]
+
+
+def test_a_library_used_twice_by_different_names_is_there_twice(tmp_path: Path) -> None:
+    uses = "use shop(tone: red) as one only crate  use shop(tone: blue) as other"
+    found, errors = tasks(tmp_path, f"{uses}\ntask a : custom {{ {TASK.format('other.')} }}")
+    assert not errors
+    assert color(found["a"], "one_ground") == ir.Value(value="red")
+    assert color(found["a"], "other_walls.left") == ir.Value(value="blue")
+    assert "one_front" not in names(found["a"])
+
+
+def test_what_is_chosen_comes_with_what_it_needs(tmp_path: Path) -> None:
+    found, errors = tasks(tmp_path, f"use shop only [crate, front]\ntask a : custom {{ {TASK.format('')} }}")
+    assert not errors
+    assert names(found["a"]) == {"ground", "crate", "front", "ball"}
+
+
+def test_each_variant_is_a_task_with_what_is_common(tmp_path: Path) -> None:
+    text = """task speed : perception.motion {
+      factor tone in [red, blue]
+      variant shop { \"\"\"In a shop: which?\"\"\" use shop  let size = 6 cm }
+      variant room { use room as shop  object ground { shape: cube  size: 3 cm  on: shop.floor at (1 m, 0) }
+                     let size = 4 cm  camera front { at: (0, -1 m, 1 m) } }
+      object ball { shape: sphere  size: size  color: tone  on: ground }
+      observe front at [0 s]
+    }"""
+    found, errors = tasks(tmp_path, text)
+    assert not errors
+    assert list(found) == ["speed_shop", "speed_room"]
+    assert found["speed_shop"].title == "In a shop"
+    assert "shop_floor" in names(found["speed_room"])
+    assert "shop_floor" not in names(found["speed_shop"])
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("use shop(tint: red)", "1:10: `shop` has no parameter `tint`; known here: tone, trim"),
+        ("use shop(tone: red, tone: blue)", "1:21: `tone` is given twice; give it once"),
+        ("use shop only [ground, frnt]", "1:24: there is no `frnt` in `shop`; did you mean `front`?"),
+        ("use shop(tone: red)  use shop(tone: blue)", "1:22: `shop` is used twice"),
+        ("use shop as here  let here_x = here.grund", "`here.grund` is not known here"),
+    ],
+)
+def test_mistakes_are_told(tmp_path: Path, text: str, wanted: str) -> None:
+    _, errors = tasks(tmp_path, f"{text}\ntask a : custom {{ {TASK.format('here.' if ' as here' in text else '')} }}")
+    assert any(wanted in error for error in errors), errors

@@ -1,0 +1,224 @@
+"""What `use` brings: the statements of libraries, with the values of their parameters, chosen and renamed.
+
+All of it happens in the syntax tree. `use room(wall: blue)` puts `blue` wherever the library says `wall`. With `use
+room as here` its floor is `here.floor`, or `here_floor` once names are plain. `only [floor]` takes that and what it
+needs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from wmspec.diagnostics import Note, Report, suggestion
+from wmspec.node import Node
+from wmspec.parse import syntax as s
+from wmspec.parse.load import Program
+from wmspec.places import Span
+
+Item = s.Statement | s.Variant | s.Task
+Declared = s.Factor | s.Let | s.Block | s.Action | s.Template
+#: The names that libraries were given with `as`, and the names that there are in each.
+Prefixes = dict[str, frozenset[str]]
+S = TypeVar("S")
+
+
+class Modules:
+    """The libraries that one task uses."""
+
+    def __init__(self, program: Program, report: Report) -> None:
+        self._program = program
+        self._report = report
+        self._used: dict[tuple[Path, str], s.Use] = {}
+        self._prefixes: Prefixes = {}
+
+    def statements(self, *items: Iterable[Item]) -> list[s.Statement]:
+        """Items without tasks and variants, what they use before each of them, all names plain."""
+        return self._level([item for each in items for item in each], "", self._prefixes)
+
+    def plain(self, node: S) -> S:
+        """What the task says, with `here_floor` for `here.floor`."""
+        return self._plain(node, self._prefixes)
+
+    def _level(self, items: Iterable[Item], outer: str, prefixes: Prefixes) -> list[s.Statement]:
+        """The statements of a file or task after those that it uses; `prefixes` takes the names that it gives these."""
+        own = [item for item in items if not isinstance(item, s.Task | s.Variant)]
+        uses = (item for item in own if isinstance(item, s.Use))
+        brought = [statement for use in uses for statement in self._brought(use, outer, prefixes)]
+        rest = (item for item in own if not isinstance(item, s.Use | s.Parameter))
+        return [*brought, *(self._plain(statement, prefixes) for statement in rest)]
+
+    def _plain(self, node: S, prefixes: Prefixes) -> S:
+        return self._joined(node, prefixes) if prefixes else node
+
+    def _joined(self, node: Any, prefixes: Prefixes) -> Any:
+        match node:
+            case s.Member(value=s.Name(id=prefix), name=s.Name(id=name)) if prefix in prefixes:
+                return self._known(prefix, name, node.span, prefixes)
+            case s.Name(id=dotted) if "." in dotted:  # of a camera or a template
+                prefix, _, name = dotted.partition(".")
+                return self._known(prefix, name, node.span, prefixes) if prefix in prefixes else node
+        return _each(node, lambda part: self._joined(part, prefixes))
+
+    def _known(self, prefix: str, name: str, span: Span, prefixes: Prefixes) -> s.Name:
+        """The plain name; if the library has no such, what was written, which is reported where it is looked up."""
+        return s.Name(f"{prefix}_{name}" if name in prefixes[prefix] else f"{prefix}.{name}", span)
+
+    # ------------------------------------------------------------ one library
+
+    def _brought(self, use: s.Use, outer: str, prefixes: Prefixes) -> list[s.Statement]:
+        """The statements of a library by the names that `use` gives them; none if they are here already."""
+        path = self._program.paths.get(use.name.span)
+        if path is None:  # which was reported
+            return []
+        prefix = f"{use.prefix.id}_" if use.prefix is not None else ""
+        if (first := self._used.setdefault((path, outer + prefix), use)) is not use:
+            self._again(use, first)
+            return []
+        items = self._program.libraries[path].items
+        values = self._given(use, [item for item in items if isinstance(item, s.Parameter)])
+        statements = self._level([_replaced(item, values) for item in items], outer + prefix, {})
+        if use.only is not None:
+            statements = self._chosen(use, use.only, statements)
+        if use.prefix is None:
+            return statements
+        names = frozenset(filter(None, map(_name, statements)))
+        prefixes[use.prefix.id] = names
+        return [_replaced(statement, {}, {name: prefix + name for name in names}) for statement in statements]
+
+    def _again(self, use: s.Use, first: s.Use) -> None:
+        if use.given or use.only:
+            notes = (Note("used here first", first.span),)
+            help = "say it all where it is used first, or give this one a name of its own: `as NAME`"
+            self._report.add("WMS202", f"`{use.name.id}` is used twice", use.span, help, notes)
+
+    def _given(self, use: s.Use, parameters: list[s.Parameter]) -> dict[str, s.Expr]:
+        """The values of a library's parameters; a default may be made of the parameters before it."""
+        known = {p.name.id for p in parameters}
+        given: dict[str, s.Property] = {}
+        for p in use.given:
+            if p.name.id not in known:
+                what = f"`{use.name.id}` has no parameter `{p.name.id}`"
+                self._report.add("WMS205", what, p.name.span, suggestion(p.name.id, known))
+            elif p.name.id in given:
+                self._report.add("WMS205", f"`{p.name.id}` is given twice", p.span, "give it once")
+            if p.at is not None:
+                self._report.add("WMS101", "`at` has no meaning here", p.at.span, "write one value")
+            given.setdefault(p.name.id, p)
+        values: dict[str, s.Expr] = {}
+        for parameter in parameters:
+            name = parameter.name.id
+            values[name] = given[name].value if name in given else _replaced(parameter.value, values)
+        return values
+
+    def _chosen(self, use: s.Use, only: s.Expr, statements: list[s.Statement]) -> list[s.Statement]:
+        """What `only` names, and what that needs."""
+        by_name = {_name(statement) or _world(statement): statement for statement in statements}
+        pending: list[str] = []
+        for e in only.items if isinstance(only, s.Items) else (only,):
+            name = e.span.text
+            if name not in by_name:
+                help = suggestion(name, filter(None, by_name))
+                self._report.add("WMS201", f"there is no `{name}` in `{use.name.id}`", e.span, help)
+            pending.append(name)
+        needed: set[str] = set()
+        while pending:
+            name = pending.pop()
+            if name in by_name and name not in needed:
+                needed.add(name)
+                pending += _names(by_name[name])
+        return [statement for name, statement in by_name.items() if name in needed]
+
+
+def _world(statement: s.Statement) -> str:
+    return "world" if isinstance(statement, s.Block) and statement.kind == "world" else ""
+
+
+def _name(statement: s.Statement) -> str:
+    """What a statement declares; of the world and of what has no name, nothing."""
+    if isinstance(statement, Declared) and not _world(statement):
+        return statement.name.id
+    return ""
+
+
+def _names(node: Any) -> Iterator[str]:
+    """All names in a piece of the syntax tree."""
+    if isinstance(node, s.Name):
+        yield node.id
+    elif isinstance(node, tuple):
+        for item in node:
+            yield from _names(item)
+    elif isinstance(node, Node):
+        for field in fields(node):  # type: ignore[arg-type]
+            yield from _names(getattr(node, field.name))
+
+
+# ---------------------------------------------------------------- rewriting
+
+
+def _replaced(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:
+    """A piece of the syntax tree with values for parameters and new names for what is declared."""
+    return _Replace(values, names or {})(node) if values or names else node
+
+
+class _Replace:
+    """Keys are no names: of properties, arguments and parts; a template's own parameters hide what is outside of it."""
+
+    def __init__(self, values: Mapping[str, s.Expr], names: Mapping[str, str]) -> None:
+        self._values = values
+        self._names = names
+
+    def __call__(self, node: Any) -> Any:
+        match node:
+            case s.Name(id=name):
+                if name in self._values:
+                    return self._values[name]
+                return replace(node, id=self._names[name]) if name in self._names else node
+            case s.Member():
+                return replace(node, value=self(node.value))
+            case s.Argument():
+                return replace(node, value=self(node.value))
+            case s.Property():
+                return replace(node, value=self(node.value), at=self(node.at))
+            case s.Part():
+                return replace(node, properties=self(node.properties))
+            case s.Template(parameters=parameters) if parameters:
+                own = {p.name.id for p in parameters}
+                inner = _Replace(
+                    {name: value for name, value in self._values.items() if name not in own},
+                    {name: new for name, new in self._names.items() if name not in own},
+                )
+                return replace(
+                    node,
+                    name=self._declared(node.name),
+                    parameters=self(parameters),
+                    properties=inner(node.properties),
+                    parts=inner(node.parts),
+                )
+            case s.Factor() | s.Let() | s.Block() | s.Action() | s.Template():
+                made = _each(node, self, but="name")
+                return replace(made, name=self._declared(node.name))
+        return _each(node, self)
+
+    def _declared(self, name: s.Name) -> s.Name:
+        """A name where it is declared: no value can stand there."""
+        return replace(name, id=self._names.get(name.id, name.id))
+
+
+def _each(node: Any, change: Any, but: str = "") -> Any:
+    """A piece of the syntax tree whose parts are changed; as it is if none is."""
+    if isinstance(node, tuple):
+        changed = tuple(change(item) for item in node)
+        return changed if any(a is not b for a, b in zip(changed, node, strict=True)) else node
+    if not isinstance(node, Node):
+        return node
+    made = {}
+    for field in fields(node):  # type: ignore[arg-type]
+        old = getattr(node, field.name)
+        if field.name != but and isinstance(old, Node | tuple) and not isinstance(old, Span):
+            new = change(old)
+            if new is not old:
+                made[field.name] = new
+    return replace(node, **made) if made else node  # type: ignore[type-var]
