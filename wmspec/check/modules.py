@@ -35,8 +35,10 @@ class Modules:
         self._prefixes: Prefixes = {}
 
     def statements(self, *items: Iterable[Item]) -> list[s.Statement]:
-        """Items without tasks and variants, what they use before each of them, all names plain."""
-        return self._level([item for each in items for item in each], "", self._prefixes)
+        """Items without tasks and variants, what they use before each of them, all names plain, parameters filled in."""
+        own = [item for each in items for item in each]
+        values = _values({}, (item for item in own if isinstance(item, s.Parameter)))
+        return self._level([_replaced(item, values) for item in own], "", self._prefixes)
 
     def plain(self, node: S) -> S:
         """What the task says, with `here_floor` for `here.floor`."""
@@ -95,7 +97,7 @@ class Modules:
             self._report.add("WMS202", f"`{use.name.id}` is used twice", use.span, help, notes)
 
     def _given(self, use: s.Use, parameters: list[s.Parameter]) -> dict[str, s.Expr]:
-        """The values of a library's parameters; a default may be made of the parameters before it."""
+        """The values of a library's parameters."""
         known = {p.name.id for p in parameters}
         given: dict[str, s.Property] = {}
         for p in use.given:
@@ -107,11 +109,7 @@ class Modules:
             if p.at is not None:
                 self._report.add("WMS101", "`at` has no meaning here", p.at.span, "write one value")
             given.setdefault(p.name.id, p)
-        values: dict[str, s.Expr] = {}
-        for parameter in parameters:
-            name = parameter.name.id
-            values[name] = given[name].value if name in given else _replaced(parameter.value, values)
-        return values
+        return _values({name: p.value for name, p in given.items()}, parameters)
 
     def _chosen(self, use: s.Use, only: s.Expr, statements: list[s.Statement]) -> list[s.Statement]:
         """What `only` names, and what that needs."""
@@ -130,6 +128,15 @@ class Modules:
                 needed.add(name)
                 pending += _names(by_name[name])
         return [statement for name, statement in by_name.items() if name in needed]
+
+
+def _values(given: Mapping[str, s.Expr], parameters: Iterable[s.Parameter]) -> dict[str, s.Expr]:
+    """The values of parameters; a default may be made of the parameters before it."""
+    values: dict[str, s.Expr] = {}
+    for parameter in parameters:
+        name = parameter.name.id
+        values[name] = given.get(name) or _replaced(parameter.value, values)
+    return values
 
 
 def _world(statement: s.Statement) -> str:

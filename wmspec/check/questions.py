@@ -10,8 +10,8 @@ from wmspec.check import ir
 from wmspec.check.bounds import within
 from wmspec.check.counterfactuals import Counterfactuals
 from wmspec.check.expressions import Expressions
-from wmspec.check.question_kinds import ANSWER, COUNTERFACTUAL, QUESTION_RULES, broken, question_kind
 from wmspec.check.modules import Modules
+from wmspec.check.question_kinds import ANSWER, COUNTERFACTUAL, QUESTION_RULES, broken, question_kind
 from wmspec.check.typed import ZERO, Failed, Typed, constant, joined
 from wmspec.check.types import (
     A_LENGTH,
