@@ -35,7 +35,7 @@ class Modules:
         self._prefixes: Prefixes = {}
 
     def statements(self, *items: Iterable[Item]) -> list[s.Statement]:
-        """Items without tasks and variants, what they use before each of them, all names plain, parameters filled in."""
+        """Items without tasks and variants after what they use; all names plain, all parameters filled in."""
         own = [item for each in items for item in each]
         values = _values({}, (item for item in own if isinstance(item, s.Parameter)))
         return self._level([_replaced(item, values) for item in own], "", self._prefixes)
