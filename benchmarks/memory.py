@@ -15,8 +15,9 @@ import numpy as np
 
 from wmspec.execute.backends import backend
 from wmspec.scene.camera import look_at
-from wmspec.scene.model import Body, Box, Camera, Cylinder, Geom, Light, Pose, Scene, Shot, Sphere, Surface
+from wmspec.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
 from wmspec.scene.transform import identity
+from wmspec.shapes import Box, Cylinder, Sphere
 
 SIZE, WARM = 64, 20
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -64,7 +65,7 @@ def rebuilds(engine: str, count: int) -> float:
 
 def still() -> Scene:
     """Four things, one of them in motion while it is drawn."""
-    shapes = (Box(np.array([2.0, 2.0, 0.05])), Sphere(0.06), Cylinder(0.05, 0.12), Box(np.full(3, 0.05)))
+    shapes = (Box((2.0, 2.0, 0.05)), Sphere(0.06), Cylinder(0.05, 0.12), Box((0.05,) * 3))
     places = ((0, 0, -0.05), (-0.2, 0, 0.06), (0, 0.1, 0.06), (0.2, 0, 0.05))
     bodies = tuple(
         Body(

@@ -21,27 +21,14 @@ from typing import Any
 import numpy as np
 
 from wmspec.scene.camera import look_at, projection_matrix, view_matrix
-from wmspec.scene.model import (
-    Body,
-    Box,
-    Camera,
-    Cylinder,
-    Geom,
-    Light,
-    Motion,
-    Pose,
-    Scene,
-    Shape,
-    Shot,
-    Sphere,
-    Surface,
-)
+from wmspec.scene.model import Body, Camera, Geom, Light, Motion, Pose, Scene, Shot, Surface
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import identity, multiply, quaternion
+from wmspec.shapes import Box, Cylinder, Shape, Sphere
 
 SUN = np.array([0.35, 0.45, -1.0]) / np.linalg.norm([0.35, 0.45, -1.0])
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
-SHAPES: tuple[Shape, ...] = (Sphere(0.05), Box(np.full(3, 0.05)), Cylinder(0.04, 0.1))
+SHAPES: tuple[Shape, ...] = (Sphere(0.05), Box((0.05,) * 3), Cylinder(0.04, 0.1))
 COLORS = ((0.8, 0.1, 0.1), (0.1, 0.2, 0.8), (0.1, 0.6, 0.2), (0.9, 0.8, 0.1), (0.5, 0.1, 0.6))
 
 Draw = Callable[[list[Pose]], object]
@@ -100,7 +87,7 @@ def five() -> Scene:
         body(f"thing{i}", "dynamic", (0.2 * i - 0.4, 0.1 * (i % 2), 0.05), SHAPES[i % 3], color)
         for i, color in enumerate(COLORS)
     ]
-    floor = body("floor", "static", (0, 0, -0.05), Box(np.array([3.0, 3.0, 0.05])), (0.7, 0.7, 0.7))
+    floor = body("floor", "static", (0, 0, -0.05), Box((3.0, 3.0, 0.05)), (0.7, 0.7, 0.7))
     eye = Camera("eye", look_at((0, -1.5, 0.8), (0, 0, 0)), math.radians(40), 0.05, 20.0)
     return Scene("five", np.array([0, 0, -9.81]), (floor, *things), (), (eye,), Light(SUN), (0.82, 0.87, 0.93), (), 1.0)
 

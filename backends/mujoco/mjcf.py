@@ -12,23 +12,7 @@ from wmspec.scene.articulations import WORLD, Link, Tree
 from wmspec.scene.com_frame import centred, mount, placed
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import TOUCH, Episode, Kick, Vector
-from wmspec.scene.hull import corners
-from wmspec.scene.model import (
-    Array,
-    Body,
-    Box,
-    Camera,
-    Capsule,
-    Cone,
-    Cylinder,
-    Friction,
-    Geom,
-    Light,
-    Mesh,
-    Pose,
-    Scene,
-    Sphere,
-)
+from wmspec.scene.model import Array, Body, Camera, Friction, Geom, Light, Pose, Scene
 from wmspec.scene.transform import compose, conjugate, inverse, rotate
 
 from .impact import IMPEDANCE, solref, solreffriction
@@ -143,23 +127,21 @@ def _body(around: ET.Element, asset: ET.Element, body: Body, pose: Pose) -> ET.E
 
 
 def _geom(element: ET.Element, asset: ET.Element, name: str, geom: Geom) -> None:
-    """What collides and what is drawn: one geom, but for meshes, whose hull collides out of sight."""
+    """What collides and what is drawn: one geom, but for what is not convex, whose hull collides out of sight."""
     look = {"rgba": text([*geom.surface.color, 1.0])}
     hidden = {} if geom.visible else {"group": _HIDDEN}
-    match geom.shape:
-        case Box() | Sphere() | Cylinder() | Capsule():
-            _add(element, name, {**_primitive(geom.shape), **_pose(geom.pose), **look, **hidden})
-        case Cone():
-            _hull(asset, name, placed(geom.pose, corners(geom.shape)))
-            _add(element, name, {"type": "mesh", "mesh": name, **look, **hidden})
-        case Mesh(points, faces):
-            if geom.collides:
-                _hull(asset, name, placed(geom.pose, corners(geom.shape)))
-                _add(element, name, {"type": "mesh", "mesh": name, "group": _HIDDEN, **look})
-            if geom.visible:
-                seen = {"name": f"{name}/seen", "vertex": text(points), "face": text(faces), "inertia": "shell"}
-                ET.SubElement(asset, "mesh", seen)
-                _add(element, f"{name}/seen", {"type": "mesh", "mesh": f"{name}/seen", **_pose(geom.pose), **look})
+    if geom.shape.primitive is not None:
+        _add(element, name, {**_primitive(*geom.shape.primitive), **_pose(geom.pose), **look, **hidden})
+        return
+    if geom.shape.convex or geom.collides:
+        apart = {} if geom.shape.convex else {"group": _HIDDEN}
+        _hull(asset, name, placed(geom.pose, geom.shape.corners()))
+        _add(element, name, {"type": "mesh", "mesh": name, **apart, **look, **hidden})
+    if geom.visible and not geom.shape.convex:
+        points, faces = geom.shape.triangles()
+        mesh = {"name": f"{name}/seen", "vertex": text(points), "face": text(faces), "inertia": "shell"}
+        ET.SubElement(asset, "mesh", mesh)
+        _add(element, f"{name}/seen", {"type": "mesh", "mesh": f"{name}/seen", **_pose(geom.pose), **look})
 
 
 def _hull(asset: ET.Element, name: str, points: Array) -> None:
@@ -171,16 +153,8 @@ def _add(element: ET.Element, name: str, attributes: dict[str, str]) -> None:
     ET.SubElement(element, "geom", {"name": name, "contype": "0", "conaffinity": "0", **attributes})
 
 
-def _primitive(shape: Box | Sphere | Cylinder | Capsule) -> dict[str, str]:
-    match shape:
-        case Box(half):
-            return {"type": "box", "size": text(half)}
-        case Sphere(r):
-            return {"type": "sphere", "size": text([r])}
-        case Cylinder(r, h):
-            return {"type": "cylinder", "size": text([r, h / 2])}
-        case Capsule(r, h):
-            return {"type": "capsule", "size": text([r, h / 2])}
+def _primitive(kind: str, size: tuple[float, ...]) -> dict[str, str]:
+    return {"type": kind, "size": text(size if kind == "box" else [size[0], *(height / 2 for height in size[1:])])}
 
 
 def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode: Episode) -> None:

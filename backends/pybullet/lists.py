@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from wmspec.scene.model import Array
-from wmspec.scene.tessellate import Facets
+from wmspec.shapes.facets import Facets
 
 _rows: dict[str, list[list[float]]] = {"vertices": [], "normals": [], "uvs": []}
 

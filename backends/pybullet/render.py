@@ -15,9 +15,9 @@ from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import Image, check, halve, quantize
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
-from wmspec.scene.tessellate import Facets
 from wmspec.scene.texcoords import unwrap
 from wmspec.scene.transform import apply, compose, inverse
+from wmspec.shapes.facets import Facets
 
 from .layer import Layer
 from .lists import lists

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.scene.model import Array
-from wmspec.scene.tessellate import Facets
+from wmspec.shapes.facets import Facets
 
 FEW = 8
 EVERYWHERE = np.array([0.0, 0.0, 0.0, 1.0])

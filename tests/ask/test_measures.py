@@ -18,7 +18,8 @@ from wmspec.check.ir import Call, Items, Value
 from wmspec.check.make import observe, task, thing
 from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
-from wmspec.scene.model import Body, Box, Contact, Geom, Pose, Sphere, Trace
+from wmspec.scene.model import Body, Contact, Geom, Pose, Trace
+from wmspec.shapes import Box, Sphere
 
 RATE = 240
 T = np.arange(2 * RATE + 1) / RATE
@@ -165,9 +166,7 @@ def rack() -> Body:
     """A box without top, its frame on the ground in its middle."""
     base = body("rack", Sphere(1.0))
     sizes = [((0.2, 0.2, 0.01), (0, 0, 0.01)), ((0.01, 0.2, 0.1), (-0.19, 0, 0.1)), ((0.01, 0.2, 0.1), (0.19, 0, 0.1))]
-    geoms = tuple(
-        Geom(f"g{i}", Box(np.array(half)), Pose(np.array(at, float), UPRIGHT[0])) for i, (half, at) in enumerate(sizes)
-    )
+    geoms = tuple(Geom(f"g{i}", Box(half), Pose(np.array(at, float), UPRIGHT[0])) for i, (half, at) in enumerate(sizes))
     return Body("rack", "/World/rack", "dynamic", base.pose, geoms, base.inertia, np.zeros(3), np.zeros(3))
 
 

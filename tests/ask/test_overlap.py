@@ -10,18 +10,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wmspec.scene.bounds import bounds
-from wmspec.scene.model import Box, Capsule, Cone, Cylinder, Mesh, Pose, Shape, Sphere
+from wmspec.scene.model import Pose
 from wmspec.scene.overlap import overlap
-from wmspec.scene.tessellate import tessellate
 from wmspec.scene.transform import apply
+from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
+from wmspec.shapes.facets import tessellate
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 LEAST = 0.001
 CUBE = Mesh(np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.05, np.zeros((0, 3), np.int32))
 SHAPES: list[Shape] = [
-    Box(np.array([0.05, 0.04, 0.03])), Sphere(0.05), Cylinder(0.04, 0.08), Cone(0.05, 0.1), Capsule(0.03, 0.06), CUBE,
+    Box((0.05, 0.04, 0.03)), Sphere(0.05), Cylinder(0.04, 0.08), Cone(0.05, 0.1), Capsule(0.03, 0.06), CUBE,
 ]  # fmt: skip
-FLOOR = Box(np.array([1.0, 1.0, 0.1]))
+FLOOR = Box((1.0, 1.0, 0.1))
 
 turns = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: np.linalg.norm(q) > 0.1)
 

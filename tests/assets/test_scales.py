@@ -10,8 +10,9 @@ import trimesh
 
 from tests.assets.specs import HERE, named, scene, spec
 from wmspec.scene.bounds import upright
-from wmspec.scene.model import Body, Mesh
+from wmspec.scene.model import Body
 from wmspec.scene.transform import apply
+from wmspec.shapes import Mesh
 
 SCALES = [(1.0, 1.0, 1.0), (0.1, 0.2, 0.3), (1.0, -1.0, 1.0), (-0.5, 2.0, -1.0), (-1.0, -1.0, -1.0)]
 URDF = """<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>

@@ -17,8 +17,9 @@ from wmspec.compare.turn import turned
 from wmspec.design.design import Design
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
-from wmspec.scene.model import Body, Box, Cylinder, Geom, Pose, Scene, Shape, Sphere, Trace
+from wmspec.scene.model import Body, Geom, Pose, Scene, Trace
 from wmspec.scene.transform import identity
+from wmspec.shapes import Box, Cylinder, Shape, Sphere
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 from wmspec.usd import read
@@ -143,7 +144,7 @@ def test_only_the_turn_that_can_be_seen_counts(angle: float, axis: int) -> None:
     rest = np.array([[1.0, 0, 0, 0]])
     about = np.array([[np.cos(angle / 2), *(np.sin(angle / 2) * np.eye(3)[axis])]])
     assert turned(body(Sphere(0.1)), rest, about) == pytest.approx(0)
-    assert turned(body(Box(np.full(3, 0.1))), rest, about) == pytest.approx(abs(angle))
+    assert turned(body(Box((0.1,) * 3)), rest, about) == pytest.approx(abs(angle))
     assert turned(body(Cylinder(0.1, 0.2)), rest, about) == pytest.approx(abs(angle) if axis == 0 else 0, abs=1e-12)
 
 

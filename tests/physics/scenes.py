@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from wmspec.scene.inertia import inertia
-from wmspec.scene.model import Action, Array, Body, Box, Friction, Geom, Joint, Light, Pose, Scene, Shape
+from wmspec.scene.model import Action, Array, Body, Friction, Geom, Joint, Light, Pose, Scene
 from wmspec.scene.transform import identity
+from wmspec.shapes import Box, Shape
 
 Vector = Sequence[float] | Array
 
@@ -55,7 +56,7 @@ def floor(friction: float = 0.5, restitution: float = 0.0, orientation: Array = 
     below = Pose(np.zeros(3), np.asarray(orientation, float))
     geom = Geom(
         "shape",
-        Box(np.array([10.0, 10.0, 0.5])),
+        Box((10.0, 10.0, 0.5)),
         Pose(np.array([0.0, 0.0, -0.5]), UPRIGHT),
         friction=Friction(friction, friction, restitution),
     )

@@ -11,25 +11,12 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.diagnostics import WmsError
-from wmspec.scene.model import (
-    Action,
-    Box,
-    Follow,
-    Force,
-    Glide,
-    Impulse,
-    Launch,
-    Pose,
-    Release,
-    Scene,
-    Sphere,
-    Teleport,
-    Trace,
-)
+from wmspec.scene.model import Action, Follow, Force, Glide, Impulse, Launch, Pose, Release, Scene, Teleport, Trace
 from wmspec.scene.transform import multiply, rotate
+from wmspec.shapes import Box, Sphere
 
 Execute = Callable[[Scene], Trace]
-CUBE = Box(np.full(3, 0.05))
+CUBE = Box((0.05,) * 3)
 AWAY = Pose(np.array([1.0, 0, 0.05]), turn((0, 0, 1), 0.5))
 
 
@@ -59,7 +46,7 @@ def test_a_turning_paddle_sweeps_a_ball_along(execute: Execute) -> None:
     omega, gap = 2.0, 0.03
     turns = np.array([UPRIGHT, turn((0, 0, 1), omega * pi / 4)])
     way = Follow("w", "paddle", 0.0, np.array([0, pi / 4]), np.zeros((2, 3)), turns)
-    paddle = body("paddle", Box(np.array([0.4, 0.01, 0.02])), motion="kinematic", friction=0)
+    paddle = body("paddle", Box((0.4, 0.01, 0.02)), motion="kinematic", friction=0)
     trace = execute(
         scene(paddle, body("ball", Sphere(0.02), (0.2, 0.04, 0), friction=0), gravity=0, duration=0.4, actions=(way,))
     )

@@ -8,13 +8,13 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import G, body, floor, scene
 from tests.physics.test_native import limbs, lively
-from wmspec.scene.model import Box, Sphere, Trace
+from wmspec.scene.model import Trace
+from wmspec.shapes import Box, Sphere
 
 FIELDS = ("position", "orientation", "linear_velocity", "angular_velocity")
 
@@ -58,7 +58,7 @@ def test_nothing_is_left_behind(engine: str, tmp_path: Path, monkeypatch: pytest
     errors = import_module("wmspec.diagnostics")
     execute = installed(engine).execute
     monkeypatch.chdir(tmp_path)
-    wild = body("b", Box(np.full(3, 0.05)), (0, 0, 1), velocity=(1e30, 0, 0), spin=(1e30, 1e30, 0))
+    wild = body("b", Box((0.05,) * 3), (0, 0, 1), velocity=(1e30, 0, 0), spin=(1e30, 1e30, 0))
     with pytest.raises(errors.EngineError):
         execute(scene(floor(), wild, duration=0.1))
     assert list(tmp_path.iterdir()) == []

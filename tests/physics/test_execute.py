@@ -12,25 +12,9 @@ from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.diagnostics import WmsError
 from wmspec.scene.inertia import inertia
-from wmspec.scene.model import (
-    Array,
-    Body,
-    Box,
-    Capsule,
-    Cone,
-    Cylinder,
-    Friction,
-    Geom,
-    Glide,
-    Launch,
-    Mesh,
-    Pose,
-    Scene,
-    Shape,
-    Sphere,
-    Trace,
-)
+from wmspec.scene.model import Array, Body, Friction, Geom, Glide, Launch, Pose, Scene, Trace
 from wmspec.scene.transform import rotate
+from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
 
 Execute = Callable[[Scene], Trace]
 
@@ -50,7 +34,7 @@ def execute(engine: str) -> Execute:
 
 
 def cube(half: float) -> Box:
-    return Box(np.full(3, half))
+    return Box((half,) * 3)
 
 
 def tilt(trace: Trace, index: int) -> Array:
@@ -71,7 +55,7 @@ def test_a_thrown_cone_turns_about_its_centre_of_mass(execute: Execute) -> None:
 
 def test_an_asymmetric_body_tumbles_as_euler_says(execute: Execute) -> None:
     spin = np.array([0.1, 6.0, 0.1])
-    trace = execute(scene(body("b", Box(np.array([0.1, 0.05, 0.02])), spin=spin, mass=3.0), gravity=0, duration=1))
+    trace = execute(scene(body("b", Box((0.1, 0.05, 0.02)), spin=spin, mass=3.0), gravity=0, duration=1))
     moments = np.array([0.0029, 0.0104, 0.0125])
     turned = trace.orientation[:, 0] * np.array([1.0, -1, -1, -1])
     momentum = rotate(trace.orientation[:, 0], moments * rotate(turned, trace.angular_velocity[:, 0]))
@@ -92,7 +76,7 @@ def test_two_balls_collide(engine: str, execute: Execute, m1: float, m2: float, 
 
 def test_a_pusher_carries_a_box_at_its_speed(execute: Execute) -> None:
     box = body("box", cube(0.05), (0.06, 0, 0.05))
-    pusher = body("pusher", Box(np.array([0.01, 0.05, 0.02])), (0, 0, 0.05), motion="kinematic")
+    pusher = body("pusher", Box((0.01, 0.05, 0.02)), (0, 0, 0.05), motion="kinematic")
     push = Glide("push", "pusher", 0.1, 0.6, np.array([0.2, 0, 0]))
     trace = execute(scene(floor(), box, pusher, duration=1, actions=(push,)))
     assert trace.position[-1, 1, 0] == pytest.approx(0.16 + 0.2**2 / (2 * 0.5 * G), abs=0.005)
@@ -115,7 +99,7 @@ def test_a_launch_changes_the_velocity_at_its_time(execute: Execute) -> None:
 def test_damping_slows_exponentially(execute: Execute) -> None:
     body_ = body(
         "b",
-        Box(np.array([0.1, 0.05, 0.02])),
+        Box((0.1, 0.05, 0.02)),
         velocity=(1, 0, 0),
         spin=(0, 0, 2),
         linear_damping=0.7,
@@ -162,7 +146,7 @@ def test_what_stands_close_by_does_not_touch(execute: Execute, shape: Shape, gap
 
 def test_a_body_of_several_pieces_balances_on_its_centre_of_mass(execute: Execute) -> None:
     """A hammer, its head twice as heavy as its handle, lies on a narrow beam under its centre of mass."""
-    head, handle = Box(np.array([0.03, 0.05, 0.03])), Box(np.array([0.15, 0.02, 0.03]))
+    head, handle = Box((0.03, 0.05, 0.03)), Box((0.15, 0.02, 0.03))
     at = Pose(np.array([0.18, 0, 0]), UPRIGHT), Pose(np.zeros(3), UPRIGHT)
     geoms = (Geom("head", head, at[0]), Geom("handle", handle, at[1]))
     mass = inertia([(head, at[0], 2.0), (handle, at[1], 1.0)])
@@ -170,14 +154,14 @@ def test_a_body_of_several_pieces_balances_on_its_centre_of_mass(execute: Execut
     hammer = Body("hammer", "/World/hammer", "dynamic", Pose(np.array([0, 0, 0.23]), UPRIGHT), geoms, mass, zero, zero)
     assert np.allclose(mass.center, [0.12, 0, 0])
     for shift, stays in ((0.0, True), (-0.02, False)):
-        beam = body("beam", Box(np.array([0.01, 0.1, 0.1])), (0.12 + shift, 0, 0.1), motion="static")
+        beam = body("beam", Box((0.01, 0.1, 0.1)), (0.12 + shift, 0, 0.1), motion="static")
         trace = execute(scene(floor(), beam, hammer, duration=1))
         assert (tilt(trace, 2)[-1] < 0.5) == stays
 
 
 def test_materials_of_a_pair_mix_by_the_geometric_mean(execute: Execute) -> None:
     boxes = [
-        body(f"b{i}", Box(np.array([0.1, 0.1, 0.05])), (0, i, 0.05), velocity=(1, 0, 0), friction=mu)
+        body(f"b{i}", Box((0.1, 0.1, 0.05)), (0, i, 0.05), velocity=(1, 0, 0), friction=mu)
         for i, mu in enumerate((0.08, 0.32, 0.72))
     ]
     trace = execute(scene(floor(0.5), *boxes, duration=1))

@@ -16,7 +16,6 @@ from wmspec.execute.backends import info
 from wmspec.scene.model import (
     Array,
     Body,
-    Box,
     Drive,
     Force,
     Impulse,
@@ -26,11 +25,11 @@ from wmspec.scene.model import (
     Pose,
     Release,
     Scene,
-    Sphere,
     Steer,
     Trace,
 )
 from wmspec.scene.transform import compose, inverse, rotate
+from wmspec.shapes import Box, Sphere
 
 Execute = Callable[[Scene], Trace]
 ALONG_Y = turn((0, 0, 1), pi / 2)  # turns x to y
@@ -56,7 +55,7 @@ def rod(name: str = "rod", angle: float = 0.0, at: object = (0, 0, 0), length: f
     """A rod that hangs from a place, turned out of the vertical by an angle about y."""
     out = turn((0, 1, 0), angle)
     middle = np.array(at, float) + rotate(out, np.array([0, 0, -length / 2]))
-    return body(name, Box(np.array([0.02, 0.02, length / 2])), middle, orientation=out)
+    return body(name, Box((0.02, 0.02, length / 2)), middle, orientation=out)
 
 
 def period(trace: Trace, index: int, axis: int = 0) -> float:
@@ -78,7 +77,7 @@ def test_the_period_of_a_pendulum(execute: Execute, turned_round: bool) -> None:
     hanging = rod(angle=0.3)
     hinge = joint("hinge", "hinge", None, hanging, (0, 0, 0))
     if turned_round:
-        post = body("post", Box(np.full(3, 0.01)), (0, 0.5, 0), motion="static")
+        post = body("post", Box((0.01,) * 3), (0, 0.5, 0), motion="static")
         hinge = joint("hinge", "hinge", hanging, post, (0, 0, 0))
         trace = execute(scene(post, hanging, duration=6, joints=(hinge,)))
     else:
@@ -101,7 +100,7 @@ def test_a_ball_joint_swings_as_a_pendulum_in_any_plane(execute: Execute) -> Non
 def test_a_slider_falls_along_its_axis(execute: Execute) -> None:
     """On a track 30 degrees below the horizontal; it stops at its limit."""
     axis = turn((0, 1, 0), pi / 6)
-    load = body("load", Box(np.full(3, 0.05)), (0, 0, 1))
+    load = body("load", Box((0.05,) * 3), (0, 0, 1))
     slider = joint("slider", "slider", None, load, (0, 0, 1), axis, limits=(-0.1, 0.8))
     trace = execute(scene(load, duration=1, joints=(slider,)))
     way = (trace.position[:, 0] - [0, 0, 1]) @ rotate(axis, np.array([1.0, 0, 0]))
@@ -115,7 +114,7 @@ def test_a_slider_falls_along_its_axis(execute: Execute) -> None:
 
 def test_a_fixed_joint_makes_one_body_of_two(execute: Execute) -> None:
     """Two cubes thrown by an impulse on one of them turn about their common middle."""
-    a, b = body("a", Box(np.full(3, 0.05))), body("b", Box(np.full(3, 0.05)), (0.3, 0, 0))
+    a, b = body("a", Box((0.05,) * 3)), body("b", Box((0.05,) * 3), (0.3, 0, 0))
     hit = Impulse("hit", "b", 0, np.array([0, 1.0, 0]))
     trace = execute(
         scene(a, b, gravity=0, duration=1, joints=(joint("weld", "fixed", a, b, (0.1, 0, 0)),), actions=(hit,))
@@ -145,7 +144,7 @@ def test_a_hinge_keeps_its_limits(execute: Execute, limits: tuple[float, float] 
 
 def test_a_drive_settles_where_spring_and_weight_balance(execute: Execute) -> None:
     """The slider sags by m g / k; after it is steered, by the same below the new target. Overdamped on the way."""
-    load = body("load", Box(np.full(3, 0.05)), (0, 0, 1), mass=2.0)
+    load = body("load", Box((0.05,) * 3), (0, 0, 1), mass=2.0)
     up = turn((0, 1, 0), -pi / 2)
     drive = Drive(stiffness=400.0, damping=80.0, target=0.2)
     lift = joint("lift", "slider", None, load, (0, 0, 1), up, drive=drive)
@@ -160,7 +159,7 @@ def test_a_drive_settles_where_spring_and_weight_balance(execute: Execute) -> No
 
 def test_a_drive_swings_as_a_damped_spring(execute: Execute) -> None:
     """Underdamped, from rest, half a metre from its target, without gravity."""
-    load = body("load", Box(np.full(3, 0.05)), mass=0.5)
+    load = body("load", Box((0.05,) * 3), mass=0.5)
     rail = joint("rail", "slider", None, load, (0, 0, 0), UPRIGHT, drive=Drive(50.0, 1.0, 0.5))
     trace = execute(scene(load, duration=1, gravity=0, joints=(rail,)))
     decay, rate = 1.0, sqrt(50 / 0.5 - 1)
@@ -169,7 +168,7 @@ def test_a_drive_swings_as_a_damped_spring(execute: Execute) -> None:
 
 
 def test_a_drive_of_speed_turns_a_wheel_and_gives_up_above_its_force(execute: Execute) -> None:
-    wheel = body("wheel", Box(np.array([0.1, 0.02, 0.1])))
+    wheel = body("wheel", Box((0.1, 0.02, 0.1)))
     turning = joint("axle", "hinge", None, wheel, (0, 0, 0), drive=Drive(0.0, 5.0, velocity=3.0))
     trace = execute(scene(wheel, duration=1, joints=(turning,)))
     assert np.abs(trace.angular_velocity[-1, 0] - [0, 3, 0]).max() < 1e-3
@@ -201,7 +200,7 @@ def test_a_double_pendulum_keeps_its_energy(execute: Execute) -> None:
 @pytest.mark.parametrize("kind", ["hinge", "ball", "slider"])
 def test_a_tree_without_anchor_falls_as_a_whole(execute: Execute, kind: JointKind) -> None:
     """Its middle falls freely, and a push at one of its bodies moves the middle by the force on the whole mass."""
-    bodies = [body(n, Box(np.array([0.1, 0.03, 0.02])), (0.25 * i, 0, 2), mass=1 + i) for i, n in enumerate("abc")]
+    bodies = [body(n, Box((0.1, 0.03, 0.02)), (0.25 * i, 0, 2), mass=1 + i) for i, n in enumerate("abc")]
     joints = tuple(joint(f"j{i}", kind, bodies[i], bodies[i + 1], (0.25 * i + 0.125, 0, 2)) for i in range(2))
     push = Force("push", "c", 0.1, 0.3, np.array([0, 0, 12.0]))
     trace = execute(scene(*bodies, duration=0.6, joints=joints, actions=(push,)))
@@ -226,7 +225,7 @@ def test_a_held_pendulum_swings_from_its_release(execute: Execute) -> None:
 
 def test_bodies_of_a_tree_touch_others_but_not_their_neighbours(execute: Execute) -> None:
     """Two boxes that overlap at their hinge stay as they are; the chain lies on the floor, and a ball on the chain."""
-    a, b = (body(n, Box(np.array([0.11, 0.05, 0.05])), (0.2 * i, 0, 0.05)) for i, n in enumerate("ab"))
+    a, b = (body(n, Box((0.11, 0.05, 0.05)), (0.2 * i, 0, 0.05)) for i, n in enumerate("ab"))
     ball = body("ball", Sphere(0.03), (0.2, 0, 0.131))
     trace = execute(scene(floor(), a, b, ball, duration=0.5, joints=(joint("j", "hinge", a, b, (0.1, 0, 0.05)),)))
     assert np.abs(trace.position[-1] - trace.position[0]).max() < 1.5e-3
@@ -239,7 +238,7 @@ def test_a_pendulum_strikes_a_ball(execute: Execute) -> None:
     bob = body("bob", Sphere(0.05), (-0.5 * sin(1.0), 0, 1 - 0.5 * np.cos(1.0)), mass=1, restitution=1, friction=0)
     ball = body("ball", Sphere(0.05), (0.1, 0, 0.5), mass=1, restitution=1, friction=0)
     pivot = joint("pivot", "hinge", None, bob, (0, 0, 1))
-    shelf = body("shelf", Box(np.array([1, 1, 0.05])), (0.1 + 0.95, 0, 0.4), motion="static", friction=0)
+    shelf = body("shelf", Box((1, 1, 0.05)), (0.1 + 0.95, 0, 0.4), motion="static", friction=0)
     trace = execute(scene(bob, ball, shelf, duration=1, joints=(pivot,), actions=()))
     inertia = 0.4 * 0.05**2 + 0.5**2
     speed = sqrt(2 * G * 0.5 * (1 - np.cos(1.0)) / inertia) * 0.5
@@ -249,7 +248,7 @@ def test_a_pendulum_strikes_a_ball(execute: Execute) -> None:
 
 def test_filtered_pairs_pass_through_each_other(execute: Execute) -> None:
     balls = [body(f"b{i}", Sphere(0.05), (0, 0.5 * i, 0.3)) for i in range(3)]
-    boxes = [body(f"x{i}", Box(np.full(3, 0.05)), (0, 0.5 * i, 0.05)) for i in range(3)]
+    boxes = [body(f"x{i}", Box((0.05,) * 3), (0, 0.5 * i, 0.05)) for i in range(3)]
     world = scene(floor(), *balls, *boxes, duration=0.6)
     pairs = (("b0", "x0"), ("floor", "b1"), ("b1", "x1"))
     trace = execute(replace(world, filtered=pairs))
@@ -259,8 +258,8 @@ def test_filtered_pairs_pass_through_each_other(execute: Execute) -> None:
 
 def test_neighbours_touch_if_they_are_said_to(execute: Execute) -> None:
     """A lid on a hinge in the air falls until it meets the box that it is hinged to."""
-    box = body("box", Box(np.array([0.1, 0.1, 0.1])), (0, 0, 0.1), mass=50)
-    lid = body("lid", Box(np.array([0.1, 0.1, 0.01])), (-0.11, 0, 0.31), orientation=turn((0, 1, 0), -pi / 2))
+    box = body("box", Box((0.1, 0.1, 0.1)), (0, 0, 0.1), mass=50)
+    lid = body("lid", Box((0.1, 0.1, 0.01)), (-0.11, 0, 0.31), orientation=turn((0, 1, 0), -pi / 2))
     hinge = joint("hinge", "hinge", box, lid, (-0.11, 0, 0.2), collides=True)
     push = Impulse("push", "lid", 0, np.array([0.6, 0, 0]))
     play = scene(floor(), box, lid, duration=1, joints=(hinge,), actions=(push,))
@@ -305,13 +304,13 @@ WRONG: dict[str, tuple[Callable[[Body, Body], tuple[Joint, ...]], str]] = {
 @pytest.mark.parametrize("case", WRONG)
 def test_joints_that_make_no_sense_are_refused(execute: Execute, case: str) -> None:
     make, message = WRONG[case]
-    a, b = body("a", Box(np.full(3, 0.1))), body("b", Box(np.full(3, 0.1)), (0.3, 0, 0))
+    a, b = body("a", Box((0.1,) * 3)), body("b", Box((0.1,) * 3), (0.3, 0, 0))
     with pytest.raises(WmsError, match=message):
         execute(scene(a, b, joints=make(a, b)))
 
 
 def test_what_cannot_be_done_to_jointed_bodies_is_refused(execute: Execute) -> None:
-    a, b = body("a", Box(np.full(3, 0.1))), body("b", Box(np.full(3, 0.1)), (0.3, 0, 0), velocity=(1, 0, 0))
+    a, b = body("a", Box((0.1,) * 3)), body("b", Box((0.1,) * 3), (0.3, 0, 0), velocity=(1, 0, 0))
     hinge = joint("j", "hinge", None, a, (0, 0, 0))
     with pytest.raises(WmsError, match="'a' has joints; give it an impulse"):
         execute(scene(a, joints=(hinge,), actions=(Launch("go", "a", 0, np.zeros(3), np.zeros(3)),)))
@@ -322,7 +321,7 @@ def test_what_cannot_be_done_to_jointed_bodies_is_refused(execute: Execute) -> N
 
 
 def test_drives_too_stiff_for_an_engine_are_refused_with_their_prim() -> None:
-    light = body("light", Box(np.full(3, 0.05)), mass=0.01)
+    light = body("light", Box((0.05,) * 3), mass=0.01)
     stiff = scene(light, joints=(joint("j", "slider", None, light, (0, 0, 0), drive=Drive(1e6, 1e3)),), duration=0.2)
     for engine in ENGINES:
         execute = installed(engine).execute

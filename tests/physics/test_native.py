@@ -15,24 +15,8 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, body, floor, scene, turn
 from tests.physics.test_joints import joint, rod
-from wmspec.scene.model import (
-    Box,
-    Capsule,
-    Cone,
-    Cylinder,
-    Drive,
-    Follow,
-    Force,
-    Glide,
-    Impulse,
-    Launch,
-    Pose,
-    Release,
-    Scene,
-    Sphere,
-    Steer,
-    Teleport,
-)
+from wmspec.scene.model import Drive, Follow, Force, Glide, Impulse, Launch, Pose, Release, Scene, Steer, Teleport
+from wmspec.shapes import Box, Capsule, Cone, Cylinder, Sphere
 
 RISE = np.array([[0.8, 0, 0.021], [0.8, 0, 0.1], [0.8, 0.05, 0.1]])
 
@@ -42,14 +26,14 @@ def lively() -> Scene:
     bodies = (
         floor(),
         body("ball", Sphere(0.05), (-0.3, 0, 0.05), mass=0.2, restitution=0.4),
-        body("block", Box(np.array([0.05, 0.04, 0.03])), (0, 0.01, 0.03), angular_damping=0.3, linear_damping=0.1),
+        body("block", Box((0.05, 0.04, 0.03)), (0, 0.01, 0.03), angular_damping=0.3, linear_damping=0.1),
         body("cone", Cone(0.05, 0.1), (0.3, 0, 0.1), orientation=turn((0, 1, 0), 0.3), friction=0.8),
         body("can", Cylinder(0.04, 0.1), (0, 0.4, 0.05)),
         body("pill", Capsule(0.03, 0.08), (0.2, 0.4, 0.2), spin=(1, 2, 3)),
-        body("pusher", Box(np.array([0.02, 0.1, 0.05])), (-0.2, 0.4, 0.051), motion="kinematic"),
-        body("lift", Box(np.array([0.1, 0.1, 0.02])), (0.8, 0, 0.021), motion="kinematic"),
-        body("load", Box(np.array([0.03, 0.03, 0.03])), (0.8, 0, 0.071)),
-        body("bomb", Box(np.array([0.03, 0.03, 0.03])), (0, 0, 0.3), orientation=turn((1, 0, 0), 0.3)),
+        body("pusher", Box((0.02, 0.1, 0.05)), (-0.2, 0.4, 0.051), motion="kinematic"),
+        body("lift", Box((0.1, 0.1, 0.02)), (0.8, 0, 0.021), motion="kinematic"),
+        body("load", Box((0.03, 0.03, 0.03)), (0.8, 0, 0.071)),
+        body("bomb", Box((0.03, 0.03, 0.03)), (0, 0, 0.3), orientation=turn((1, 0, 0), 0.3)),
     )
     actions = (
         Launch("throw", "ball", 0.1, np.array([1.3, 0, 0]), np.zeros(3)),
@@ -67,7 +51,7 @@ def limbs() -> Scene:
     """Joints of every kind, a tree that hangs and one that floats, a drive that is steered, damping, filtered pairs."""
     hanging = [rod(f"rod{i}", at=(0, 0, 1.5 - 0.4 * i), length=0.4) for i in range(3)]
     hanging[0] = replace(hanging[0], linear_damping=0.1, angular_damping=0.2)
-    boxes = [body(f"box{i}", Box(np.full(3, 0.05)), (0.5 + 0.12 * i, 0, 0.2)) for i in range(4)]
+    boxes = [body(f"box{i}", Box((0.05,) * 3), (0.5 + 0.12 * i, 0, 0.2)) for i in range(4)]
     ball = body("ball", Sphere(0.05), (0.5, 0.02, 0.5), friction=0.3)
     joints = (
         joint("top", "hinge", None, hanging[0], (0, 0, 1.5)),

@@ -6,12 +6,12 @@ import importlib
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 import pytest
 
 from tests.engines import ENGINES, installed
 from tests.pixels.scenes import LYING, body, grain, riding, scene, turned, views, wedge
-from wmspec.scene.model import Box, Capsule, Cone, Cylinder, Scene, Sphere, Surface
+from wmspec.scene.model import Scene, Surface
+from wmspec.shapes import Box, Capsule, Cone, Cylinder, Sphere
 
 
 @pytest.fixture(scope="session")
@@ -19,12 +19,10 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> Scene:
     """Every shape on a wooden table above a floor."""
     wood = Surface((1.0, 1.0, 1.0), texture=grain(tmp_path_factory.mktemp("looks") / "wood.png"))
     return scene(
-        body("floor", "static", (0, 0, -0.75), Box(np.array([3.0, 3.0, 0.05])), Surface((0.72, 0.72, 0.70))),
-        body("table", "static", (0, 0, -0.02), Box(np.array([0.45, 0.35, 0.02])), wood),
+        body("floor", "static", (0, 0, -0.75), Box((3.0, 3.0, 0.05)), Surface((0.72, 0.72, 0.70))),
+        body("table", "static", (0, 0, -0.02), Box((0.45, 0.35, 0.02)), wood),
         body("ball", "dynamic", (-0.28, -0.05, 0.05), Sphere(0.05), Surface((0.80, 0.12, 0.12))),
-        body(
-            "cube", "dynamic", (-0.1, 0.12, 0.05), Box(np.full(3, 0.05)), Surface((0.13, 0.25, 0.80)), turn=turned(0.5)
-        ),
+        body("cube", "dynamic", (-0.1, 0.12, 0.05), Box((0.05,) * 3), Surface((0.13, 0.25, 0.80)), turn=turned(0.5)),
         body("cone", "dynamic", (0.10, -0.12, 0.06), Cone(0.05, 0.12), Surface((0.93, 0.78, 0.12))),
         body("can", "kinematic", (0.20, 0.12, 0.06), Cylinder(0.04, 0.12), Surface((0.12, 0.60, 0.25))),
         body("pill", "dynamic", (-0.08, -0.20, 0.03), Capsule(0.03, 0.08), Surface((0.50, 0.15, 0.60)), turn=LYING),

@@ -10,19 +10,9 @@ import numpy as np
 from PIL import Image
 
 from wmspec.scene.camera import look_at
-from wmspec.scene.model import (
-    Body,
-    Camera,
-    Geom,
-    Light,
-    Mesh,
-    Motion,
-    Pose,
-    Scene,
-    Shape,
-    Surface,
-)
+from wmspec.scene.model import Body, Camera, Geom, Light, Motion, Pose, Scene, Surface
 from wmspec.scene.transform import identity, quaternion
+from wmspec.shapes import Mesh, Shape
 
 SUN = np.array([0.35, 0.45, -1.0]) / np.linalg.norm([0.35, 0.45, -1.0])
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])

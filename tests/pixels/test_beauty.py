@@ -14,15 +14,16 @@ from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.camera import look_at, project
 from wmspec.scene.environment import PEAK, cube, radiance
-from wmspec.scene.model import Box, Camera, Scene, Shot, Sphere, Surface
+from wmspec.scene.model import Camera, Scene, Shot, Surface
 from wmspec.scene.tonemap import develop
+from wmspec.shapes import Box, Sphere
 
 SIZE = 96
 
 
 def metal() -> Scene:
     """A ball of steel and a red one on a floor."""
-    floor = body("floor", "static", (0, 0, -0.05), Box(np.array([3.0, 3.0, 0.05])), Surface((0.7, 0.7, 0.7)))
+    floor = body("floor", "static", (0, 0, -0.05), Box((3.0, 3.0, 0.05)), Surface((0.7, 0.7, 0.7)))
     steel = body("steel", "dynamic", (-0.1, 0, 0.08), Sphere(0.08), Surface((0.9, 0.9, 0.9), 0.1, 1.0))
     paint = body("paint", "dynamic", (0.12, 0, 0.08), Sphere(0.08), Surface((0.8, 0.12, 0.12), 0.6))
     eye = Camera("eye", look_at((0, -0.8, 0.5), (0, 0, 0.05)), math.radians(30), 0.05, 10.0)

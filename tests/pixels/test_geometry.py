@@ -15,14 +15,15 @@ from tests.pixels.scenes import wedge
 from wmspec.diagnostics import WmsError
 from wmspec.scene.camera import look_at, project, projection_matrix, unproject, view_matrix
 from wmspec.scene.color import to_bytes, to_linear, to_srgb
-from wmspec.scene.model import Box, Camera, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
-from wmspec.scene.tessellate import tessellate
+from wmspec.scene.model import Camera
 from wmspec.scene.transform import rotation
+from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
+from wmspec.shapes.facets import tessellate
 
 length = st.floats(0.01, 10)
 place = st.tuples(*[st.floats(-5, 5)] * 3).map(np.array)
 SHAPES: list[tuple[Shape, float]] = [
-    (Box(np.array([0.1, 0.2, 0.3])), 8 * 0.1 * 0.2 * 0.3),
+    (Box((0.1, 0.2, 0.3)), 8 * 0.1 * 0.2 * 0.3),
     (Sphere(0.5), 4 / 3 * math.pi * 0.5**3),
     (Cylinder(0.3, 0.8), math.pi * 0.3**2 * 0.8),
     (Cone(0.3, 0.8), math.pi * 0.3**2 * 0.8 / 3),
@@ -122,6 +123,6 @@ def test_creases_split_and_smooth_edges_do_not() -> None:
 
 def test_equal_shapes_share_their_triangles() -> None:
     assert tessellate(Sphere(0.25)) is tessellate(Sphere(0.25))
-    assert tessellate(Box(np.full(3, 0.1))) is tessellate(Box(np.full(3, 0.1)))
+    assert tessellate(Box((0.1,) * 3)) is tessellate(Box((0.1,) * 3))
     assert tessellate(wedge()) is tessellate(wedge())
     assert tessellate(Sphere(0.25)) is not tessellate(Sphere(0.26))

@@ -15,29 +15,16 @@ from tools import looks
 from wmspec.materials import MATERIALS, Material
 from wmspec.scene.camera import look_at
 from wmspec.scene.color import texture
-from wmspec.scene.model import (
-    Box,
-    Camera,
-    Capsule,
-    Cone,
-    Cylinder,
-    Frame,
-    Geom,
-    Pose,
-    Scene,
-    Shape,
-    Shot,
-    Sphere,
-    Surface,
-)
+from wmspec.scene.model import Camera, Frame, Geom, Pose, Scene, Shot, Surface
 from wmspec.scene.texcoords import unwrap
 from wmspec.scene.transform import identity
+from wmspec.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere
 
 IMAGES = sorted(looks.IMAGES)
 TEXTURED = sorted(name for name, one in MATERIALS.items() if one.path)
 SHAPES: tuple[Shape, ...] = (
     Sphere(0.06),
-    Box(np.full(3, 0.05)),
+    Box((0.05,) * 3),
     Cylinder(0.05, 0.11),
     Cone(0.06, 0.12),
     Capsule(0.035, 0.08),
@@ -97,7 +84,7 @@ def test_an_image_is_as_large_as_it_should_be(shape: Shape) -> None:
         assert shown > 0
 
 
-@pytest.mark.parametrize("shape", [Box(np.array([0.3, 0.2, 0.1])), Cylinder(0.1, 0.3), Sphere(0.2)], ids=str)
+@pytest.mark.parametrize("shape", [Box((0.3, 0.2, 0.1)), Cylinder(0.1, 0.3), Sphere(0.2)], ids=str)
 def test_images_are_not_mirrored(shape: Shape) -> None:
     facets = unwrap(Geom("x", shape, identity(), Surface(texture="x.png", repeats=(3.0, 3.0))))
     s, t, u = (facets.st[facets.faces[:, i]] for i in range(3))
@@ -119,7 +106,7 @@ def lined_up(names: list[str], color: Any) -> Scene:
         for i, name in enumerate(names)
         for j, shape in enumerate(SHAPES)
     ]
-    floor = body("floor", "static", (0, 0, -0.05), Box(np.array([3.0, 3.0, 0.05])), surface(MATERIALS["wood"]))
+    floor = body("floor", "static", (0, 0, -0.05), Box((3.0, 3.0, 0.05)), surface(MATERIALS["wood"]))
     eye = Camera("eye", look_at((0, -1.0, 0.9), (0, 0, 0.03)), math.radians(33), 0.05, 20.0)
     return scene(floor, *shapes, cameras=(eye,))
 

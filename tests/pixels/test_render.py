@@ -15,8 +15,9 @@ from tests.engines import installed
 from tests.pixels.scenes import SUN, body, scene, turned
 from wmspec.diagnostics import WmsError
 from wmspec.scene.camera import look_at, project
-from wmspec.scene.model import Box, Camera, Pose, Scene, Shot, Sphere, Surface
+from wmspec.scene.model import Camera, Pose, Scene, Shot, Surface
 from wmspec.scene.shadow import SHADE
+from wmspec.shapes import Box, Sphere
 
 GREY = (0.8, 0.6, 0.4)
 
@@ -43,7 +44,7 @@ def test_a_ball_is_where_the_camera_model_says(engine: str, size: tuple[int, int
 
 def ground(cameras: tuple[Camera, ...]) -> Scene:
     """A floating ball whose shadow on a floor is far from the ball."""
-    floor = body("floor", "static", (0, 0, -0.1), Box(np.array([12.0, 12.0, 0.1])), Surface(GREY))
+    floor = body("floor", "static", (0, 0, -0.1), Box((12.0, 12.0, 0.1)), Surface(GREY))
     return scene(floor, body("ball", "dynamic", (0, 0, 0.3), Sphere(0.06), Surface(GREY)), cameras=cameras)
 
 
@@ -77,8 +78,8 @@ def test_nothing_shades_itself(engine: str, height: float, renderer: Any) -> Non
 def test_shadows_touch_what_casts_them(engine: str, renderer: Any) -> None:
     """Beside a standing box, at its foot and away from the sun, the floor is dark."""
     eye = Camera("eye", look_at((0.5, 0.9, 0.9), (0, 0, 0)), math.radians(25), 0.05, 10.0)
-    floor = body("floor", "static", (0, 0, -0.1), Box(np.array([3.0, 3.0, 0.1])), Surface(GREY))
-    box = body("box", "dynamic", (0, 0, 0.05), Box(np.full(3, 0.05)), Surface((0.2, 0.2, 0.8)))
+    floor = body("floor", "static", (0, 0, -0.1), Box((3.0, 3.0, 0.1)), Surface(GREY))
+    box = body("box", "dynamic", (0, 0, 0.05), Box((0.05,) * 3), Surface((0.2, 0.2, 0.8)))
     what = scene(floor, box, cameras=(eye,))
     frame = renderer(engine, what, 512, 512).draw(still(what, "eye"))
     light = 255 * (what.light.ambient - what.light.diffuse * SUN[2]) * GREY[0]
@@ -91,7 +92,7 @@ def test_shadows_touch_what_casts_them(engine: str, renderer: Any) -> None:
 def test_every_body_casts_its_whole_shadow(engine: str, renderer: Any) -> None:
     """Balls on a ring, at the ends of the shadow map whichever way it is turned: the rim of each shadow is dark."""
     eye = Camera("eye", look_at((0, 0, 3.0), (0, 0, 0)), math.radians(50), 0.05, 10.0)
-    floor = body("floor", "static", (0, 0, -0.1), Box(np.array([12.0, 12.0, 0.1])), Surface(GREY))
+    floor = body("floor", "static", (0, 0, -0.1), Box((12.0, 12.0, 0.1)), Surface(GREY))
     ring = [0.9 * np.array([math.cos(a), math.sin(a), 0]) for a in np.arange(8) * math.pi / 4]
     balls = [body(f"ball{i}", "dynamic", (x, y, 0.3), Sphere(0.08), Surface(GREY)) for i, (x, y, _) in enumerate(ring)]
     what = scene(floor, *balls, cameras=(eye,))

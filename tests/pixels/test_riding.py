@@ -10,15 +10,16 @@ import numpy as np
 
 from tests.pixels.scenes import body, scene, turned
 from wmspec.scene.camera import look_at
-from wmspec.scene.model import Box, Camera, Pose, Shot, Sphere, Surface
+from wmspec.scene.model import Camera, Pose, Shot, Surface
 from wmspec.scene.transform import compose, inverse
+from wmspec.shapes import Box, Sphere
 
 
 def test_a_riding_camera_sees_what_a_standing_one_sees(renderer: Any, engine: str) -> None:
     bodies = (
-        body("floor", "static", (0, 0, -0.05), Box(np.array([2.0, 2.0, 0.05])), Surface((0.7, 0.7, 0.7))),
+        body("floor", "static", (0, 0, -0.05), Box((2.0, 2.0, 0.05)), Surface((0.7, 0.7, 0.7))),
         body("ball", "dynamic", (0, 0, 0.1), Sphere(0.1), Surface((0.8, 0.1, 0.1))),
-        body("cart", "kinematic", (0, -1, 0.1), Box(np.full(3, 0.05)), Surface((0.1, 0.3, 0.8))),
+        body("cart", "kinematic", (0, -1, 0.1), Box((0.05,) * 3), Surface((0.1, 0.3, 0.8))),
     )
     riding = Camera("eye", look_at((0, -0.9, 0.3), (0, 0, 0.1)), math.radians(50), 0.02, 20.0, body="cart")
     riding = replace(riding, pose=compose(inverse(bodies[2].pose), riding.pose))

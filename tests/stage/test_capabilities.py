@@ -17,7 +17,7 @@ from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import engine_version, info, names
 from wmspec.execute.probe import falling_cube
 from wmspec.scene.capability import JOINTS, NEVER, Lack, friction_above, require, table
-from wmspec.scene.model import Sphere
+from wmspec.shapes import Sphere
 
 ROOT = Path(__file__).parents[2]
 

@@ -18,8 +18,9 @@ from wmspec.check.record import from_json, to_json
 from wmspec.design.design import Design
 from wmspec.diagnostics import WmsError
 from wmspec.materials import MATERIALS
-from wmspec.scene.model import Box, Follow, Force, Impulse, Launch, Mesh, Scene, Steer, Teleport
+from wmspec.scene.model import Follow, Force, Impulse, Launch, Scene, Steer, Teleport
 from wmspec.scene.transform import apply, rotate
+from wmspec.shapes import Box, Mesh
 from wmspec.stage.diff import diff
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document

@@ -28,7 +28,7 @@ def test_the_same_mesh(tmp_path: Path, ending: str) -> None:
     else:
         wedge().export(tmp_path / f"a{ending}")
     found = load(str(tmp_path / f"a{ending}"), (1.0, -2.0, 1.0), "hull", True)
-    np.testing.assert_allclose(found.edges, (0.2, 0.6, 0.5), rtol=1e-6)
+    np.testing.assert_allclose(np.ptp(found.points, axis=0), (0.2, 0.6, 0.5), rtol=1e-6)
     assert found.volume == pytest.approx(0.2 * 0.6 * 0.5 / 6, rel=1e-6)
     made = trimesh.Trimesh(found.points, found.faces)
     assert made.is_watertight
@@ -42,4 +42,4 @@ def test_a_collada_file_says_its_unit(tmp_path: Path, said: str, metres: float) 
     assert "<unit" not in text
     (tmp_path / "a.dae").write_text(text.replace("</asset>", f"{said}</asset>", 1))
     found = load(str(tmp_path / "a.dae"), 1.0, "hull", True)
-    np.testing.assert_allclose(found.edges, np.array((1.2, 0.3, 0.5)) * metres, rtol=1e-6)
+    np.testing.assert_allclose(np.ptp(found.points, axis=0), np.array((1.2, 0.3, 0.5)) * metres, rtol=1e-6)

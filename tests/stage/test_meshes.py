@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 from tests.engines import ENGINES, installed
 from tests.stage.stages import stage
 from wmspec.diagnostics import StageError, WmsError
-from wmspec.scene.inertia import volume
-from wmspec.scene.model import Body, Box, Mesh, Sphere
+from wmspec.scene.model import Body
+from wmspec.shapes import Box, Mesh, Sphere
 from wmspec.usd import read
 
 APPROXIMATED = """def Mesh "%s" (prepend apiSchemas = [%s"PhysicsCollisionAPI", "PhysicsMeshCollisionAPI"]) {
@@ -52,7 +52,7 @@ def test_a_decomposition_collides_in_pieces_and_is_drawn_whole() -> None:
     drawn, *pieces = body.geoms
     assert (drawn.visible, drawn.collides, len(pieces) > 5) == (True, False, True)
     assert all((p.visible, p.collides) == (False, True) for p in pieces)
-    filled = sum(volume(p.shape) for p in pieces)
+    filled = sum(p.shape.volume for p in pieces)
     assert filled == pytest.approx(RING.volume, rel=0.1)
     middle = [
         p

@@ -17,8 +17,8 @@ from wmspec.design.design import Design
 from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
 from wmspec.scene.model import Array, Body, Scene
-from wmspec.scene.tessellate import tessellate
 from wmspec.scene.transform import apply
+from wmspec.shapes.facets import tessellate
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 from wmspec.usd import read

@@ -14,9 +14,9 @@ from pxr import Gf, Usd, UsdPhysics, UsdValidation
 
 from tests.stage.stages import DATA, assert_same, lines, stage
 from wmspec.diagnostics import StageError
-from wmspec.scene.inertia import volume
-from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Friction, Glide, Launch, Mesh, Sphere
+from wmspec.scene.model import Body, Friction, Glide, Launch
 from wmspec.scene.transform import rotation
+from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Sphere
 from wmspec.usd import read
 
 BALL = """
@@ -60,7 +60,7 @@ def test_bodies_of_our_stage() -> None:
         ("cart", "kinematic"),
     ]
     floor, ball, cube, cart = scene.bodies
-    assert_same(floor.geoms[0].shape, Box(np.array((2, 2, 0.1))))
+    assert_same(floor.geoms[0].shape, Box((2.0, 2.0, 0.1)))
     assert_same(ball.geoms[0].friction, Friction(0.9, 0.8, 0.6))
     assert_same(ball.geoms[0].surface.color, (0.8, 0.2, 0.2))
     assert ball.inertia is not None
@@ -112,7 +112,7 @@ TRIANGLE = """def Mesh "x" { point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)
 @pytest.mark.parametrize(
     ("prim", "shape"),
     [
-        ('def Cube "x" {double size = 2 %s}', Box(np.array((2.0, 3.0, 4.0)))),
+        ('def Cube "x" {double size = 2 %s}', Box((2.0, 3.0, 4.0))),
         ('def Cylinder "x" {uniform token axis = "X" double height = 2 double radius = 1 %s}', None),
         (TRIANGLE, Mesh(np.array([(0, 0, 0), (2, 0, 0), (0, 3, 0)], float), np.array([[0, 1, 2]], np.int32))),
     ],
@@ -155,7 +155,12 @@ def test_the_apex_of_a_mirrored_cone(axis: str, mirrored: str) -> None:
 
 
 def test_schema_fallbacks_of_shapes() -> None:
-    kinds = {"Cube": Box(np.ones(3)), "Sphere": Sphere(1.0), "Cylinder": Cylinder(1.0, 2.0), "Cone": Cone(1.0, 2.0)}
+    kinds = {
+        "Cube": Box((1.0, 1.0, 1.0)),
+        "Sphere": Sphere(1.0),
+        "Cylinder": Cylinder(1.0, 2.0),
+        "Cone": Cone(1.0, 2.0),
+    }
     kinds["Capsule"] = Capsule(0.5, 1.0)
     for kind, shape in kinds.items():
         assert_same(only(f'def {kind} "x" {{}}').geoms[0].shape, shape)
@@ -188,7 +193,7 @@ def test_faces_point_outwards(text: str) -> None:
     assert isinstance(mesh, Mesh)
     assert mesh.points.shape == (8, 3), "the point that no face uses is dropped"
     assert_allclose(signed_volume(mesh), 1)
-    assert_allclose(volume(mesh), 1)
+    assert_allclose(mesh.volume, 1)
 
 
 def test_texture_coordinates_of_corners_split_points() -> None:

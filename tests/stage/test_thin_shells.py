@@ -15,7 +15,8 @@ from tests.stage.stages import stage
 from tests.stage.test_meshes import RING, angle, prim
 from wmspec.diagnostics import StageError
 from wmspec.scene.bounds import upright
-from wmspec.scene.model import Body, Mesh
+from wmspec.scene.model import Body
+from wmspec.shapes import Mesh
 from wmspec.usd import read
 from wmspec.usd.thin_shells import DEPTH, sheets
 

@@ -13,7 +13,8 @@ import pytest
 from pxr import Usd
 
 from tests.thirdparty.environments import python_with, run
-from wmspec.scene.model import Body, Cone
+from wmspec.scene.model import Body
+from wmspec.shapes import Cone
 from wmspec.usd import read
 
 HERE = Path(__file__).parent

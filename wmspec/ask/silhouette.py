@@ -8,9 +8,10 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from wmspec.scene.camera import find, project
-from wmspec.scene.model import Array, Body, Camera, Mesh, Pose, Scene, Shape
-from wmspec.scene.tessellate import tessellate
+from wmspec.scene.model import Array, Body, Camera, Pose, Scene
 from wmspec.scene.transform import apply, compose
+from wmspec.shapes import Shape
+from wmspec.shapes.facets import tessellate
 
 #: How wide silhouettes are drawn (px), the smaller ones larger than they are seen, because a polygon covers its edge.
 WIDE, MOST_FINER = 1024, 16
@@ -77,7 +78,7 @@ def _outlines(shape: Shape, pose: Pose, camera: Camera, size: tuple[int, int]) -
     facets = tessellate(shape)
     points, depth = project(camera, apply(pose, facets.points), *size)
     before = depth > camera.near
-    if isinstance(shape, Mesh):
+    if not shape.convex:
         return [points[face] for face in facets.faces if before[face].all()]
     points = points[before]
     try:

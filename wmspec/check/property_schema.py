@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from wmspec.check.types import A_LENGTH, AN_ANGLE
-from wmspec.check.vocabulary import PROPERTIES, Slot
+from wmspec.check.vocabulary import MEASURES, PROPERTIES, Slot
 
-_FORM = ("shape", "size", "radius", "height")
+_FORM = ("shape", *MEASURES)
 _MESH = ("file", "scale", "collision")
 _DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping")
 #: A property that says nothing without another, and what it is for.

@@ -16,10 +16,11 @@ from wmspec.check.property_schema import inherited
 from wmspec.check.typed import Failed
 from wmspec.check.types import A_TIME, article
 from wmspec.check.verbs import ROBOTS
-from wmspec.check.vocabulary import FILES, JOINTS, ROUND, TALL, Slot
+from wmspec.check.vocabulary import FILES, JOINTS, MEASURES, Slot
 from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
 from wmspec.places import Location, Span
+from wmspec.shapes import SHAPES
 
 _MODELS = {"joint": tuple(JOINTS), "robot": tuple(ROBOTS)}
 
@@ -120,8 +121,8 @@ class Things:
             message = "`density` says nothing beside `mass`"
             self.report.add("WMS203", message, of.said["density"].name.span, "remove one of them", notes)
         shape = properties["shape"].value if "shape" in properties else None
-        for name, having in (("radius", ROUND), ("height", TALL)):
-            if name in of.said and isinstance(shape, ir.Value) and shape.value not in having:
+        for name in MEASURES:
+            if name in of.said and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].takes(name):
                 remedy = "say how large it is with `size:`"
                 self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.said[name].name.span, remedy)
 

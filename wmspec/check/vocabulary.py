@@ -27,11 +27,13 @@ from wmspec.check.types import (
     TRUTH,
     TURNS,
     Kind,
+    List,
     Quantity,
     Vector,
 )
 from wmspec.check.units import ACCELERATION, DENSITY, INERTIA, MASS, NUMBER, SPEED, TIME, Dimension, told
 from wmspec.materials import MATERIALS, SHADES
+from wmspec.shapes import SHAPES
 
 #: sRGB in 0..1. Told apart at a glance, named as a person would name them.
 COLORS: dict[str, tuple[float, float, float]] = {
@@ -57,7 +59,7 @@ COLORS: dict[str, tuple[float, float, float]] = {
 }
 
 WORDS: dict[str, tuple[str, ...]] = {
-    "shape": ("box", "cube", "sphere", "cylinder", "cone", "capsule", "wedge", "plane"),
+    "shape": tuple(SHAPES),
     "color": (*COLORS, *SHADES),
     "material": tuple(MATERIALS),
     "collision": ("hull", "pieces", "bounds"),
@@ -67,10 +69,6 @@ WORDS: dict[str, tuple[str, ...]] = {
     "tie": ("neither",),
     "channel": ("rgb", "depth", "ids"),
 }
-
-#: Shapes that have a `radius`, and those that have a `height`.
-TALL = ("cylinder", "cone", "capsule")
-ROUND = ("sphere", *TALL)
 
 #: Headings (rad) that words stand for, as a viewer at the front sees them: +x is right, +y is away.
 HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
@@ -138,6 +136,25 @@ class Slot:
 #: Properties that the material of an object decides when they are left out.
 BY_MATERIAL = ("color", "roughness", "metallic")
 
+#: What the parameters of shapes take.
+PARAMETERS: dict[str, Kind] = {
+    "length": A_LENGTH,
+    "number": A_NUMBER,
+    "angle": AN_ANGLE,
+    "points": List(POINT2),
+    "path": List(POINT3),
+}
+
+#: The properties that only some shapes have, besides `radius` and `height`.
+_OWN: dict[str, Slot] = {
+    name: Slot((PARAMETERS[p.kind],), p.meaning, p.default, p.default is None, p.above, p.least, p.most)
+    for shape in SHAPES.values()
+    for name, p in shape.properties.items()
+}
+
+#: The properties that say how large a shape is.
+MEASURES = ("size", "radius", "height", *_OWN)
+
 _FORM: dict[str, Slot] = {
     "shape": Slot((SHAPE,), "its form", "cube"),
     "size": Slot(
@@ -145,6 +162,7 @@ _FORM: dict[str, Slot] = {
     ),
     "radius": Slot((A_LENGTH,), "of a round object, instead of half its size", optional=True, above=0),
     "height": Slot((A_LENGTH,), "of a cylinder, cone or capsule, instead of its size", optional=True, above=0),
+    **_OWN,
     "color": Slot((COLOR,), "its colour, which tints its material; instead of its material's own", optional=True),
     "material": Slot((MATERIAL,), "what it seems to be made of: its pattern and its gloss", "plastic"),
     "image": Slot((TEXT,), "a picture on its surface: a PNG or JPEG file beside the spec", optional=True),

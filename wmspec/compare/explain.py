@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from wmspec.compare.allow import impacts
 from wmspec.compare.model import Cause, Event, Gap, Rest
 from wmspec.scene.contact import colliders, mix
-from wmspec.scene.model import Body, Cone, Contact, Cylinder, Friction, Scene, Sphere, Trace
+from wmspec.scene.model import Body, Contact, Friction, Scene, Trace
 
 #: With a friction of 0.5 two rolling balls that meet end three times as far apart as with this.
 SMOOTH = 0.1
@@ -81,11 +81,11 @@ def _mass(body: Body) -> float:
 
 
 def _round(body: Body) -> bool:
-    return all(isinstance(g.shape, Sphere) for g in colliders(body))
+    return all(g.shape.symmetry == "ball" for g in colliders(body))
 
 
 def _edged(body: Body) -> bool:
-    return any(isinstance(g.shape, Cylinder | Cone) for g in colliders(body))
+    return any(g.shape.rim for g in colliders(body))
 
 
 def _hint(body: Body, other: Body, material: Friction, impacts: int) -> str:

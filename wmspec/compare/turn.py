@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.scene.model import Body, Capsule, Cone, Cylinder, Sphere
+from wmspec.scene.model import Body
 from wmspec.scene.transform import rotate
 
 Array = NDArray[np.float64]
@@ -14,9 +14,10 @@ Array = NDArray[np.float64]
 def turned(body: Body, a: Array, b: Array) -> Array:
     """The visible angle (T,) in radians between two orientations (T, 4) of a body."""
     shapes = [g.shape for g in body.geoms]
-    if len(shapes) == 1 and isinstance(shapes[0], Sphere):
+    symmetry = shapes[0].symmetry if len(shapes) == 1 else "none"
+    if symmetry == "ball":
         return np.zeros(len(a))
-    if len(shapes) == 1 and isinstance(shapes[0], Cylinder | Cone | Capsule):
+    if symmetry == "axis":
         axis = rotate(body.geoms[0].pose.orientation, np.array([0.0, 0.0, 1.0]))
         return _between(rotate(a, axis), rotate(b, axis))
     return 2 * _between(a, b * np.where((a * b).sum(axis=1, keepdims=True) < 0, -1.0, 1.0))

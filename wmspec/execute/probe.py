@@ -15,8 +15,9 @@ from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.camera import look_at
 from wmspec.scene.inertia import inertia
-from wmspec.scene.model import Body, Box, Camera, Geom, Light, Pose, Scene, Shot, Surface
+from wmspec.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
 from wmspec.scene.transform import identity
+from wmspec.shapes import Box
 
 GRAVITY = 9.81
 SIZE = 64
@@ -25,7 +26,7 @@ FOUND, FAILED = "found: ", "failed: "
 
 def falling_cube() -> Scene:
     """A red cube in free fall for a tenth of a second, with a camera that looks at where it starts."""
-    shape = Box(np.full(3, 0.05))
+    shape = Box((0.05,) * 3)
     cube = Body(
         name="cube",
         path="/World/cube",

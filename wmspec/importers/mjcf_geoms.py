@@ -12,7 +12,7 @@ from wmspec.importers.frames import point
 from wmspec.importers.markup import Element
 from wmspec.importers.mjcf_defaults import Defaults
 from wmspec.importers.model import LOOKS, Array, Color, Link, Look, Mass, Shape, doubts
-from wmspec.importers.solids import inertia, volume
+from wmspec.importers.solids import solid
 
 _GEOM = (
     "name", "type", "size", "pos", "quat", "euler", "axisangle", "fromto", "mass", "density", "friction", "rgba",
@@ -181,10 +181,12 @@ class Geoms:
                 return None
             mass = self.read.number(e, "mass", -1.0)
             if mass < 0:
-                mass = self.read.number(e, "density", 1000.0) * volume(shape)
+                mass = self.read.number(e, "density", 1000.0) * solid(shape).volume
             if mass > 0:
                 axes = shape.place[:3, :3]
-                parts.append((mass, point(shape.place, np.zeros(3)), axes @ (mass * inertia(shape)) @ axes.T))
+                parts.append(
+                    (mass, point(shape.place, np.zeros(3)), axes @ (mass * np.array(solid(shape).tensor)) @ axes.T)
+                )
         total = math.fsum(m for m, _, _ in parts)
         if total <= 0:
             return None

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmspec.check.vocabulary import TALL
+from wmspec.check.types import article, either
+from wmspec.check.vocabulary import MEASURES
 from wmspec.diagnostics import ImpossibleValue
-from wmspec.layout.solids import SLAB, Piece, Solid
-from wmspec.space import HERE, Pose, Vector, turn
+from wmspec.layout.solids import Piece
+from wmspec.shapes import SHAPES, Shape
+from wmspec.shapes.shape import UnfitError
+from wmspec.space import HERE, Pose, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
@@ -54,40 +57,29 @@ def _pieces(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
     return tuple((p, Piece(_solid(values, p), pose)) for p, pose in zip(parts, poses, strict=True))
 
 
-def _solid(values: Values, owner: str) -> Solid:
+def _solid(values: Values, owner: str) -> Shape:
     if not values.has(owner, "file"):
-        return Solid(values.property(owner, "shape"), _edges(values, owner))
+        return _shape(values, owner)
     from wmspec.layout.meshes import load
 
     path, scale, touched = (values.property(owner, name) for name in ("file", "scale", "collision"))
     try:
-        mesh = load(path, scale, touched, touchable(values, owner))
+        return load(path, scale, touched, touchable(values, owner))
     except ImpossibleValue as error:
         raise error.at(values.place(owner, "file")) from None
-    return Solid("mesh", mesh.edges, mesh)
 
 
-def _edges(values: Values, owner: str) -> Vector:
-    """The edges (m) of the upright box around a shape that is not turned."""
-    size, shape = values.property(owner, "size"), values.property(owner, "shape")
-    if isinstance(size, tuple):
-        return _given(values, owner, size, shape)
-    if shape == "plane":
-        return (size, size, SLAB)
-    across, up = size / 2 if shape == "capsule" else size, size
-    if values.has(owner, "radius"):
-        across = up = 2 * values.property(owner, "radius")
-    if values.has(owner, "height") and shape in TALL:
-        up = values.property(owner, "height")
-    if shape == "capsule" and up <= across:
-        raise ImpossibleValue(f"the capsule `{owner}` is not higher than it is wide", values.place(owner))
-    return (across, across, up)
-
-
-def _given(values: Values, owner: str, size: tuple[float, ...], shape: str) -> Vector:
-    if len(size) == 3 and shape in ("box", "wedge"):
-        return (size[0], size[1], size[2])
-    if len(size) == 2 and shape == "plane":
-        return (size[0], size[1], SLAB)
-    many = "only a plane has two edges" if len(size) == 2 else "only a box or a wedge has three edges"
-    raise ImpossibleValue(f"`{owner}` is a {shape}, and {many}", values.place(owner, "size"))
+def _shape(values: Values, owner: str) -> Shape:
+    """A shape of the table, of the sizes that are said."""
+    word = values.property(owner, "shape")
+    kind = SHAPES[word]
+    words = {name: values.property(owner, name) for name in MEASURES if values.has(owner, name)}
+    edges = len(words["size"]) if isinstance(words["size"], tuple) else 1
+    if edges not in kind.lengths:
+        having = either([article(other) for other, one in SHAPES.items() if edges in one.lengths])
+        many = f"only {having} has {'two' if edges == 2 else 'three'} edges"
+        raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.place(owner, "size"))
+    try:
+        return kind.said(words)
+    except UnfitError as error:
+        raise ImpossibleValue(f"the {word} `{owner}` {error}", values.place(owner)) from None

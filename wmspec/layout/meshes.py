@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ from wmspec.check.vocabulary import FILES, MOST_LENGTH, STAGES
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.importers.prim_names import parted
 from wmspec.parse.load import located
+from wmspec.shapes import Mesh
 from wmspec.space import Vector
 
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
@@ -20,26 +21,27 @@ if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wa
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
-    """Triangles: `points`, `faces` of three indices, texture coordinates `st` of each point or None.
+class FileMesh(Mesh):
+    """The mesh of a file, touched at `touched` (n, 3): the corners of its convex hull, or of the upright box around it.
 
-    `edges` (m) are those of the upright box around it, `corners` (n, 3) the points of its convex hull, or of that box
-    if that is what is touched; `volume` (m³) is the hull's, which is 0 if it is flat.
+    `room` (m³) is the volume of the hull, 0 if it is flat.
     """
 
-    points: tuple[Vector, ...]
-    faces: tuple[tuple[int, int, int], ...]
-    st: tuple[tuple[float, float], ...] | None
-    edges: Vector
-    corners: NDArray[np.float64]
-    volume: float
+    touched: NDArray[np.float64] = field(kw_only=True)
+    room: float = field(kw_only=True)
 
-    def reach(self, direction: Vector) -> float:
-        """The largest component (m) of its corners along a direction."""
-        return float((self.corners @ direction).max())
+    @property
+    def outline(self) -> NDArray[np.float64]:
+        """What is touched."""
+        return self.touched
+
+    @property
+    def volume(self) -> float:
+        """The hull's, whatever is touched."""
+        return self.room
 
 
-def load(path: str, scale: float | Vector, collision: str, solid: bool) -> Mesh:
+def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileMesh:
     """The mesh in a file, `scale` times as large, along all of its axes or each, touched as its `collision` says.
 
     A file is read once.
@@ -62,7 +64,7 @@ def load(path: str, scale: float | Vector, collision: str, solid: bool) -> Mesh:
 
 
 @lru_cache(maxsize=256)
-def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision: str) -> Mesh:
+def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision: str) -> FileMesh:
     import numpy as np
 
     stretch = np.broadcast_to(np.asarray(scale, float), 3)
@@ -74,14 +76,8 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
         raise ImpossibleValue(f"{path} is {what}")
     hull, volume = _hull(path, points)
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
-    x, y, z = (high - low).tolist()
-    return Mesh(
-        tuple((x, y, z) for x, y, z in points.tolist()),
-        tuple((a, b, c) for a, b, c in faces.tolist()),
-        None if found.st is None else tuple((s, t) for s, t in found.st.tolist()),
-        (x, y, z),
-        corners if collision == "bounds" else hull,
-        volume,
+    return FileMesh(
+        points, np.asarray(faces, np.int32), found.st, touched=corners if collision == "bounds" else hull, room=volume
     )
 
 

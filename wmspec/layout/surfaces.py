@@ -48,7 +48,7 @@ def holder(values: Values, owner: str) -> tuple[str, str] | None:
 def tops(values: Values, base: str) -> list[Face]:
     """The surfaces on which things can rest on an object, the most level one first."""
     here, made = values.pose(base), pieces(values, base)
-    if len(made) == 1 and made[0].solid.faces:
+    if len(made) == 1 and made[0].solid.flats:
         placed = here.then(made[0].pose)
         return list(upward(made[0].solid, placed, values.property(base, "yaw")))
     highest = bounds(made, here)[1][2]

@@ -6,18 +6,16 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from wmspec.layout.geometry import pieces
-from wmspec.layout.solids import SLAB, Piece, bounds
+from wmspec.layout.solids import Piece, bounds
 from wmspec.layout.values import Values
-from wmspec.space import Pose, Vector, add, cross, rotate, times
-from wmspec.stage.polygons import wedge
+from wmspec.shapes import Shape
+from wmspec.space import Vector, add, cross, rotate, times
 
 if TYPE_CHECKING:  # most scenes need no more than the axes, and checking those should not wait for numpy
-    from wmspec.layout.meshes import Mesh
     from wmspec.scene import model
-    from wmspec.scene.model import Shape
 
 #: So deep (m) objects may be in one another: less is a matter of rounding, and of resting on a curved thing.
 SLACK = 1e-3
@@ -112,7 +110,7 @@ def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
     """
     own = [rotate(a.pose.orientation, axis) for axis in _EDGES]
     others = [rotate(b.pose.orientation, axis) for axis in _EDGES]
-    faces = [rotate(p.pose.orientation, normal) for p in (a, b) for normal, _ in p.solid.faces]
+    faces = [rotate(p.pose.orientation, normal) for p in (a, b) for normal, _ in p.solid.flats]
     between = add(b.pose.position, times(-1.0, a.pose.position))
     for axis in (*own, *others, *faces, *(cross(x, y) for x in own for y in others), between):
         size = math.hypot(*axis)
@@ -122,28 +120,9 @@ def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
 
 
 def _placed(piece: Piece) -> tuple[Shape, model.Pose]:
-    """A convex piece as a shape of a scene, and where that is."""
+    """A convex piece, and where it is as a scene says it."""
     import numpy as np
 
     from wmspec.scene import model
 
-    x, y, z = piece.solid.edges
-    made: Shape
-    pose = piece.pose
-    match piece.solid.kind:
-        case "sphere":
-            made = model.Sphere(x / 2)
-        case "cylinder":
-            made = model.Cylinder(x / 2, z)
-        case "cone":
-            made = model.Cone(x / 2, z)
-        case "capsule":
-            made = model.Capsule(x / 2, z - x)
-        case "box" | "cube":
-            made = model.Box(np.array((x, y, z)) / 2)
-        case "plane":
-            made, pose = model.Box(np.array((x, y, SLAB)) / 2), pose.then(Pose((0.0, 0.0, -SLAB / 2)))
-        case kind:
-            corners = wedge(x, y, z).points if kind == "wedge" else cast("Mesh", piece.solid.hull).corners
-            made = model.Mesh(np.array(corners), np.empty((0, 3), np.int32))
-    return made, model.Pose(np.array(pose.position), np.array(pose.orientation))
+    return piece.solid, model.Pose(np.array(piece.pose.position), np.array(piece.pose.orientation))

@@ -6,8 +6,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from wmspec.scene.model import Array, Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Pose, Shape, Sphere
+from wmspec.scene.model import Array, Body, Geom, Pose
 from wmspec.scene.transform import compose, identity, rotate, rotation
+from wmspec.shapes import Shape
 
 #: A middle nearer (m) than this to the frame is there.
 _ROUNDING = 1e-12
@@ -15,31 +16,7 @@ _ROUNDING = 1e-12
 
 def bounds(shape: Shape, pose: Pose) -> Array:
     """The lowest and highest coordinates (2, 3) m of a shape placed at `pose`."""
-    turn = rotation(pose.orientation)
-    if isinstance(shape, Mesh):
-        points = np.asarray(shape.points, float) @ turn.T
-        return np.stack([points.min(axis=0), points.max(axis=0)]) + pose.position
-    reach = _reach(shape, turn)
-    return np.stack([-_reach(shape, -turn), reach]) + pose.position
-
-
-def _reach(shape: Shape, turn: Array) -> Array:
-    """How far (3,) a shape that is no mesh, turned by a matrix, reaches in the directions +x, +y and +z."""
-    along = turn[:, 2]
-    across = np.sqrt(np.clip(1.0 - along**2, 0.0, None))
-    match shape:
-        case Box():
-            return np.asarray(np.abs(turn) @ np.asarray(shape.half, float))
-        case Sphere():
-            return np.full(3, shape.radius)
-        case Cylinder():
-            return np.asarray(np.abs(along) * shape.height / 2 + across * shape.radius)
-        case Capsule():
-            return np.abs(along) * shape.height / 2 + shape.radius
-        case Cone():
-            return np.maximum(along * shape.height / 2, across * shape.radius - along * shape.height / 2)
-        case Mesh():
-            raise AssertionError(shape)
+    return shape.bounds(rotation(pose.orientation)) + pose.position
 
 
 def upright(geoms: Iterable[Geom], pose: Pose) -> Array:

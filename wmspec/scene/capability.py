@@ -9,7 +9,7 @@ from functools import partial
 from wmspec.diagnostics import WmsError
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
-from wmspec.scene.model import Cone, Joint, Mesh, Scene
+from wmspec.scene.model import Joint, Scene
 
 Where = Iterator[tuple[str, str]]
 """Prim paths, and what is asked of each."""
@@ -60,7 +60,7 @@ def table(engines: Mapping[str, Iterable[Lack]]) -> list[tuple[str, dict[str, st
 
 def _meshes(scene: Scene) -> Where:
     for body in scene.bodies:
-        if any(isinstance(geom.shape, Mesh) for geom in colliders(body)):
+        if any(not geom.shape.prims for geom in colliders(body)):
             yield body.path, "a mesh that collides"
 
 
@@ -92,7 +92,7 @@ def _materials(scene: Scene) -> Where:
 
 def _many(scene: Scene, most: int) -> Where:
     for body in scene.bodies:
-        hulls = [isinstance(geom.shape, Cone | Mesh) for geom in colliders(body)]
+        hulls = [geom.shape.primitive is None for geom in colliders(body)]
         if body.motion != "static" and hulls.count(False) + any(hulls) > most:
             yield body.path, f"a moving body of {len(hulls)} pieces"
 

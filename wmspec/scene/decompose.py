@@ -14,10 +14,11 @@ import numpy as np
 import trimesh
 
 from wmspec.diagnostics import WmsError
-from wmspec.scene.inertia import inertia, principal, volume
-from wmspec.scene.model import Array, Inertia, Mesh, Pose
+from wmspec.scene.inertia import inertia, principal
+from wmspec.scene.model import Array, Inertia, Pose
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import apply, multiply
+from wmspec.shapes import Mesh
 
 CONCAVITY = 0.05  # what a piece may lack to be convex, as part of the mesh's size
 SEARCH: dict[str, Any] = {"mcts_nodes": 10, "mcts_iterations": 30, "resolution": 500, "max_ch_vertex": 128, "seed": 0}
@@ -58,7 +59,7 @@ def whole(mesh: Mesh, pose: Pose, parts: Sequence[Mesh]) -> tuple[float, Inertia
     solid = trimesh.Trimesh(mesh.points, mesh.faces)
     if not (solid.is_watertight and solid.volume > 0):
         parts = parts or [mesh]
-        sizes = [volume(part) for part in parts]
+        sizes = [part.volume for part in parts]
         return sum(sizes), inertia([(part, pose, size / sum(sizes)) for part, size in zip(parts, sizes, strict=True)])
     axes, moments = principal(np.asarray(solid.moment_inertia, float) / float(solid.mass))
     center = apply(pose, np.asarray(solid.center_mass, float))

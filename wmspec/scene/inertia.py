@@ -1,39 +1,18 @@
-"""Mass properties of solid, homogeneous shapes, and of bodies made of several of them.
-
-Formulas: Meriam and Kraige, Engineering Mechanics: Dynamics, table D/4. A mesh counts as its convex hull.
-"""
+"""Mass properties of bodies made of solid, homogeneous shapes."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import permutations
-from math import pi
 
 import numpy as np
 
 from wmspec.diagnostics import WmsError
-from wmspec.scene.hull import solid
-from wmspec.scene.model import Array, Box, Capsule, Cone, Cylinder, Inertia, Mesh, Pose, Shape, Sphere
+from wmspec.scene.model import Array, Inertia, Pose
 from wmspec.scene.transform import apply, multiply, quaternion, rotate, rotation
+from wmspec.shapes import Shape
 
 _ROUND_OFF = 1e-9  # of the trace: products of inertia below this are rounding, not shape
-
-
-def volume(shape: Shape) -> float:
-    """The volume of a shape, m³."""
-    match shape:
-        case Box(half):
-            return 8.0 * float(np.prod(half))
-        case Sphere(r):
-            return 4 / 3 * pi * r**3
-        case Cylinder(r, h):
-            return pi * r**2 * h
-        case Cone(r, h):
-            return pi * r**2 * h / 3
-        case Capsule(r, h):
-            return pi * r**2 * h + 4 / 3 * pi * r**3
-        case Mesh():
-            return float(solid(shape).volume)
 
 
 def inertia(parts: Sequence[tuple[Shape, Pose, float]]) -> Inertia:
@@ -47,7 +26,9 @@ def inertia(parts: Sequence[tuple[Shape, Pose, float]]) -> Inertia:
     if len(parts) == 1:
         return _single(*parts[0])
     total = sum(mass for _, _, mass in parts)
-    placed = [(apply(pose, _center(shape)), pose, _tensor(shape) * mass, mass) for shape, pose, mass in parts]
+    placed = [
+        (apply(pose, np.array(shape.center)), pose, np.array(shape.tensor) * mass, mass) for shape, pose, mass in parts
+    ]
     center = np.sum([mass * c for c, _, _, mass in placed], axis=0) / total
     tensor = np.zeros((3, 3))
     for c, pose, own, mass in placed:
@@ -72,46 +53,6 @@ def principal(tensor: Array) -> tuple[Array, Array]:
 
 
 def _single(shape: Shape, pose: Pose, mass: float) -> Inertia:
-    axes, moments = principal(_tensor(shape) * mass)
-    center = pose.position + rotate(pose.orientation, _center(shape))
+    axes, moments = principal(np.array(shape.tensor) * mass)
+    center = pose.position + rotate(pose.orientation, np.array(shape.center))
     return Inertia(float(mass), center, multiply(pose.orientation, axes), moments)
-
-
-def _center(shape: Shape) -> Array:
-    """The centre of mass (3,) in the shape's frame."""
-    match shape:
-        case Cone(_, h):
-            return np.array([0.0, 0.0, -h / 4])
-        case Mesh():
-            return np.asarray(solid(shape).center_mass, float)
-        case _:
-            return np.zeros(3)
-
-
-def _tensor(shape: Shape) -> Array:
-    """The tensor of inertia (3, 3) of 1 kg, about the centre of mass, m²."""
-    match shape:
-        case Box(half):
-            x, y, z = np.square(half) / 3
-            return np.diag([y + z, x + z, x + y])
-        case Sphere(r):
-            return np.diag([0.4 * r**2] * 3)
-        case Cylinder(r, h):
-            across = r**2 / 4 + h**2 / 12
-            return np.diag([across, across, r**2 / 2])
-        case Cone(r, h):
-            across = 3 / 20 * r**2 + 3 / 80 * h**2
-            return np.diag([across, across, 3 / 10 * r**2])
-        case Capsule(r, h):
-            return _capsule(r, h)
-        case Mesh():
-            hull = solid(shape)
-            return np.asarray(hull.moment_inertia, float) / float(hull.mass)
-
-
-def _capsule(r: float, h: float) -> Array:
-    straight = pi * r**2 * h
-    ends = 4 / 3 * pi * r**3
-    m, n = straight / (straight + ends), ends / (straight + ends)
-    across = m * (h**2 / 12 + r**2 / 4) + n * (0.4 * r**2 + h**2 / 4 + 3 * h * r / 8)
-    return np.diag([across, across, m * r**2 / 2 + n * 0.4 * r**2])

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from math import hypot
-
 import numpy as np
 
 from wmspec.scene.bounds import bounds
-from wmspec.scene.hull import solid
-from wmspec.scene.model import Array, Box, Capsule, Cone, Cylinder, Mesh, Pose, Shape, Sphere
+from wmspec.scene.model import Array, Pose
 from wmspec.scene.transform import conjugate, rotate
+from wmspec.shapes import Shape
 
 #: The answer is exact to this (m).
 PRECISION = 1e-5
@@ -47,47 +45,5 @@ def overlap(a: Shape, at_a: Pose, b: Shape, at_b: Pose, least: float) -> float:
 
 def _depth(shape: Shape, pose: Pose, point: Array) -> tuple[float, Array]:
     """How far (m) a point is below the surface (negative: outside) and how that grows with the point (3,)."""
-    depth, slope = _local(shape, rotate(conjugate(pose.orientation), point - pose.position))
+    depth, slope = shape.depth(rotate(conjugate(pose.orientation), point - pose.position))
     return depth, rotate(pose.orientation, slope)
-
-
-def _local(shape: Shape, p: Array) -> tuple[float, Array]:
-    if isinstance(shape, Sphere):
-        return _round(shape.radius, p)
-    if isinstance(shape, Capsule):
-        return _round(shape.radius, p - [0.0, 0.0, np.clip(p[2], -shape.height / 2, shape.height / 2)])
-    return min(_sides(shape, p), key=lambda side: side[0])
-
-
-def _sides(shape: Shape, p: Array) -> list[tuple[float, Array]]:
-    across = p * [1.0, 1.0, 0.0]
-    match shape:
-        case Box():
-            half = np.asarray(shape.half, float)
-            return [_plane(s * axis, h, p) for axis, h in zip(np.eye(3), half, strict=True) for s in (-1.0, 1.0)]
-        case Cylinder():
-            z = np.array([0.0, 0.0, 1.0])
-            caps = [_plane(s * z, shape.height / 2, p) for s in (-1.0, 1.0)]
-            return [*caps, _round(shape.radius, across)]
-        case Cone():
-            slant = hypot(shape.radius, shape.height)
-            depth, inwards = _round(0.0, across)
-            side = (depth * shape.height + (shape.height / 2 - p[2]) * shape.radius) / slant
-            slope = (inwards * shape.height - np.array([0.0, 0.0, shape.radius])) / slant
-            return [_plane(np.array([0.0, 0.0, -1.0]), shape.height / 2, p), (float(side), slope)]
-        case Mesh():
-            hull = solid(shape)
-            offsets = np.einsum("ij,ij->i", hull.face_normals, hull.triangles[:, 0])
-            depths = offsets - hull.face_normals @ p
-            i = int(depths.argmin())
-            return [(float(depths[i]), -np.asarray(hull.face_normals[i]))]
-    raise AssertionError(shape)
-
-
-def _plane(normal: Array, offset: float, p: Array) -> tuple[float, Array]:
-    return float(offset - normal @ p), -normal
-
-
-def _round(radius: float, away: Array) -> tuple[float, Array]:
-    distance = float(np.linalg.norm(away))
-    return radius - distance, -away / distance if distance > 0 else np.zeros(3)

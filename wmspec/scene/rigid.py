@@ -13,8 +13,7 @@ from wmspec.scene.articulations import Tree, trees
 from wmspec.scene.com_frame import centred, placed
 from wmspec.scene.contact import apart, colliders
 from wmspec.scene.episode import Episode, Vector
-from wmspec.scene.hull import corners
-from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Scene, Sphere
+from wmspec.scene.model import Body, Geom, Scene
 from wmspec.scene.numbers import floats, numbers
 from wmspec.scene.transform import identity
 
@@ -81,15 +80,8 @@ def _rigid(body: Body) -> Rigid:
 
 def _piece(geom: Geom) -> Piece:
     f, pose = geom.friction, geom.pose
-    match geom.shape:
-        case Box(half):
-            kind, size = "box", floats(half)
-        case Sphere(r):
-            kind, size = "sphere", (float(r),)
-        case Cylinder(r, h):
-            kind, size = "cylinder", (float(r), float(h))
-        case Capsule(r, h):
-            kind, size = "capsule", (float(r), float(h))
-        case Cone() | Mesh():
-            kind, size, pose = "hull", floats(placed(pose, corners(geom.shape))), identity()
+    if geom.shape.primitive is not None:
+        kind, size = geom.shape.primitive
+    else:
+        kind, size, pose = "hull", floats(placed(pose, geom.shape.corners())), identity()
     return Piece(kind, size, numbers(pose), (float(f.static), float(f.dynamic), float(f.restitution)))

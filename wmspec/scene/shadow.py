@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from wmspec.scene.camera import look_at
 from wmspec.scene.model import Array, Body, Camera, Scene, Shot
-from wmspec.scene.tessellate import tessellate
 from wmspec.scene.transform import rotation
+from wmspec.shapes.facets import tessellate
 
 SHADE = 0.6
 """The share of the sun's light that shadows take away; the rest stands for light from the sky, and falls everywhere."""

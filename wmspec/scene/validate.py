@@ -10,7 +10,7 @@ from wmspec.diagnostics import WmsError
 from wmspec.scene.action_rules import problems as deed_problems
 from wmspec.scene.action_rules import sequence
 from wmspec.scene.joints import problems as joint_problems
-from wmspec.scene.model import Body, Box, Capsule, Cone, Cylinder, Geom, Mesh, Scene, Shape, Sphere
+from wmspec.scene.model import Body, Geom, Scene
 
 _UNIT = 1e-6  # how far a quaternion's length may be from 1
 
@@ -72,7 +72,7 @@ def _inertia(body: Body) -> Iterator[str]:
 
 
 def _geom(geom: Geom) -> Iterator[str]:
-    sizes = _sizes(geom.shape)
+    sizes = np.array(geom.shape.sizes)
     if not (np.isfinite(sizes).all() and (sizes > 0).all()):
         yield f"its size {sizes} is not positive"
     if not abs(np.linalg.norm(geom.pose.orientation) - 1) < _UNIT:
@@ -87,15 +87,3 @@ def _geom(geom: Geom) -> Iterator[str]:
         )
     if not 0 <= f.restitution <= 1:
         yield f"its restitution is {f.restitution}, expected a number from 0 to 1"
-
-
-def _sizes(shape: Shape) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    match shape:
-        case Box(half):
-            return np.ravel(half)
-        case Sphere(r):
-            return np.array([r])
-        case Cylinder(r, h) | Cone(r, h) | Capsule(r, h):
-            return np.array([r, h])
-        case Mesh(points):
-            return np.atleast_1d(np.ptp(points, axis=0).max() if len(points) else 0.0)

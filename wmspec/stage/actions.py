@@ -7,7 +7,6 @@ from pkgutil import resolve_name
 
 from wmspec.check.ir import TaskSpec, Thing
 from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import ROUND
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import motion
 from wmspec.layout.geometry import pieces
@@ -100,10 +99,11 @@ def _velocity(prim: Prim, action: Thing, values: Values, speed: float, *sources:
 
 def _rolling(action: Thing, target: str, speed: float, values: Values) -> Vector:
     """The angular velocity of a ball that rolls without slipping: up x velocity / radius."""
-    if values.parts(target) or values.has(target, "file") or values.property(target, "shape") != "sphere":
+    made = pieces(values, target)
+    if values.parts(target) or made[0].solid.symmetry != "ball":
         raise ImpossibleValue(f"`{target}` is not a sphere, so it cannot set off rolling", action.place)
     angle = motion.angle(values.property(action.name, "direction"))
-    rate = speed / (pieces(values, target)[0].solid.edges[0] / 2)
+    rate = speed / (made[0].solid.reach(UP))
     return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
 
 
@@ -120,7 +120,7 @@ def slide(prim: Prim, action: Thing, values: Values) -> None:
     if face.normal[2] < 1 - 1e-9:
         raise ImpossibleValue(f"what `{target}` rests on is not level, so it would not stop there", action.place)
     if _rolls(target, heading(motion.angle(values.property(name, "direction"))), values):
-        ball = pieces(values, target)[0].solid.kind == "sphere"
+        ball = pieces(values, target)[0].solid.symmetry == "ball"
         remedy = "say `launch(..., rolling: true)`" if ball else "stand it up, or slide it along its axis"
         raise ImpossibleValue(f"`{target}` is round and would roll on instead of sliding", action.place, remedy)
     rub = math.sqrt(values.property(target, "friction") * values.property(base, "friction"))
@@ -137,10 +137,10 @@ def slide(prim: Prim, action: Thing, values: Values) -> None:
 def _rolls(target: str, way: Vector, values: Values) -> bool:
     """Whether an object is round where it rests, so that it rolls that way; it does not along its own axis."""
     made = pieces(values, target)
-    if len(made) > 1 or made[0].solid.kind not in ROUND:
+    if len(made) > 1 or made[0].solid.symmetry == "none":
         return False
     axis = rotate(values.pose(target).then(made[0].pose).orientation, UP)
-    return made[0].solid.kind == "sphere" or (abs(axis[2]) < LYING and abs(dot(axis, way)) < ALONG)
+    return made[0].solid.symmetry == "ball" or (abs(axis[2]) < LYING and abs(dot(axis, way)) < ALONG)
 
 
 # ---------------------------------------------------------------- carried

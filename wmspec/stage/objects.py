@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
-
-from wmspec.check.vocabulary import TALL
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.geometry import every_piece, touchable
-from wmspec.layout.solids import SLAB, Piece, Solid
+from wmspec.layout.solids import Piece
 from wmspec.layout.support import supported
 from wmspec.layout.values import Values
-from wmspec.space import HERE
-from wmspec.stage import masses, materials, polygons
+from wmspec.shapes.polygons import Polygons
+from wmspec.space import HERE, Pose, Vector
+from wmspec.stage import masses, materials
 from wmspec.stage.document import Document, Prim
 
-if TYPE_CHECKING:
-    from wmspec.layout.meshes import Mesh
-
-#: What a shape is in USD; a wedge and the mesh of a file are meshes.
-PRIMS = {
-    "box": "Cube",
-    "cube": "Cube",
-    "plane": "Cube",
-    "sphere": "Sphere",
-    "cylinder": "Cylinder",
-    "cone": "Cone",
-    "capsule": "Capsule",
-}
 _APPROXIMATIONS = {"hull": "convexHull", "pieces": "convexDecomposition", "bounds": "boundingCube"}
 
 
@@ -64,7 +49,8 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
 def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
     made = every_piece(values, name)
     for part, piece in made:
-        below = piece.solid.kind if part == name else part.removeprefix(f"{name}.")
+        form = "mesh" if values.has(part, "file") else values.property(part, "shape")
+        below = form if part == name else part.removeprefix(f"{name}.")
         touched = solid and touchable(values, part)
         prim = _piece(doc, f"{object_path(name)}/{below}", piece, part, name, values, touched)
         if touchable(values, part):
@@ -73,50 +59,54 @@ def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
 
 
 def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values: Values, solid: bool) -> Prim:
-    made = piece.solid
+    made = piece.solid.prim()
+    mesh = isinstance(made, Polygons)
     touched = ("PhysicsCollisionAPI", "PhysicsMassAPI") if solid else ()
-    meshed = ("PhysicsMeshCollisionAPI",) if solid and made.kind not in PRIMS else ()
+    meshed = ("PhysicsMeshCollisionAPI",) if solid and mesh else ()
     sources = (f"{part}.form", f"{name}.solid", f"{name}.present")
-    prim = doc.add(path, PRIMS.get(made.kind, "Mesh"), (*touched, *meshed, "MaterialBindingAPI"), sources)
-    form, ops = f"{part}.form", []
-    position, orientation = piece.pose.position, piece.pose.orientation
-    if made.kind == "plane":
-        position = piece.pose.apply((0.0, 0.0, -SLAB / 2))
-    if piece.pose != HERE or made.kind == "plane":
-        ops += [_op(prim, "translate", "double3", position, form), _op(prim, "orient", "quatd", orientation, form)]
-    if PRIMS.get(made.kind) == "Cube":
-        ops.append(_op(prim, "scale", "double3", made.edges, form))
-    if ops:
-        prim.set("xformOpOrder", "token[]", tuple(ops), form, uniform=True)
-    _shape(prim, made, form)
+    prim = doc.add(path, made.type, (*touched, *meshed, "MaterialBindingAPI"), sources)
+    form = f"{part}.form"
+    if isinstance(made, Polygons):
+        _place(prim, piece.pose, None, form)
+        _mesh(prim, made, form)
+    else:
+        _place(prim, piece.pose.then(Pose(made.offset)), made.scale, form)
+        for attribute, type, value, uniform in made.attributes:
+            prim.set(attribute, type, value, form, uniform=uniform)
+        prim.set("extent", "float3[]", made.extent, form)
     if values.has(part, "drawn") and not values.property(part, "drawn"):
         prim.set("visibility", "token", "invisible", f"{part}.drawn")
     if meshed:
-        way = _APPROXIMATIONS[values.property(part, "collision")] if values.has(part, "file") else "convexHull"
+        way = "convexHull" if piece.solid.convex else "convexDecomposition"
+        if values.has(part, "file"):
+            way = _APPROXIMATIONS[values.property(part, "collision")]
         prim.set("physics:approximation", "token", way, form, uniform=True)
     return prim
 
 
-def _op(prim: Prim, kind: str, type: str, value: tuple[float, ...], source: str) -> str:
-    prim.set(f"xformOp:{kind}", type, value, source)
-    return f"xformOp:{kind}"
+def _place(prim: Prim, pose: Pose, scale: Vector | None, form: str) -> None:
+    """Where the prim is in its object; nothing if that is where the object is."""
+    ops: list[tuple[str, str, tuple[float, ...]]] = []
+    if pose != HERE:
+        ops += [("translate", "double3", pose.position), ("orient", "quatd", pose.orientation)]
+    if scale is not None:
+        ops.append(("scale", "double3", scale))
+    for kind, type, value in ops:
+        prim.set(f"xformOp:{kind}", type, value, form)
+    if ops:
+        prim.set("xformOpOrder", "token[]", tuple(f"xformOp:{kind}" for kind, _, _ in ops), form, uniform=True)
 
 
-def _shape(prim: Prim, made: Solid, form: str) -> None:
-    x, y, z = made.edges
-    corner = (x / 2, y / 2, z / 2)
-    if made.kind == "mesh":
-        polygons.of_mesh(cast("Mesh", made.hull)).give(prim, form)
-        return
-    if made.kind == "wedge":
-        polygons.wedge(x, y, z).give(prim, form)
-        return
-    if PRIMS[made.kind] == "Cube":
-        prim.set("size", "double", 1.0, form)
-        corner = (0.5, 0.5, 0.5)
-    else:
-        prim.set("radius", "double", x / 2, form)
-    if made.kind in TALL:
-        prim.set("height", "double", z - x if made.kind == "capsule" else z, form)
-        prim.set("axis", "token", "Z", form, uniform=True)
-    prim.set("extent", "float3[]", (tuple(-c for c in corner), corner), form)
+def _mesh(prim: Prim, made: Polygons, form: str) -> None:
+    """Make the prim this mesh."""
+    prim.set("points", "point3f[]", made.points, form)
+    prim.set("faceVertexCounts", "int[]", made.counts, form)
+    prim.set("faceVertexIndices", "int[]", made.indices, form)
+    prim.set("subdivisionScheme", "token", "none", form, uniform=True)
+    normals, varies = (made.normals, "uniform") if made.smooth is None else (made.smooth, "vertex")
+    prim.set("primvars:normals", "normal3f[]", normals, form, varies=varies)
+    prim.set("extent", "float3[]", made.extent, form)
+    if made.st:
+        prim.set("primvars:st", "texCoord2f[]", made.st, form, varies="vertex")
+    for name, type, value in made.numbers:
+        prim.set(name, type, value, form, uniform=True)

@@ -14,7 +14,6 @@ from wmspec.scene.transform import apply, compose, inverse
 from wmspec.usd.frames import World, split, vector
 from wmspec.usd.prims import refuse, value
 from wmspec.usd.shader_inputs import srgb
-from wmspec.usd.shapes import reach
 
 BACKGROUND = (0.86, 0.88, 0.9)
 """The colour, sRGB, behind a stage without a DomeLight."""
@@ -50,7 +49,7 @@ def overview(bodies: Sequence[Body]) -> Camera:
     corners = [np.zeros((1, 3))] if not any(body.geoms for body in shown) else []
     signs = np.array(np.meshgrid((-1, 1), (-1, 1), (-1, 1))).reshape(3, -1).T
     for body in shown:
-        corners += [apply(body.pose, apply(geom.pose, signs * reach(geom.shape))) for geom in body.geoms]
+        corners += [apply(body.pose, apply(geom.pose, signs * geom.shape.half_extent)) for geom in body.geoms]
     points = np.concatenate(corners)
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = max(float(np.linalg.norm(points - center, axis=1).max()), 0.05)

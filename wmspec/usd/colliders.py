@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd
 
+from wmspec import space
 from wmspec.diagnostics import WmsError
 from wmspec.scene.decompose import pieces
-from wmspec.scene.model import Array, Box, Mesh, Motion, Pose, Shape, Sphere
-from wmspec.scene.transform import apply, conjugate, rotate
+from wmspec.scene.model import Array, Motion, Pose
+from wmspec.scene.transform import apply, compose, conjugate, rotate
+from wmspec.shapes import Box, Mesh, Shape, Sphere
 from wmspec.usd import meshes
 from wmspec.usd.prims import refuse, value
 from wmspec.usd.shapes import Placed
@@ -29,7 +31,7 @@ def collider(here: Placed, motion: Motion, down: Array = DOWN) -> tuple[tuple[Sh
     """
     prim, mesh = here.prim, here.shape
     if not isinstance(mesh, Mesh):
-        return ((mesh, here.pose),)
+        return tuple((piece, _placed(here.pose, at)) for piece, at in mesh.pieces())
     way = value(prim, "physics:approximation", "none")
     if way not in WAYS:
         refuse(prim, f"the approximation '{way}' is not supported", f"set it to one of: {', '.join(WAYS)}")
@@ -44,6 +46,10 @@ def collider(here: Placed, motion: Motion, down: Array = DOWN) -> tuple[tuple[Sh
         return tuple((piece, here.pose) for piece in pieces(mesh))
     except WmsError as error:
         refuse(prim, str(error), "or split it into convex meshes")
+
+
+def _placed(pose: Pose, at: space.Pose) -> Pose:
+    return pose if at == space.HERE else compose(pose, Pose(np.array(at.position), np.array(at.orientation)))
 
 
 def _surface(here: Placed, mesh: Mesh, motion: Motion, down: Array) -> tuple[tuple[Shape, Pose], ...]:
@@ -73,5 +79,6 @@ def _bounds(mesh: Mesh, pose: Pose, way: str) -> tuple[Shape, Pose]:
     middle = (low + high) / 2
     at = Pose(apply(pose, middle), pose.orientation)
     if way == "boundingCube":
-        return Box((high - low) / 2), at
+        x, y, z = ((high - low) / 2).tolist()
+        return Box((x, y, z)), at
     return Sphere(float(np.linalg.norm(mesh.points - middle, axis=1).max())), at

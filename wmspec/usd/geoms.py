@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from pxr import Sdf, Usd, UsdShade
 
-from wmspec.scene.model import Friction, Geom, Pose, Shape, Surface
+from wmspec.scene.model import Friction, Geom, Pose, Surface
+from wmspec.shapes import Shape
 from wmspec.usd import materials, meshes
 from wmspec.usd.prims import Names, applied, refuse
 from wmspec.usd.shapes import Placed

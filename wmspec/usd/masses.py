@@ -16,9 +16,10 @@ from pxr import Gf, Usd
 
 from wmspec.diagnostics import WmsError
 from wmspec.scene.decompose import whole
-from wmspec.scene.inertia import inertia, principal, volume
-from wmspec.scene.model import Array, Inertia, Mesh
+from wmspec.scene.inertia import inertia, principal
+from wmspec.scene.model import Array, Inertia
 from wmspec.scene.transform import multiply, rotation
+from wmspec.shapes import Mesh
 from wmspec.usd.colliders import as_hull, collider
 from wmspec.usd.frames import Place, World, quaternion, vector
 from wmspec.usd.prims import refuse, value
@@ -56,7 +57,7 @@ def _collider_inertia(c: Placed, density: float, world: World) -> Inertia:
             mass = mass or (per_volume or WATER) * size
             found = replace(unit, mass=mass, moments=unit.moments * mass)
         else:
-            found = inertia([(c.shape, c.pose, mass or (per_volume or WATER) * volume(c.shape))])
+            found = inertia([(c.shape, c.pose, mass or (per_volume or WATER) * c.shape.volume)])
     except WmsError as error:
         refuse(c.prim, str(error), "author a shape with a volume")
     return _override(c.prim, c.place, found, world)

@@ -7,7 +7,8 @@ import trimesh
 from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, UsdShade
 
-from wmspec.scene.model import Array, Mesh
+from wmspec.scene.model import Array
+from wmspec.shapes import Mesh
 from wmspec.usd.prims import NOW, refuse, still, value
 
 _Indices = NDArray[np.int32]

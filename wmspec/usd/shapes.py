@@ -1,21 +1,22 @@
-"""The geometries of USD as shapes: one function per type of prim."""
+"""The geometries of USD as shapes: a shape reads its own."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from pxr import Gf, Usd
 
-from wmspec.scene.model import Array, Box, Capsule, Cone, Cylinder, Mesh, Pose, Shape, Sphere
+from wmspec.scene.model import Pose
+from wmspec.shapes import SHAPES, Shape
+from wmspec.shapes.facets import tessellate
+from wmspec.shapes.polygons import NAME
+from wmspec.space import Vector
 from wmspec.usd.frames import Place, quaternion, vector
 from wmspec.usd.meshes import mesh
 from wmspec.usd.prims import refuse, value
-
-PLANE = (100.0, 1.0)
-"""Width and thickness (m) of the box that stands for an infinite plane."""
 
 _SAME = 1e-6
 _HALF = math.sqrt(0.5)
@@ -29,8 +30,6 @@ _TURNS = {
     ("Z", -1): Gf.Quatd(0, 1, 0, 0),
 }
 """Axis and its sign -> the turn that brings our z there."""
-
-_Scale = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -50,16 +49,64 @@ def placed(prim: Usd.Prim, place: Place) -> Placed:
         StageError: if its numbers make no such shape, or its transform deforms it into something else.
     """
     if prim.GetTypeName() == "Mesh":
-        return Placed(prim, place, mesh(prim, place.stretch), place.pose)
+        return Placed(prim, place, _mesh(prim, place), place.pose)
     scale = _scale(prim, place)
-    shape, offset = SHAPES[prim.GetTypeName()](prim, scale)
+    shape, offset = PRIMS[prim.GetTypeName()].read(_Prim(prim, scale))
     axis = value(prim, "axis", "Z")
     turn = place.rigid.ExtractRotationQuat() * _TURNS[axis, 1 if scale[_AXES[axis]] > 0 else -1]
     shift = place.rigid.ExtractTranslation() + turn.Transform(Gf.Vec3d(0, 0, offset))
     return Placed(prim, place, shape, Pose(vector(shift), quaternion(turn)))
 
 
-def _scale(prim: Usd.Prim, place: Place) -> _Scale:
+@dataclass(frozen=True)
+class _Prim:
+    """A prim as shapes read it."""
+
+    prim: Usd.Prim
+    scale: Vector
+
+    def positive(self, name: str, fallback: float) -> float:
+        """The attribute, which is a size; as float, since USD's doubles may be numpy's."""
+        size = float(value(self.prim, name, fallback))
+        if not 0 < size < math.inf:
+            refuse(self.prim, f"{name} = {size:g}", f"expected a {name} above 0")
+        return size
+
+    def least(self, name: str, fallback: float) -> float:
+        """The attribute, which may be 0."""
+        size = float(value(self.prim, name, fallback))
+        if not 0 <= size < math.inf:
+            refuse(self.prim, f"{name} = {size:g}", f"expected a {name} of at least 0")
+        return size
+
+    def radius(self, fallback: float) -> float:
+        """The one radius of a prim that may have two."""
+        if not self.prim.GetTypeName().endswith("_1"):
+            return self.positive("radius", fallback)
+        top, bottom = self.positive("radiusTop", fallback), self.positive("radiusBottom", fallback)
+        if not math.isclose(top, bottom, rel_tol=_SAME):
+            refuse(self.prim, "its two radii differ", "use equal radii, a Cone or a Mesh")
+        return top
+
+    def around(self) -> tuple[float, float]:
+        """The scales across and along the axis."""
+        along = _AXES[value(self.prim, "axis", "Z")]
+        across = [abs(self.scale[i]) for i in range(3) if i != along]
+        if not math.isclose(*across, rel_tol=_SAME):
+            remedy = "scale it equally across its axis, or use a Mesh"
+            refuse(self.prim, "its scale makes its round section elliptic", remedy)
+        return across[0], abs(self.scale[along])
+
+    def uniform(self) -> float:
+        """The one scale."""
+        across, along = self.around()
+        if not math.isclose(across, along, rel_tol=_SAME):
+            remedy = "scale it equally along all axes, or use a Mesh"
+            refuse(self.prim, "its scale makes its round surface elliptic", remedy)
+        return across
+
+
+def _scale(prim: Usd.Prim, place: Place) -> Vector:
     """The scales along the prim's own axes, free of rounding noise so that equal shapes are equal."""
     rows = [place.stretch.GetRow3(i) for i in range(3)]
     sheared = any(abs(rows[i][j]) > _SAME * abs(rows[i][i]) for i in range(3) for j in range(3) if i != j)
@@ -69,98 +116,32 @@ def _scale(prim: Usd.Prim, place: Place) -> _Scale:
     return x, y, z
 
 
-def _positive(prim: Usd.Prim, name: str, fallback: float) -> float:
-    """The attribute, which is a size; as float, since USD's doubles may be numpy's."""
-    size = float(value(prim, name, fallback))
-    if not 0 < size < math.inf:
-        refuse(prim, f"{name} = {size:g}", f"expected a {name} above 0")
-    return size
+def _mesh(prim: Usd.Prim, place: Place) -> Shape:
+    """A mesh, or the shape that it says it is, as long as nothing stretches it."""
+    found = mesh(prim, place.stretch)
+    kind = SHAPES.get(str(value(prim, NAME, "")))
+    if kind is None or not Gf.IsClose(place.stretch, Gf.Matrix4d(1.0), _SAME):
+        return found
+    numbers = {field.name: _number(value(prim, f"{NAME}:{field.name}")) for field in fields(kind)}
+    if None in numbers.values():
+        missing = ", ".join(f"{NAME}:{name}" for name, number in numbers.items() if number is None)
+        refuse(prim, f"it says to be a {value(prim, NAME)}, without {missing}", f"author them, or remove {NAME}")
+    made = kind.remade(numbers)
+    points, own = tessellate(made).points, np.asarray(value(prim, "points", []), np.float64)
+    if points.shape != own.shape or not np.allclose(points, own, atol=_SAME):
+        refuse(prim, f"its points are not those of the {value(prim, NAME)} that it says to be", f"remove {NAME}")
+    return made
 
 
-def _cube(prim: Usd.Prim, scale: _Scale) -> tuple[Shape, float]:
-    return Box(np.abs(scale) * (_positive(prim, "size", 2.0) / 2)), 0.0
+def _number(found: Any) -> Any:
+    """A number, or numbers and points as tuples."""
+    if found is None or isinstance(found, bool | int | float | str):
+        return found
+    return tuple(tuple(map(float, one)) if hasattr(one, "__len__") else float(one) for one in found)
 
 
-def _sphere(prim: Usd.Prim, scale: _Scale) -> tuple[Shape, float]:
-    return Sphere(_positive(prim, "radius", 1.0) * _uniform(prim, scale)), 0.0
+PRIMS: dict[str, type[Shape]] = {prim: kind for kind in SHAPES.values() for prim in kind.prims}
+"""Type of prim -> its shape."""
 
-
-def _capsule(prim: Usd.Prim, scale: _Scale) -> tuple[Shape, float]:
-    factor = _uniform(prim, scale)
-    height = float(value(prim, "height", 1.0))
-    if not 0 <= height < math.inf:
-        refuse(prim, f"height = {height:g}", "expected a height of at least 0")
-    return Capsule(_radius(prim, 0.5) * factor, height * factor), 0.0
-
-
-def _cylinder(prim: Usd.Prim, scale: _Scale) -> tuple[Shape, float]:
-    across, along = _round(prim, scale)
-    return Cylinder(_radius(prim, 1.0) * across, _positive(prim, "height", 2.0) * along), 0.0
-
-
-def _cone(prim: Usd.Prim, scale: _Scale) -> tuple[Shape, float]:
-    across, along = _round(prim, scale)
-    return Cone(_positive(prim, "radius", 1.0) * across, _positive(prim, "height", 2.0) * along), 0.0
-
-
-def _plane(_prim: Usd.Prim, _scale: _Scale) -> tuple[Shape, float]:
-    """An infinite plane, as the top of a big box (`PLANE`)."""
-    width, thickness = PLANE
-    return Box(np.array((width, width, thickness)) / 2), -thickness / 2
-
-
-SHAPES: dict[str, Callable[[Usd.Prim, _Scale], tuple[Shape, float]]] = {
-    "Cube": _cube,
-    "Sphere": _sphere,
-    "Cylinder": _cylinder,
-    "Cylinder_1": _cylinder,
-    "Cone": _cone,
-    "Capsule": _capsule,
-    "Capsule_1": _capsule,
-    "Plane": _plane,
-}
-"""Type of prim -> its shape along z, and how far along z the shape is from the prim's origin."""
-
-GEOMETRIES = frozenset(SHAPES) | {"Mesh"}
+GEOMETRIES = frozenset(PRIMS) | {"Mesh"}
 """The types of prims that `placed` reads."""
-
-
-def _radius(prim: Usd.Prim, fallback: float) -> float:
-    """The one radius of a prim that may have two."""
-    if not prim.GetTypeName().endswith("_1"):
-        return _positive(prim, "radius", fallback)
-    top, bottom = _positive(prim, "radiusTop", fallback), _positive(prim, "radiusBottom", fallback)
-    if not math.isclose(top, bottom, rel_tol=_SAME):
-        refuse(prim, "its two radii differ", "use equal radii, a Cone or a Mesh")
-    return top
-
-
-def _round(prim: Usd.Prim, scale: _Scale) -> tuple[float, float]:
-    """The scales across and along the axis."""
-    along = _AXES[value(prim, "axis", "Z")]
-    across = [abs(scale[i]) for i in range(3) if i != along]
-    if not math.isclose(*across, rel_tol=_SAME):
-        refuse(prim, "its scale makes its round section elliptic", "scale it equally across its axis, or use a Mesh")
-    return across[0], abs(scale[along])
-
-
-def _uniform(prim: Usd.Prim, scale: _Scale) -> float:
-    across, along = _round(prim, scale)
-    if not math.isclose(across, along, rel_tol=_SAME):
-        refuse(prim, "its scale makes its round surface elliptic", "scale it equally along all axes, or use a Mesh")
-    return across
-
-
-def reach(found: Shape) -> Array:
-    """Half-extents (3,) of a box around the shape's origin that holds it, in its own frame."""
-    match found:
-        case Box():
-            return found.half
-        case Sphere():
-            return np.full(3, found.radius)
-        case Capsule():
-            return np.array((found.radius, found.radius, found.radius + found.height / 2))
-        case Cylinder() | Cone():
-            return np.array((found.radius, found.radius, found.height / 2))
-        case Mesh():
-            return np.asarray(np.abs(found.points).max(axis=0))

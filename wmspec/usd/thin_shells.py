@@ -13,7 +13,8 @@ import trimesh
 from scipy.spatial import ConvexHull
 
 from wmspec.diagnostics import WmsError
-from wmspec.scene.model import Array, Mesh
+from wmspec.scene.model import Array
+from wmspec.shapes import Mesh
 
 DEPTH = 0.01
 """How deep (m) the solid behind a face is; less behind a face that is narrow, and on a solid that is thin."""

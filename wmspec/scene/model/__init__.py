@@ -8,19 +8,15 @@ from wmspec.scene.model.actions import Action, Follow, Force, Glide, Impulse, La
 from wmspec.scene.model.bodies import Body, Drive, Friction, Geom, Inertia, Joint, JointKind, Motion, Surface
 from wmspec.scene.model.cameras import Camera, Frame, Light, Observation, Shot
 from wmspec.scene.model.episode import Contact, Scene, Trace
-from wmspec.scene.model.geometry import Array, Box, Capsule, Cone, Cylinder, Mesh, Pose, Shape, Sphere
+from wmspec.scene.model.geometry import Array, Pose
 from wmspec.scene.model.renderer import Look, Renderer
 
 __all__ = [
     "Action",
     "Array",
     "Body",
-    "Box",
     "Camera",
-    "Capsule",
-    "Cone",
     "Contact",
-    "Cylinder",
     "Drive",
     "Follow",
     "Force",
@@ -35,16 +31,13 @@ __all__ = [
     "Launch",
     "Light",
     "Look",
-    "Mesh",
     "Motion",
     "Observation",
     "Pose",
     "Release",
     "Renderer",
     "Scene",
-    "Shape",
     "Shot",
-    "Sphere",
     "Steer",
     "Surface",
     "Teleport",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from wmspec.scene.model.geometry import Array, Pose, Shape
+from wmspec.scene.model.geometry import Array, Pose
+from wmspec.shapes import Shape
 
 
 @dataclass(frozen=True)

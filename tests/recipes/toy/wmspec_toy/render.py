@@ -8,8 +8,8 @@ from wmspec.scene.camera import rays, seeing
 from wmspec.scene.color import to_bytes, to_linear, to_srgb
 from wmspec.scene.model import Array, Frame, Scene, Shot
 from wmspec.scene.picture import check
-from wmspec.scene.tessellate import tessellate
 from wmspec.scene.transform import compose, rotate, rotation
+from wmspec.shapes.facets import tessellate
 
 
 class Painter:

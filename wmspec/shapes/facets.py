@@ -1,4 +1,4 @@
-"""One tessellation for all engines, so that they draw the same triangles.
+"""Triangles of shapes, the same for all engines, and what shapes make them with.
 
 Round shapes have 48 segments. Normals are smooth up to creases of 40 degrees. Texture coordinates `st` are USD's
 (t = 0 at the bottom of the image): a round side is wrapped once around the axis, s from +x by the right hand and t
@@ -9,12 +9,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import cos, hypot, pi, radians, sin
+from math import cos, pi, radians, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.scene.model import Array, Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
+from wmspec.shapes.shape import Shape
+from wmspec.space import Vector
+
+Array = NDArray[np.float64]
 
 SEGMENTS = 48
 CREASE = radians(40)
@@ -37,47 +40,13 @@ class Facets:
             array.setflags(write=False)
 
 
+@lru_cache(maxsize=256)
 def tessellate(shape: Shape) -> Facets:
     """The triangles of a shape in its own frame (m); equal shapes give the same object."""
-    match shape:
-        case Box():
-            x, y, z = np.asarray(shape.half, dtype=np.float64).tolist()
-            return _box(x, y, z)
-        case Sphere():
-            return _capsule(float(shape.radius), 0.0)
-        case Capsule():
-            return _capsule(float(shape.radius), float(shape.height))
-        case Cylinder():
-            return _cylinder(float(shape.radius), float(shape.height))
-        case Cone():
-            return _cone(float(shape.radius), float(shape.height))
-        case Mesh():
-            points, faces = np.asarray(shape.points, np.float64), np.asarray(shape.faces, np.int32)
-            st = None if shape.st is None else np.asarray(shape.st, np.float64).tobytes()
-            return _mesh(points.tobytes(), faces.tobytes(), st)
+    return shape.facets()
 
 
-@lru_cache(maxsize=256)
-def _box(x: float, y: float, z: float) -> Facets:
-    return _join([_side(np.array([x, y, z]), axis, sign) for axis in range(3) for sign in (-1.0, 1.0)])
-
-
-@lru_cache(maxsize=256)
-def _cylinder(radius: float, height: float) -> Facets:
-    side: list[Row] = [(radius, -height / 2, 1, 0, 0), (radius, height / 2, 1, 0, 1)]
-    return _join([_lathe(side), _disc(radius, -height / 2, -1.0), _disc(radius, height / 2, 1.0)])
-
-
-@lru_cache(maxsize=256)
-def _cone(radius: float, height: float) -> Facets:
-    slant = hypot(radius, height)
-    out, up = height / slant, radius / slant
-    side: list[Row] = [(radius, -height / 2, out, up, 0), (0, height / 2, out, up, 1)]
-    return _join([_lathe(side), _disc(radius, -height / 2, -1.0)])
-
-
-@lru_cache(maxsize=256)
-def _capsule(radius: float, height: float) -> Facets:
+def rounded(radius: float, height: float) -> Facets:
     """Two half spheres around a straight part; without one it's a sphere."""
     length = pi * radius + height
     rows: list[Row] = []
@@ -88,10 +57,10 @@ def _capsule(radius: float, height: float) -> Facets:
             rows.append(
                 (radius * cos(angle), radius * sin(angle) + end * height / 2, cos(angle), sin(angle), along / length)
             )
-    return _lathe(rows if height > 0 else rows[: RINGS + 1] + rows[RINGS + 2 :])
+    return lathe(rows if height > 0 else rows[: RINGS + 1] + rows[RINGS + 2 :])
 
 
-def _lathe(rows: list[Row]) -> Facets:
+def lathe(rows: list[Row]) -> Facets:
     """A profile, from bottom to top, turned around z."""
     r, z, out, up, t = np.array(rows, dtype=np.float64).T[:, :, None]
     s = np.linspace(0, 1, SEGMENTS + 1)[None, :]
@@ -100,11 +69,11 @@ def _lathe(rows: list[Row]) -> Facets:
     grid = np.broadcast_arrays(r * c, r * n, z, out * c, out * n, up, s, t)
     x, y, z, nx, ny, nz, s, t = (a.reshape(-1) for a in grid)
     first = (np.arange(len(rows) - 1)[:, None] * (SEGMENTS + 1) + np.arange(SEGMENTS)).reshape(-1)
-    faces = _quads(first, SEGMENTS + 1)
-    return _facets(np.stack([x, y, z], 1), np.stack([nx, ny, nz], 1), np.stack([s, t], 1), faces)
+    faces = quads(first, SEGMENTS + 1)
+    return facets(np.stack([x, y, z], 1), np.stack([nx, ny, nz], 1), np.stack([s, t], 1), faces)
 
 
-def _disc(radius: float, z: float, sign: float) -> Facets:
+def disc(radius: float, z: float, sign: float) -> Facets:
     """A cap at height `z`, facing along `sign` times z."""
     angle = np.arange(SEGMENTS) * 2 * pi / SEGMENTS
     ring = np.stack([np.cos(angle), sign * np.sin(angle)], axis=1)
@@ -112,10 +81,10 @@ def _disc(radius: float, z: float, sign: float) -> Facets:
     points = np.column_stack([radius * flat, np.full(len(flat), z)])
     this = np.arange(SEGMENTS)
     faces = np.stack([np.zeros(SEGMENTS, int), 1 + this, 1 + (this + 1) % SEGMENTS], axis=1)
-    return _facets(points, np.tile([0.0, 0.0, sign], (len(flat), 1)), 0.5 + flat * [0.5, 0.5 * sign], faces)
+    return facets(points, np.tile([0.0, 0.0, sign], (len(flat), 1)), 0.5 + flat * [0.5, 0.5 * sign], faces)
 
 
-def _side(half: Array, axis: int, sign: float) -> Facets:
+def side(half: Array, axis: int, sign: float) -> Facets:
     """One face of a box: the image stands upright on the four sides, and has +y up on top."""
     normal = np.zeros(3)
     normal[axis] = sign
@@ -123,27 +92,28 @@ def _side(half: Array, axis: int, sign: float) -> Facets:
     right = np.cross(up, normal)
     st = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
     corner = normal + (2 * st[:, :1] - 1) * right + (2 * st[:, 1:] - 1) * up
-    return _facets(corner * half, np.tile(normal, (4, 1)), st, _quads(np.array([0]), 2))
+    return facets(corner * half, np.tile(normal, (4, 1)), st, quads(np.array([0]), 2))
 
 
-def _quads(first: NDArray[np.integer], stride: int) -> NDArray[np.integer]:
+def quads(first: NDArray[np.integer], stride: int) -> NDArray[np.integer]:
     """Two triangles for each cell of a grid, from its lower left corner; the next row is `stride` on."""
     above = first + stride
     return np.concatenate([np.stack([first, first + 1, above + 1], 1), np.stack([first, above + 1, above], 1)])
 
 
-@lru_cache(maxsize=256)
-def _mesh(points: bytes, faces: bytes, st: bytes | None) -> Facets:
-    """Corners of a vertex share a normal as far as their faces meet at less than the crease angle."""
-    p = np.frombuffer(points).reshape(-1, 3)
-    f = np.frombuffer(faces, dtype=np.int32).reshape(-1, 3)
-    t = np.frombuffer(st).reshape(-1, 2) if st is not None else _planar(p)
+def smooth(points: Array, faces: NDArray[np.int32], st: Array | None = None) -> Facets:
+    """Any triangles: corners of a vertex share a normal as far as their faces meet at less than the crease angle.
+
+    Without texture coordinates `st` (n, 2), the image lies on the box around the points, seen from above.
+    """
+    p, f = np.asarray(points, np.float64), np.asarray(faces, np.int32)
+    t = np.asarray(st, np.float64) if st is not None else _planar(p)
     area = np.cross(p[f[:, 1]] - p[f[:, 0]], p[f[:, 2]] - p[f[:, 0]])
     normals = _corner_normals(p, f, area)
     corner = np.concatenate([p[f.reshape(-1)], normals, t[f.reshape(-1)]], axis=1)
     _, first, index = np.unique(corner, axis=0, return_index=True, return_inverse=True)
     unique = corner[first]
-    return _facets(unique[:, :3], unique[:, 3:6], unique[:, 6:], index.reshape(-1, 3))
+    return facets(unique[:, :3], unique[:, 3:6], unique[:, 6:], index.reshape(-1, 3))
 
 
 def _corner_normals(points: Array, faces: NDArray[np.int32], area: Array) -> Array:
@@ -169,9 +139,10 @@ def _planar(points: Array) -> Array:
     return np.asarray((points[:, :2] - low) / np.maximum(high - low, 1e-12))
 
 
-def _join(parts: list[Facets]) -> Facets:
+def join(parts: list[Facets]) -> Facets:
+    """All of these triangles."""
     start = np.cumsum([0] + [len(part.points) for part in parts[:-1]])
-    return _facets(
+    return facets(
         np.concatenate([part.points for part in parts]),
         np.concatenate([part.normals for part in parts]),
         np.concatenate([part.st for part in parts]),
@@ -179,7 +150,12 @@ def _join(parts: list[Facets]) -> Facets:
     )
 
 
-def _facets(points: Array, normals: Array, st: Array, faces: NDArray[np.integer]) -> Facets:
+def moved(what: Facets, by: Vector) -> Facets:
+    """The same triangles somewhere else."""
+    return facets(what.points + np.array(by), what.normals, what.st, what.faces)
+
+
+def facets(points: Array, normals: Array, st: Array, faces: NDArray[np.integer]) -> Facets:
     """Triangles without area (at poles) are dropped: some engines can't take them."""
     a, b, c = points[faces[:, 0]], points[faces[:, 1]], points[faces[:, 2]]
     twice = np.linalg.norm(np.cross(b - a, c - a), axis=1)

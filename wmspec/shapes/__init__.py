@@ -1,0 +1,32 @@
+"""Shapes: one file each, and the table of those that the language knows.
+
+A new shape is a new file, which fills in `wmspec.shapes.shape.Shape`, and a line in the table.
+"""
+
+from wmspec.shapes.box import Box as Box
+from wmspec.shapes.box import Cube
+from wmspec.shapes.capsule import Capsule as Capsule
+from wmspec.shapes.cone import Cone as Cone
+from wmspec.shapes.cylinder import Cylinder as Cylinder
+from wmspec.shapes.mesh import Mesh as Mesh
+from wmspec.shapes.plane import Plane as Plane
+from wmspec.shapes.shape import Shape as Shape
+from wmspec.shapes.sphere import Sphere as Sphere
+from wmspec.shapes.wedge import Wedge as Wedge
+
+#: The word for a shape in the language -> the shape.
+SHAPES: dict[str, type[Shape]] = {
+    "box": Box,
+    "cube": Cube,
+    "sphere": Sphere,
+    "cylinder": Cylinder,
+    "cone": Cone,
+    "capsule": Capsule,
+    "wedge": Wedge,
+    "plane": Plane,
+}
+
+
+def word(shape: Shape) -> str:
+    """The word for a shape of the table."""
+    return next(word for word, kind in SHAPES.items() if kind is type(shape))
