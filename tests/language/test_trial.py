@@ -72,10 +72,10 @@ def test_solids_overlap_if_some_point_is_inside_both(
 def _surface(values: Values, name: str) -> NDArray[np.float64]:
     """Points whose hull is the solid, or for a round one almost."""
     (piece,) = pieces(values, name)
-    x, y, z = np.array(piece.solid.edges) / 2
+    x, y, z = piece.solid.half_extent
     ring = [(math.cos(t), math.sin(t)) for t in np.linspace(0, 2 * math.pi, 48, endpoint=False)]
     ball = [(math.cos(e) * c, math.cos(e) * s, math.sin(e)) for c, s in ring for e in np.linspace(-1.5, 1.5, 15)]
-    match piece.solid.kind:
+    match values.property(name, "shape"):
         case "box" | "cube":
             points = np.array(list(product((-x, x), (-y, y), (-z, z))))
         case "wedge":

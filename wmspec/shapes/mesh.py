@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -39,7 +39,7 @@ class Mesh(Shape):
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what is worked out: equal meshes are the same bytes."""
-        return {name: self.__dict__[name] for name in self.__dataclass_fields__}
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def _content(self) -> tuple[bytes, ...]:
