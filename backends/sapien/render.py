@@ -25,9 +25,6 @@ from wmspec.scene.silence import silence
 from wmspec.scene.texcoords import unwrap
 from wmspec.scene.transform import identity, multiply, quaternion
 
-# On threads of its own, lavapipe's first pictures in a process differ from its later ones in a few pixels.
-os.environ.setdefault("LP_NUM_THREADS", "0")
-
 with silence():
     import sapien
 
@@ -108,6 +105,8 @@ class Renderer:
 @lru_cache(maxsize=1)
 def _sentinel() -> Any:
     """A scene that is never closed: while one lives, SAPIEN keeps its compiled shaders."""
+    # On threads of its own, lavapipe's first pictures in a process differ from its later ones in a few pixels.
+    os.environ.setdefault("LP_NUM_THREADS", "0")
     try:
         with silence():
             world = _world()

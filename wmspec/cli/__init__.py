@@ -7,16 +7,12 @@ import gc
 import importlib
 import os
 import sys
+from typing import Any
 
 import click
 
 from wmspec import __version__
 from wmspec.diagnostics import WmsError
-
-# Much is made while a command starts, and it stays: looking for garbage in it every 700 objects takes a tenth.
-gc.set_threshold(100_000, 20, 20)
-# Nor is anything worth finding when the process ends: another tenth.
-atexit.register(gc.freeze)
 
 COMMANDS = (
     "check",
@@ -38,6 +34,14 @@ COMMANDS = (
 
 class _Commands(click.Group):
     """Commands by file name; a user's mistake is told in a sentence and ends with exit code 2."""
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        """Run as a process of its own: `wmspec ...`."""
+        # Much is made while a command starts, and it stays: looking for garbage in it every 700 objects takes a tenth.
+        gc.set_threshold(100_000, 20, 20)
+        # Nor is anything worth finding when the process ends: another tenth.
+        atexit.register(gc.freeze)
+        return super().__call__(*arguments, **options)
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click calls it by name
         return list(COMMANDS)

@@ -1,0 +1,47 @@
+"""Importing wmspec changes nothing that others in the process share."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib.util import find_spec
+
+from tests.engines import ENGINES
+from wmspec.execute.backends import info
+
+STATE = """
+import atexit, gc, importlib, locale, os, pkgutil, signal, sys
+
+# What these do as they are imported is theirs.
+import click, lark, multiprocessing.util, numpy, PIL.Image, pebble, pyarrow, pydantic, rich.progress, scipy, trimesh
+from concurrent.futures import ProcessPoolExecutor
+from pxr import Usd
+for engine in {modules}: importlib.import_module(engine)
+
+def state():
+    signals = [signal.getsignal(s) for s in signal.valid_signals()]
+    limits = sys.getrecursionlimit(), gc.get_threshold(), gc.isenabled(), sys.excepthook
+    return dict(os.environ), os.getcwd(), sys.path[:], signals, limits, locale.setlocale(locale.LC_ALL), numpy.geterr()
+
+ours = []
+register = atexit.register
+atexit.register = lambda f, *a, **k: (ours.append(f) if f.__module__.startswith("wmspec") else None, register(f))[1]
+before = state()
+import wmspec, wmspec.backends
+folders = [(wmspec.__path__[:1], "wmspec.")]
+folders += [([f"{{wmspec.backends.__path__[0]}}/{{name}}"], f"wmspec.backends.{{name}}.") for name in {names}]
+for folder, prefix in folders:
+    for module in pkgutil.walk_packages(folder, prefix):
+        if not module.name.endswith("__main__"):
+            importlib.import_module(module.name)
+after = state()
+print([pair for pair in zip(before, after) if pair[0] != pair[1]] + ours)
+"""
+
+
+def test_importing_all_of_it_changes_nothing_shared() -> None:
+    names = [name for name in ENGINES if find_spec(info(name).module)]
+    code = STATE.format(modules=[info(name).module for name in names], names=names)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip().endswith("[]")
