@@ -1,9 +1,52 @@
-"""Settings of all tests."""
+"""Settings of all tests, and what each folder of them needs."""
+
+from __future__ import annotations
 
 import os
+from itertools import chain
+from pathlib import Path
 
+import pytest
 from hypothesis import settings
+
+from tests.engines import ENGINES
 
 # Time limits belong in benchmarks: a loaded machine must not fail a law. In CI the same examples are tried every time.
 settings.register_profile("wmspec", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("wmspec")
+
+HERE = Path(__file__).parent
+NEEDS = {
+    "crosscheck": ("engine",),
+    "doctor": ("engine", "pixels"),
+    "endtoend": ("engine", "pixels"),
+    "package": ("build",),
+    "physics": ("engine",),
+    "pixels": ("engine", "pixels"),
+    "recipes": ("build",),
+    "thirdparty": ("engine",),
+}
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--engine", choices=ENGINES, help="Of tests that run in one engine after another, only this one.")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
+            item.add_marker(need)
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker("browser")
+    if only := config.getoption("--engine"):
+        left_out = [item for item in items if _engines(item) - {only}]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if not _engines(item) - {only}]
+
+
+def _engines(item: pytest.Item) -> set[str]:
+    """The engines that a test runs in as its parameters say: of a pair of them, both."""
+    call = getattr(item, "callspec", None)
+    values = [v if isinstance(v, tuple) else (v,) for v in (call.params.values() if call else ())]
+    return {name for name in chain.from_iterable(values) if isinstance(name, str) and name in ENGINES}
