@@ -28,7 +28,7 @@ from types import FrameType
 from benchmarks.inputs import ROOT, text_of
 from wmspec.check.task import check_program
 from wmspec.diagnostics import Report, SpecError, WmsError
-from wmspec.lint.dry_run import trial
+from wmspec.lint.dry_run import dry_run
 from wmspec.parse.format import format_spec
 from wmspec.parse.load import load_source
 from wmspec.places import Source
@@ -67,7 +67,7 @@ def survive(text: str) -> str:
         program = load_source(source, folder(), report)
         came = "unread" if report.failed else "read"
         for spec in check_program(program, report):
-            trial(spec, report)
+            dry_run(spec, report)
             came = "tried"
     except WmsError:
         pass

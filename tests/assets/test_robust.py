@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from tests.assets.specs import CABINET, HERE
 from wmspec.check.task import check_program
 from wmspec.diagnostics import Report, WmsError
-from wmspec.lint.dry_run import trial
+from wmspec.lint.dry_run import dry_run
 from wmspec.parse.load import load_source
 from wmspec.places import Source
 
@@ -50,7 +50,7 @@ def told(folder: Path, content: bytes, name: str = "a.urdf") -> list[str]:
     source = Source(str(folder / "spec.wms"), SPEC.replace("NAME", name))
     for spec in check_program(load_source(source, folder, report), report):
         with suppress(WmsError):
-            trial(spec, report)
+            dry_run(spec, report)
     for d in report.diagnostics:
         assert d.render()
         assert d.record()

@@ -10,7 +10,7 @@ import pytest
 
 from wmspec.check.task import check
 from wmspec.diagnostics import Report
-from wmspec.lint.dry_run import trial
+from wmspec.lint.dry_run import dry_run
 from wmspec.parse.codes import CODES
 from wmspec.places import Place, Span
 
@@ -20,7 +20,7 @@ CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
 def diagnose(path: Path) -> str:
     report = Report()
     for spec in check(path, report):
-        trial(spec, report)
+        dry_run(spec, report)
     lines = []
     for d in report.diagnostics:
         assert d.code in CODES

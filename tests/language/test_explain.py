@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from wmspec.check.task import check
 from wmspec.cli import main
 from wmspec.diagnostics import Report
-from wmspec.lint.dry_run import trial
+from wmspec.lint.dry_run import dry_run
 from wmspec.parse.codes import CODES
 from wmspec.parse.pages import Example, page
 
@@ -21,7 +21,7 @@ def codes(example: Example, folder: Path) -> set[str]:
         (folder / name).write_text(text)
     report = Report()
     for spec in check(folder / "spec.wms", report):
-        trial(spec, report)
+        dry_run(spec, report)
     return {d.code for d in report.diagnostics}
 
 

@@ -14,7 +14,7 @@ from wmspec.check.record import plain
 from wmspec.check.task import check_program
 from wmspec.check.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHTED, Form, Plan
 from wmspec.diagnostics import Report
-from wmspec.lint.dry_run import trial
+from wmspec.lint.dry_run import dry_run
 from wmspec.parse.format import format_spec
 from wmspec.parse.load import load_source
 from wmspec.places import Source
@@ -28,7 +28,7 @@ EXAMPLES = re.findall(r"^```wms(?: \w+)?\n(.*?)^```$", PAGE, re.MULTILINE | re.D
 def tasks_in(text: str) -> list[tuple[TaskSpec, int]]:
     report = Report()
     found = [
-        (task, trial(task, report))
+        (task, dry_run(task, report))
         for task in check_program(load_source(Source(str(PAGE_PATH), text), ROOT, report), report)
     ]
     assert report.diagnostics == ()
@@ -71,7 +71,7 @@ def codes(statements: str) -> set[str]:
     """The codes of the errors in a scene with these statements."""
     report = Report()
     for task in check_program(load_source(Source("forms", SCENE.format(statements)), ROOT, report), report):
-        trial(task, report)
+        dry_run(task, report)
     return {d.code for d in report.diagnostics if d.severity == "error"}
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tests.language.specs import SPECS
 from wmspec.check.task import check_program
 from wmspec.diagnostics import Report, WmsError
-from wmspec.lint.dry_run import trial
+from wmspec.lint.dry_run import dry_run
 from wmspec.parse.load import load_source
 from wmspec.places import Source
 
@@ -23,7 +23,7 @@ def survive(text: str) -> None:
     report = Report()
     try:
         for spec in check_program(load_source(Source("fuzz.wms", text), Path(), report), report):
-            trial(spec, report)
+            dry_run(spec, report)
     except WmsError:
         pass
     for diagnostic in report.diagnostics:

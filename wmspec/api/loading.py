@@ -79,11 +79,11 @@ def diagnose(*paths: PathOrText) -> Diagnosis:
 
     Raises WmsError if a file cannot be read.
     """
-    from wmspec.lint.dry_run import trial
+    from wmspec.lint.dry_run import dry_run
 
     report = Report()
     files = spec_files(map(Path, paths))
-    tasks = tuple((task.name, trial(task.spec, report)) for path in files for task in _checked(path, 0, report))
+    tasks = tuple((task.name, dry_run(task.spec, report)) for path in files for task in _checked(path, 0, report))
     return Diagnosis(report.diagnostics, tasks)
 
 

@@ -1,4 +1,4 @@
-"""What a trial finds in the first scenes: objects inside one another, and cameras that look elsewhere."""
+"""What linting finds in the first scenes: objects inside one another, and cameras that look elsewhere."""
 
 import math
 from itertools import product

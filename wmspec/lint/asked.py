@@ -1,4 +1,4 @@
-"""When the picture is taken that answers a question, as far as that is known before the episode."""
+"""Whether a question is asked, and of which moment, as far as that is known before the episode."""
 
 from __future__ import annotations
 
@@ -6,6 +6,12 @@ from wmspec.check.evaluate import NoValue, evaluate
 from wmspec.check.ir import Call, Operation, Question
 from wmspec.check.measured import measured
 from wmspec.layout.values import Values
+
+
+def asked(question: Question, values: Values) -> bool:
+    """Whether the conditions that can be looked at before the episode let the question be asked."""
+    known = (e.condition for e in question.ensures if not measured(values.spec, e.condition))
+    return all(evaluate(condition, values) for condition in known)
 
 
 def pictured(question: Question, values: Values) -> float | None:

@@ -1,0 +1,88 @@
+"""Rules on what a counterfactual changes in the scene of an instance: something, and no more than it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from wmspec.check.ir import Counterfactual, Question
+from wmspec.lint.asked import asked, pictured
+from wmspec.lint.rule import Breach, rule
+from wmspec.lint.scene_rules import Scene, objects_inside_one_another, outside
+from wmspec.stage.document import Document
+from wmspec.stage.episode import built
+
+#: What follows from the place or the turn of something else, as it should.
+_FOLLOWS = ("pose", "way", "form", "there", "start")
+
+
+@dataclass(frozen=True)
+class Changed:
+    """A counterfactual of a question: the scene, its stage, and the scene as it would be."""
+
+    question: Question
+    change: Counterfactual
+    scene: Scene
+    stage: Document
+    otherwise: Scene
+
+    @cached_property
+    def differing(self) -> Mapping[str, frozenset[str]]:
+        """What differs on the stages, with what it was made of. Raises WmsError if the other cannot be built."""
+        return self.stage.differing(built(self.otherwise.values))
+
+
+@rule("WMS304", "error")
+def option_after_the_end(changed: Changed) -> Iterator[Breach]:
+    """An option that is a picture of what is not executed, where the answer is."""
+    truth, otherwise = changed.scene.values, changed.otherwise.values
+    time = pictured(changed.question, truth) if asked(changed.question, truth) else None
+    if time is not None and truth.during(time) and not otherwise.during(time):
+        yield outside(time, otherwise, changed.change.place)
+
+
+@rule("WMS503", "error")
+def idle_counterfactual(changed: Changed) -> Iterator[Breach]:
+    """A counterfactual that changes nothing."""
+    name = changed.change.name
+    if not changed.differing:
+        yield Breach(f"`{name}` changes nothing {changed.scene.where}", changed.change.place, about=name)
+
+
+@rule("WMS505")
+def broad_counterfactual(changed: Changed) -> Iterator[Breach]:
+    """A counterfactual that changes more than it says."""
+    change = changed.change
+    more = sorted(set(_more(changed)))
+    if more:
+        target = f"{change.owner}.{change.property}"
+        what = f"`{change.name}` changes not only `{target}` but also {' and '.join(f'`{m}`' for m in more)}"
+        yield Breach(
+            what, change.place, f"say that without `{target}`, in terms of a factor or a `let`", about=change.name
+        )
+
+
+@rule(objects_inside_one_another.code, objects_inside_one_another.severity)
+def objects_put_inside_one_another(changed: Changed) -> Iterator[Breach]:
+    """Objects that a changed state puts inside one another."""
+    if changed.change.change == "state":
+        yield from objects_inside_one_another.breaches(changed.otherwise)
+
+
+RULES = (option_after_the_end, idle_counterfactual, broad_counterfactual, objects_put_inside_one_another)
+
+
+def _more(changed: Changed) -> Iterator[str]:
+    """Properties of other things that are said in terms of what is changed."""
+    change, spec = changed.change, changed.scene.values.spec
+    if change.value is None:
+        return
+    asset = {t.name: t.of for t in spec.things if t.kind == "object"}
+    target = f"{change.owner}.{change.property}"
+    for sources in changed.differing.values():
+        owned = [source.rpartition(".") for source in sources]
+        if all(owner != change.owner for owner, _, _ in owned):
+            others = (o for o in owned if asset.get(o[0]) != change.owner)  # the whole is said of each link
+            following = (f"{owner}.{name}" for owner, _, name in others if name not in _FOLLOWS)
+            yield from (source for source in following if target in changed.scene.depend.source(source))

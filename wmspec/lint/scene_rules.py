@@ -1,0 +1,108 @@
+"""Rules on the scene of an instance: what is inside what, what is never seen, what never happens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from wmspec.check import units
+from wmspec.check.evaluate import parts
+from wmspec.check.ir import Call
+from wmspec.check.verbs import VERBS
+from wmspec.design.depend import Dependencies
+from wmspec.design.describe import told_of
+from wmspec.design.design import Design, Instance
+from wmspec.diagnostics import Note
+from wmspec.layout.values import Values
+from wmspec.layout.view import facing, front
+from wmspec.lint.asked import asked, pictured
+from wmspec.lint.overlap import overlaps
+from wmspec.lint.rule import Breach, rule
+from wmspec.lint.visibility import blind
+from wmspec.places import Location
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The values of an instance, or of what it would be under a counterfactual."""
+
+    values: Values
+    depend: Dependencies
+    design: Design
+    instance: Instance
+
+    @property
+    def where(self) -> str:
+        """Which instance, as messages tell it."""
+        return told_of(self.design, self.instance)
+
+
+@rule("WMS601", "error")
+def objects_inside_one_another(scene: Scene) -> Iterator[Breach]:
+    """Objects inside one another at the start."""
+    change = scene.values.change
+    begun = f"under `{change.name}`" if change else "at the start"
+    for pair in overlaps(scene.values):
+        depth = units.told(float(f"{pair.depth:.2g}"), units.LENGTH)
+        what = f"`{pair.second}` is {depth} inside `{pair.first}` {begun} {scene.where}"
+        note = Note(f"`{pair.first}` is declared here", scene.values.place(pair.first))
+        remedy = "move them apart, make one smaller, or exclude this with `require`"
+        yield Breach(what, scene.values.place(pair.second), remedy, (note,), (pair.first, pair.second))
+
+
+@rule("WMS602")
+def blind_camera(scene: Scene) -> Iterator[Breach]:
+    """A camera that looks at nothing that matters."""
+    for camera in blind(scene.values):
+        what = f"`{camera}` has none of what is moved or asked about in its picture"
+        place = next(o.place for o in scene.values.spec.observations if o.camera == camera)
+        yield Breach(what, place, "turn it with `look_at:`, widen its `fov:`, or leave it out", about=camera)
+
+
+@rule("WMS603")
+def turned_camera(scene: Scene) -> Iterator[Breach]:
+    """A camera that has on its left what `relation` does not call so."""
+    spec = scene.values.spec
+    answers = (part for question in spec.questions for part in parts(question.answer))
+    if not any(isinstance(part, Call) and part.function == "relation" for part in answers):
+        return
+    way = front(scene.values)
+    for observation in spec.observations:
+        if facing(scene.values, observation.camera) != way:
+            what = f"`{observation.camera}` looks another way than `relation`, which goes by the world's front"
+            remedy = "observe only from one side, or say in the question that it is meant as seen from the front"
+            yield Breach(what, observation.place, remedy, about=observation.camera)
+
+
+@rule("WMS304")
+def late_action(scene: Scene) -> Iterator[Breach]:
+    """An action that begins when the episode is over."""
+    values = scene.values
+    end: float = values.ref("end")
+    for action in values.spec.things:
+        if action.kind == "action" and not VERBS[action.verb].holds and values.there(action.name):
+            start: float = values.property(action.name, "start")
+            if start > end - 1e-9:
+                lasts = f"the episode lasts {units.told(end, units.TIME)} {scene.where}"
+                what = f"`{action.name}` never happens: it begins at {units.told(start, units.TIME)}, and {lasts}"
+                remedy = "let it begin earlier, or set a longer `horizon`"
+                yield Breach(what, values.place(action.name, "start"), remedy, about=action.name)
+
+
+@rule("WMS304", "error")
+def picture_after_the_end(scene: Scene) -> Iterator[Breach]:
+    """An answer that is a picture of what is not executed."""
+    for question in scene.values.spec.questions:
+        time = pictured(question, scene.values) if asked(question, scene.values) else None
+        if time is not None and not scene.values.during(time):
+            yield outside(time, scene.values, question.place)
+
+
+RULES = (objects_inside_one_another, blind_camera, turned_camera, late_action, picture_after_the_end)
+
+
+def outside(time: float, values: Values, place: Location) -> Breach:
+    """A picture at a time (s) when the episode is over."""
+    lasts = f"the episode, which lasts {units.told(values.ref('end'), units.TIME)}"
+    what = f"a picture at {units.told(time, units.TIME)} is outside {lasts}"
+    return Breach(what, place, "ask for an earlier one, or set a longer `horizon`")
