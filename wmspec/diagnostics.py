@@ -7,7 +7,7 @@ wants to know (its code, its place) is in the value; no text is ever read back.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Self
@@ -15,6 +15,15 @@ from typing import ClassVar, Literal, Self
 from wmspec.places import FilePlace, Location, Place, PrimPlace, Span
 
 Severity = Literal["error", "warning"]
+Part = Literal["error", "warning", "note", "help", "caret"]
+
+#: Gives a part of a rendered diagnostic its colour.
+Paint = Callable[[str, Part], str]
+
+
+def plain(text: str, _part: Part) -> str:
+    """The text as it is."""
+    return text
 
 
 @dataclass(frozen=True)
@@ -44,19 +53,15 @@ class Diagnostic:
         told = "; ".join((self.message, *notes, *((self.help,) if self.help else ())))
         return told if self.place is None else f"{self.place}: {told}"
 
-    @property
-    def label(self) -> str:
-        """What it is: `error[WMS203]`, or `warning`."""
-        return f"{self.severity}[{self.code}]" if self.code else self.severity
-
-    def render(self) -> str:
+    def render(self, paint: Paint = plain) -> str:
         """With its text, the diagnostic is a headline, the line with a caret, notes and the remedy; else one line."""
+        label = paint(f"{self.severity}[{self.code}]" if self.code else self.severity, self.severity)
         if not isinstance(self.place, Span):
-            return f"{self.label}: {self}"
-        lines = [f"{self.label}: {self.message}", *_excerpt(self.place)]
+            return f"{label}: {self}"
+        lines = [f"{label}: {self.message}", *_excerpt(self.place, paint)]
         for note in self.notes:
-            lines += [f"note: {note.message}", *_excerpt(note.place)]
-        return "\n".join([*lines, f"help: {self.help}"] if self.help else lines)
+            lines += [f"{paint('note', 'note')}: {note.message}", *_excerpt(note.place, paint)]
+        return "\n".join([*lines, f"{paint('help', 'help')}: {self.help}"] if self.help else lines)
 
     def record(self) -> dict[str, object]:
         """The diagnostic as plain values, for JSON."""
@@ -86,7 +91,7 @@ def _record(place: Place | None) -> dict[str, object]:
             return {}
 
 
-def _excerpt(place: Place) -> Iterator[str]:
+def _excerpt(place: Place, paint: Paint) -> Iterator[str]:
     if not isinstance(place, Span):
         yield f" --> {place}"
         return
@@ -99,7 +104,7 @@ def _excerpt(place: Place) -> Iterator[str]:
     yield f"{gutter}--> {place}"
     yield f"{gutter} |"
     yield f"{place.line} | {shown}"
-    yield f"{gutter} | {' ' * (start - window)}{'^' * carets}"
+    yield paint(f"{gutter} | {' ' * (start - window)}{'^' * carets}", "caret")
 
 
 # ---------------------------------------------------------------- raised
@@ -136,9 +141,9 @@ class WmsError(Exception):
     def __str__(self) -> str:
         return "\n".join(map(str, self.diagnostics))
 
-    def render(self) -> str:
+    def render(self, paint: Paint = plain) -> str:
         """All that is wrong as a user reads it, one after the other."""
-        return "\n\n".join(diagnostic.render() for diagnostic in self.diagnostics)
+        return "\n\n".join(diagnostic.render(paint) for diagnostic in self.diagnostics)
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self).of, (self.diagnostics,)

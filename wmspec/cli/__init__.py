@@ -57,9 +57,10 @@ class _Commands(click.Group):
         try:
             return super().invoke(ctx)
         except WmsError as error:
+            from wmspec.cli.common import paint
             from wmspec.parse.load import pointed
 
-            click.echo(WmsError.of(pointed(error.diagnostics)).render(), err=True)
+            click.echo(WmsError.of(pointed(error.diagnostics)).render(paint()), err=True)
             ctx.exit(2)
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

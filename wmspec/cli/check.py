@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
-import re
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import specs_argument
+from wmspec.cli.common import paint, specs_argument
 
 if TYPE_CHECKING:
     from wmspec.api import Diagnosis
-
-_COLORS = {"error": "red", "warning": "yellow", "note": "cyan", "help": "green"}
 
 
 @click.command("check")
@@ -47,8 +42,7 @@ def check_command(specs: tuple[Path, ...], form: str) -> None:
 def _print(diagnosis: Diagnosis) -> None:
     """Diagnostics to standard error, the tasks without mistakes to standard output."""
     for diagnostic in diagnosis.diagnostics:
-        text = diagnostic.render()
-        click.echo((_coloured(text) if _in_colour() else text) + "\n", err=True)
+        click.echo(diagnostic.render(paint()) + "\n", err=True)
     if not diagnosis.passed:
         errors = [d for d in diagnosis.diagnostics if d.severity == "error"]
         codes = sorted({d.code for d in errors})
@@ -59,22 +53,3 @@ def _print(diagnosis: Diagnosis) -> None:
         click.echo(f"{name}: {count:,} instances, no mistakes")
     if not diagnosis.tasks:
         click.echo("no tasks here, and no mistakes")
-
-
-def _in_colour() -> bool:
-    """On a terminal, unless the user asked for none (https://no-color.org)."""
-    return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
-
-
-def _coloured(text: str) -> str:
-    lines = []
-    for line in text.split("\n"):
-        head = re.match(r"(error|warning)\[WMS\d+\]|note|help", line)
-        if head and line[head.end() : head.end() + 1] == ":":
-            color = _COLORS[head[1] or head[0]]
-            lines.append(click.style(head[0], fg=color, bold=True) + line[head.end() :])
-        elif re.fullmatch(r" *\| +\^+", line):
-            lines.append(click.style(line, fg="red"))
-        else:
-            lines.append(line)
-    return "\n".join(lines)

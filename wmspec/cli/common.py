@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from wmspec.diagnostics import WmsError
+from wmspec.diagnostics import Paint, Part, WmsError, plain
 
 if TYPE_CHECKING:
     from wmspec.api import Instance
+
+_COLORS: dict[Part, str] = {"error": "red", "warning": "yellow", "note": "cyan", "help": "green", "caret": "red"}
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -24,6 +28,18 @@ dimension_option = click.option(
     "--only-dimension", multiple=True, metavar="PATH", help="Only tasks of this dimension, such as perception.motion."
 )
 instance_option = click.option("--instance", "-i", default=0, show_default=True, metavar="I", help="Which instance.")
+
+
+def paint() -> Paint:
+    """How diagnostics are coloured."""
+    if not _in_colour():
+        return plain
+    return lambda text, part: click.style(text, fg=_COLORS[part], bold=part != "caret")
+
+
+def _in_colour() -> bool:
+    """On a terminal, unless the user asked for none (https://no-color.org)."""
+    return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
 
 
 def look_options(command: F) -> F:

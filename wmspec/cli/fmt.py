@@ -10,6 +10,10 @@ from pathlib import Path
 
 import click
 
+<<<<<<< HEAD
+=======
+from wmspec.cli.common import paint, spec_files
+>>>>>>> 139b155 (Colours come with the rendering; a test holds what a diagnostic is, and carries out the recipe of adding one)
 from wmspec.diagnostics import WmsError
 from wmspec.places import Source
 
@@ -34,7 +38,7 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
         try:
             formatted = format_spec(source)
         except SpecError as error:
-            click.echo(f"{error.render()}\n", err=True)
+            click.echo(f"{error.render(paint())}\n", err=True)
             failed += 1
             continue
         changed += formatted != source.text

@@ -1,0 +1,191 @@
+"""The one kind of diagnostic: it crosses process borders whole, is told once, and says where."""
+
+import pickle
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wmspec.cli.sarif import sarif
+from wmspec.diagnostics import Diagnostic, Note, Report, SpecError, StageError, WmsError
+from wmspec.lint import change_rules, design_rules, option_rules, scene_rules, task_rules
+from wmspec.parse.codes import CODES
+from wmspec.parse.load import pointed
+from wmspec.places import FilePlace, Location, Place, PrimPlace, Source, Span
+
+ROOT = Path(__file__).parents[2]
+RULES = [r for room in (task_rules, design_rules, option_rules, scene_rules, change_rules) for r in room.RULES]
+SOURCE = Source("a.wms", "task t : custom {\n  horizon 1 s\n}\n")
+
+
+def spans() -> st.SearchStrategy[Span]:
+    offsets = st.integers(0, len(SOURCE.text))
+    return st.tuples(offsets, offsets).map(lambda ends: Span(SOURCE, min(ends), max(ends)))
+
+
+def places() -> st.SearchStrategy[Place]:
+    texts = st.text(min_size=1)
+    files = st.builds(FilePlace, texts, st.none() | st.integers(1), st.text())
+    return st.one_of(spans(), spans().map(Location.of), texts.map(PrimPlace), files)
+
+
+def diagnostics() -> st.SearchStrategy[Diagnostic]:
+    texts = st.text()
+    notes = st.lists(st.builds(Note, texts, places()), max_size=3).map(tuple)
+    codes, severities = st.sampled_from([*CODES, ""]), st.sampled_from(["error", "warning"])
+    return st.builds(Diagnostic, texts, st.none() | places(), texts, codes, notes, severities)
+
+
+def subclasses(error: type[WmsError]) -> list[type[WmsError]]:
+    return [error, *(deeper for nearer in error.__subclasses__() for deeper in subclasses(nearer))]
+
+
+@given(st.sampled_from(subclasses(WmsError)), st.lists(diagnostics(), min_size=1))
+def test_an_error_crosses_a_process_border_whole(error: type[WmsError], told: list[Diagnostic]) -> None:
+    again = pickle.loads(pickle.dumps(error.of(told)))
+    assert type(again) is error
+    assert again.diagnostics == tuple(told)
+    assert str(again) == "\n".join(map(str, told))
+
+
+@given(st.lists(diagnostics()), st.randoms())
+def test_a_report_tells_each_once_in_the_order_of_the_text(told: list[Diagnostic], random) -> None:  # type: ignore[no-untyped-def]
+    report = Report(StageError)
+    report.include(told)
+    report.include(random.sample(told, len(told)))
+    keys = [(d.code, str(d.place), d.message) for d in report.diagnostics]
+    assert sorted(keys) == sorted({(d.code, str(d.place), d.message) for d in told})
+    in_text = [d.place.start for d in report.diagnostics if isinstance(d.place, Span | Location)]
+    assert in_text == sorted(in_text)
+    assert report.failed == any(d.severity == "error" for d in report.diagnostics)
+
+
+@given(diagnostics())
+def test_what_is_wrong_is_in_every_form_of_it(told: Diagnostic) -> None:
+    for text in (str(told), told.render()):
+        assert told.message in text
+        assert told.help in text
+        assert told.place is None or str(told.place) in text
+    record = told.record()
+    assert (record["message"], record["code"], record["help"]) == (told.message, told.code, told.help)
+    assert len(record["notes"]) == len(told.notes)  # type: ignore[arg-type]
+
+
+@given(spans())
+def test_the_text_of_a_location_is_found_again(span: Span) -> None:
+    (again,) = pointed([Diagnostic("m", Location.of(span))])
+    assert again.place == Location.of(span)  # there is no such file
+
+
+def test_the_text_at_a_location_is_read_from_its_file(tmp_path: Path) -> None:
+    source = Source(str(tmp_path / "a.wms"), SOURCE.text)
+    Path(source.name).write_text(source.text)
+    span = Span(source, source.text.index("horizon"), source.text.index(" s\n"))
+    note = Note("here", Location.of(span))
+    (again,) = pointed([Diagnostic("m", Location.of(span), notes=(note,))])
+    assert again.place == span
+    assert again.notes[0].place == span
+    assert "2 |   horizon 1 s" in again.render()
+
+
+def test_only_the_places_and_the_words_that_lead_are_coloured() -> None:
+    span = Span(SOURCE, 0, 4)
+    told = Diagnostic("error: help: ^^", span, "note: that", "WMS101", (Note("warning", span),))
+    painted = told.render(lambda text, part: f"<{part}>{text}</>")
+    heads = [line.split("</>")[0] for line in painted.splitlines() if line.startswith("<")]
+    carets = "<caret>  | ^^^^"
+    assert heads == ["<error>error[WMS101]", carets, "<note>note", carets, "<help>help"]
+
+
+def test_what_has_no_place_in_a_text_has_a_result_too() -> None:
+    told = [Diagnostic("m", place, code="WMS210") for place in (None, PrimPlace("/World"), FilePlace("a.urdf", 3))]
+    nowhere, prim, file = (r for r in sarif(told)["runs"][0]["results"])
+    assert "locations" not in nowhere
+    assert prim["locations"][0]["logicalLocations"] == [{"fullyQualifiedName": "/World"}]
+    assert file["locations"][0]["physicalLocation"]["region"] == {"startLine": 3}
+
+
+# ---------------------------------------------------------------- rules
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.breaches.__name__)
+def test_every_rule_has_a_code_with_a_page_and_says_what_it_finds(rule) -> None:  # type: ignore[no-untyped-def]
+    assert rule.code in CODES
+    assert rule.breaches.__doc__
+
+
+def test_adding_a_diagnostic(tmp_path: Path) -> None:
+    """The recipe, carried out on a copy: a row, a page, a rule, and a case of the corpus."""
+    for part in ("wmspec", "backends", "grammar", "specs", "tests/language", "tests/corpus"):
+        shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
+    for file in ("pyproject.toml", "tests/__init__.py", "tests/conftest.py"):
+        shutil.copy(ROOT / file, tmp_path / file)
+
+    codes = tmp_path / "wmspec/parse/codes"
+    _insert(codes / "__init__.py", "}", '    "WMS699": "object called moon",\n')
+    (codes / "WMS699.md").write_text(PAGE.format(wrong=SPEC.format("moon"), right=SPEC.format("ball")))
+    rules = tmp_path / "wmspec/lint/task_rules.py"
+    _insert(rules, "RULES = (", MOON)
+    rules.write_text(rules.read_text().replace("RULES = (", "RULES = (object_called_moon, "))
+    case = tmp_path / "tests/corpus/moon.wms"
+    case.write_text(SPEC.format("moon"))
+
+    tests = ("tests/language/test_corpus.py", "tests/language/test_explain.py")
+    chosen = ("-k", "moon or WMS699 or every_code or without_a_code")
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--basetemp=made", *tests, *chosen]
+    environment = {"PYTHONPATH": str(tmp_path), "PATH": "/usr/bin:/bin", "UPDATE_CORPUS": "1"}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    assert case.with_suffix(".expected").read_text() == "warning WMS699 3:10 `moon` is far | call it `ball`\n"
+
+
+SPEC = """use room
+task t : custom {{
+  object {} {{ shape: sphere  size: 10 cm  on: floor }}
+  observe front at [0 s]
+}}
+"""
+PAGE = """# WMS699: object called moon
+
+It is far.
+
+## Wrong
+
+```wms
+{wrong}```
+
+## Right
+
+```wms
+{right}```
+
+## How to mend it
+
+Call it `ball`.
+"""
+MOON = '''
+@rule("WMS699")
+def object_called_moon(task: Task) -> Iterator[Breach]:
+    """An object that is too far away for its size."""
+    for thing in task.spec.things:
+        if thing.name == "moon":
+            yield Breach("`moon` is far", thing.place, "call it `ball`")
+
+
+'''
+
+
+def _insert(path: Path, before: str, text: str) -> None:
+    lines = path.read_text().splitlines(keepends=True)
+    at = next(i for i, line in enumerate(lines) if line.startswith(before))
+    path.write_text("".join([*lines[:at], text, *lines[at:]]))
+
+
+def test_an_error_at_a_place_keeps_the_places_that_it_has() -> None:
+    known, here = Location.of(Span(SOURCE, 0, 4)), PrimPlace("/World")
+    both = SpecError.of([Diagnostic("a"), Diagnostic("b", known)])
+    assert [d.place for d in both.at(here).diagnostics] == [here, known]
