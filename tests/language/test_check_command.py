@@ -8,7 +8,7 @@ from urllib.parse import urlparse
 import pytest
 from click.testing import CliRunner
 
-from wmspec.cli import check, main
+from wmspec.cli import common, main
 from wmspec.parse.codes import CODES
 
 CORPUS = Path(__file__).parents[1] / "corpus"
@@ -53,16 +53,16 @@ def test_sarif_keeps_the_rules_of_its_schema(name: str) -> None:
 def test_colours_are_for_terminals_that_want_them(monkeypatch: pytest.MonkeyPatch) -> None:
     path = CORPUS / "three_mistakes.wms"
     assert "\x1b[" not in run(path, color=True).stderr
-    monkeypatch.setattr(check, "_in_colour", lambda: True)
+    monkeypatch.setattr(common, "_in_colour", lambda: True)
     assert "\x1b[31m\x1b[1merror[WMS203]\x1b[0m: " in run(path, color=True).stderr
 
 
 def test_no_color_is_respected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     monkeypatch.setenv("NO_COLOR", "1")
-    assert not check._in_colour()
+    assert not common._in_colour()
     monkeypatch.setenv("NO_COLOR", "")
-    assert check._in_colour()
+    assert common._in_colour()
 
 
 def test_a_mistake_in_one_file_hides_none_in_the_next(tmp_path: Path) -> None:
