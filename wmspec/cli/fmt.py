@@ -10,10 +10,7 @@ from pathlib import Path
 
 import click
 
-<<<<<<< HEAD
-=======
-from wmspec.cli.common import paint, spec_files
->>>>>>> 139b155 (Colours come with the rendering; a test holds what a diagnostic is, and carries out the recipe of adding one)
+from wmspec.cli.common import paint
 from wmspec.diagnostics import WmsError
 from wmspec.places import Source
 
