@@ -11,8 +11,8 @@ ROOT = Path(__file__).parents[2]
 def test_adding_a_diagnostic(tmp_path: Path) -> None:
     for part in ("wmspec", "backends", "grammar", "specs", "tests/language", "tests/corpus"):
         shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
-    for file in ("pyproject.toml", "tests/__init__.py", "tests/conftest.py"):
-        shutil.copy(ROOT / file, tmp_path / file)
+    for file in (ROOT / "pyproject.toml", *(ROOT / "tests").glob("*.py")):
+        shutil.copy(file, tmp_path / file.relative_to(ROOT))
 
     codes = tmp_path / "wmspec/parse/codes"
     _insert(codes / "__init__.py", "}", '    "WMS699": "object called moon",\n')
