@@ -14,7 +14,7 @@ from typing import Any
 
 from tools.reference import table
 from wmspec.compare.model import Cause, Verdict
-from wmspec.compare.say import dispute
+from wmspec.compare.verbalize import dispute
 
 PAGE = Path(__file__).parent.parent / "docs/crosscheck.md"
 MARK = "<!-- measured -->\n"

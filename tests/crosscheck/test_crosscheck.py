@@ -13,9 +13,9 @@ from tests.language.specs import task_from
 from wmspec.check.ir import QuestionKind
 from wmspec.compare.check import check
 from wmspec.compare.model import Checked, Verdict
-from wmspec.compare.say import dispute
 from wmspec.compare.summary import Share, lines, suspects
 from wmspec.compare.tolerance import Tolerances
+from wmspec.compare.verbalize import dispute
 from wmspec.design.design import Design
 from wmspec.execute.trace_cache import TraceCache
 

@@ -29,7 +29,7 @@ from wmspec.evaluate.journal import Journal
 from wmspec.evaluate.model import Reply
 from wmspec.evaluate.question import Question, questions
 from wmspec.evaluate.request import Ask, Picture, Text
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 
 pytest.importorskip("openai")
 
@@ -65,7 +65,7 @@ def rows(path: Path) -> list[Row]:
 
 
 def asked(dataset: Path, pictures: bool = True) -> list[Question]:
-    opened = Finished.open(dataset)
+    opened = DatasetReader.open(dataset)
     ids = [row["id"] for task in opened.tasks for row in opened.rows(task, ["id"])]
     return list(questions(opened, ids, pictures))
 

@@ -11,20 +11,20 @@ import pytest
 
 from tests.dataset.made import make, plan
 from wmspec.gallery.gallery import folder
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
 @pytest.fixture(scope="session")
-def dataset(tmp_path_factory: pytest.TempPathFactory) -> Finished:
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> DatasetReader:
     place = tmp_path_factory.mktemp("dataset")
     make(place, plan(count=20, shard=8))
-    return Finished.open(place)
+    return DatasetReader.open(place)
 
 
 @pytest.fixture(scope="session")
-def gallery(dataset: Finished, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def gallery(dataset: DatasetReader, tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("gallery")
     folder(dataset, 20, place)
     return place / "index.html"

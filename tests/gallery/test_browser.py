@@ -13,7 +13,7 @@ from tests.gallery.conftest import opened
 from wmspec.gallery.gallery import html
 from wmspec.gallery.gallery import page as one_page
 from wmspec.gallery.records import about, records
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 
 
 def counted(page: Any) -> int:
@@ -218,7 +218,7 @@ def test_a_narrow_screen_needs_no_scrolling_sideways(browser: Any, gallery: Path
 
 
 @pytest.fixture
-def alone(browser: Any, dataset: Finished, tmp_path: Path) -> Iterator[Any]:
+def alone(browser: Any, dataset: DatasetReader, tmp_path: Path) -> Iterator[Any]:
     one_page(dataset, 3, tmp_path / "one.html")
     yield from opened(browser, tmp_path / "one.html")
 
@@ -228,7 +228,7 @@ def test_a_page_alone_has_its_pictures_inside(alone: Any) -> None:
     assert alone.evaluate("[...document.images].every(i => i.src.startsWith('data:image/webp'))")
 
 
-def test_a_thousand_questions_load_within_a_second(browser: Any, dataset: Finished, tmp_path: Path) -> None:
+def test_a_thousand_questions_load_within_a_second(browser: Any, dataset: DatasetReader, tmp_path: Path) -> None:
     some = list(records(dataset, 20, lambda task, png: "missing.png"))
     many = [some[i % len(some)] | {"id": f"{some[i % len(some)]['task']}/{i}"} for i in range(1000)]
     (tmp_path / "many.html").write_text(html(about(dataset) | {"questions": many}))

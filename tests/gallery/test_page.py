@@ -12,11 +12,11 @@ import pytest
 from tests.endtoend.test_commands import wmspec
 from wmspec.gallery.gallery import folder, html, page
 from wmspec.gallery.records import about, records
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 from wmspec.write.words import human, reading
 
 
-def test_every_instance_once_with_every_engine(dataset: Finished) -> None:
+def test_every_instance_once_with_every_engine(dataset: DatasetReader) -> None:
     found = list(records(dataset, 100, lambda task, png: "x"))
     assert len({q["id"] for q in found}) == len(found) == dataset.manifest["rows"] / 3
     for question in found:
@@ -26,7 +26,7 @@ def test_every_instance_once_with_every_engine(dataset: Finished) -> None:
             assert run["options"][run["true"]]["kind"] == "truth"
 
 
-def test_few_are_spread_over_the_task(dataset: Finished) -> None:
+def test_few_are_spread_over_the_task(dataset: DatasetReader) -> None:
     few = list(records(dataset, 4, lambda task, png: "x"))
     assert len(few) == 8
     every = [q["index"] for q in records(dataset, 100, lambda task, png: "x") if q["task"] == "collide"]
@@ -34,20 +34,20 @@ def test_few_are_spread_over_the_task(dataset: Finished) -> None:
     assert some == [every[i * len(every) // 4] for i in range(4)]
 
 
-def test_an_engine_that_differs_is_seen(dataset: Finished, monkeypatch: pytest.MonkeyPatch) -> None:
-    rows = Finished.rows
+def test_an_engine_that_differs_is_seen(dataset: DatasetReader, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = DatasetReader.rows
 
-    def differing(self: Finished, *args: Any, **more: Any) -> Any:
+    def differing(self: DatasetReader, *args: Any, **more: Any) -> Any:
         for row in rows(self, *args, **more):
             if "agreement" in row and row["engine"] == "sapien":
                 row["agreement"][0]["answer"] = (row["answer"] + 1) % 2
             yield row
 
-    monkeypatch.setattr(Finished, "rows", differing)
+    monkeypatch.setattr(DatasetReader, "rows", differing)
     assert {q["agreement"] for q in records(dataset, 5, lambda task, png: "x")} == {"some differ"}
 
 
-def test_the_same_bytes_again(dataset: Finished, tmp_path: Path) -> None:
+def test_the_same_bytes_again(dataset: DatasetReader, tmp_path: Path) -> None:
     page(dataset, 3, tmp_path / "a.html")
     page(dataset, 3, tmp_path / "b.html")
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
@@ -74,7 +74,7 @@ class Scripts(HTMLParser):
         self.inside = False
 
 
-def test_no_text_of_a_spec_can_break_out(dataset: Finished) -> None:
+def test_no_text_of_a_spec_can_break_out(dataset: DatasetReader) -> None:
     wicked = "</script><script>alert(1)</script> {{ script }} <!--"
     scripts = Scripts()
     scripts.feed(html(about(dataset) | {"name": wicked, "questions": []}))
@@ -100,11 +100,11 @@ def test_values_in_words() -> None:
         ([".", "-o", "/proc/x"], "/proc/x"),
     ],
 )
-def test_what_cannot_be_shown_is_told(args: list[str], said: str, dataset: Finished, tmp_path: Path) -> None:
+def test_what_cannot_be_shown_is_told(args: list[str], said: str, dataset: DatasetReader, tmp_path: Path) -> None:
     args = [str(dataset.folder) if a == "." else a for a in args]
     assert said in wmspec("view", *args, folder=tmp_path, code=2).stderr
 
 
-def test_a_page_from_the_command_line(dataset: Finished, tmp_path: Path) -> None:
+def test_a_page_from_the_command_line(dataset: DatasetReader, tmp_path: Path) -> None:
     assert "questions; open it in a browser" in wmspec("view", dataset.folder, folder=tmp_path).stdout
     assert (tmp_path / "gallery.html").stat().st_size > 10_000

@@ -138,7 +138,7 @@ class _Row:
 
     def difference(self) -> Strength | None:
         """How strong the stimulus is, if the question says."""
-        asked = self.asking.question.difference
-        if asked is None:
+        stimulus = self.asking.question.difference
+        if stimulus is None:
             return None
-        return Strength(written(asked.value), asked.unit, evaluate(asked.value, self.asking.measured))
+        return Strength(written(stimulus.value), stimulus.unit, evaluate(stimulus.value, self.asking.measured))

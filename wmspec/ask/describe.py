@@ -31,8 +31,8 @@ def described(name: str, values: Values) -> str:
     if not rivals:
         return f"the {plain}"
     for ways in (_material, _size, _side, _depth):
-        for said in ways(name, rivals, values):
-            return f"the {said}"
+        for words in ways(name, rivals, values):
+            return f"the {words}"
     raise Ambiguous(f"`{name}` and `{rivals[0]}` are both {_article(plain)} and nothing tells them apart in words")
 
 
@@ -67,8 +67,8 @@ def _plain(name: str, values: Values) -> str:
     return f"{color_word(values.property(name, 'color'))} {what}"
 
 
-def _article(said: str) -> str:
-    return f"{'an' if said[0] in 'aeio' else 'a'} {said}"
+def _article(noun: str) -> str:
+    return f"{'an' if noun[0] in 'aeio' else 'a'} {noun}"
 
 
 # ---------------------------------------------------------------- what tells apart

@@ -68,10 +68,10 @@ def trajectory(observed: Observed, name: str) -> str:
     """The form of its path, a word of the vocabulary `path`. Raises WmsError if it has none of these forms."""
     if not moved(observed, name):
         raise WmsError(f"`{name}` does not move, so its path has no form")
-    found = form(observed.path(name))
-    if found is None:
+    word = form(observed.path(name))
+    if word is None:
         raise WmsError(f"the path of `{name}` has no form that has a name")
-    return found
+    return word
 
 
 def _steps(path: Array) -> Array:

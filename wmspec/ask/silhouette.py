@@ -56,11 +56,11 @@ def silhouette(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], siz
 
 def placed(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:
     """A camera of the scene in the world, also if it rides on a body."""
-    found = find(scene, camera)
-    if found.body is None:
-        return found
-    carrier = next(i for i, b in enumerate(scene.bodies) if b.name == found.body)
-    return replace(found, pose=compose(poses[carrier], found.pose), body=None)
+    declared = find(scene, camera)
+    if declared.body is None:
+        return declared
+    carrier = next(i for i, b in enumerate(scene.bodies) if b.name == declared.body)
+    return replace(declared, pose=compose(poses[carrier], declared.pose), body=None)
 
 
 def _polygons(body: Body, pose: Pose, camera: Camera, size: tuple[int, int]) -> list[Array]:

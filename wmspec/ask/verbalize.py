@@ -62,8 +62,8 @@ def say(value: Any, sort: str, values: Values) -> str:
 
 def say_option(value: Any, sort: str, values: Values) -> str:
     """A value in words that stand alone."""
-    said = say(value, sort, values)
-    return f"{said} it" if sort == "relation" else said
+    words = say(value, sort, values)
+    return f"{words} it" if sort == "relation" else words
 
 
 def listed(words: Sequence[str]) -> str:

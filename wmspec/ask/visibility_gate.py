@@ -24,12 +24,12 @@ def named(question: Question, values: Values) -> set[str]:
     """The objects that the text, the options or the answer speak of and that are there."""
     spoken: list[Expr] = [part.value for part in question.text if isinstance(part, Said)]
     spoken += [question.answer] if question.options is None else [question.answer, question.options]
-    found: set[str] = set()
+    names: set[str] = set()
     for part in (p for expr in spoken for p in parts(expr)):
         if isinstance(part, Value | Ref):
             value = evaluate(part, values)
-            found.update(v for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, str))
-    return found
+            names.update(v for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, str))
+    return names
 
 
 def shown(observed: Observed, names: Iterable[str]) -> None:

@@ -14,7 +14,7 @@ from wmspec.audit.counts import accounted, counts, whole
 from wmspec.audit.duplicates import duplicates
 from wmspec.audit.likeness import QUANTILES, judge, likeness
 from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Test
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 
 #: The order of verdicts: what matters first.
 _ORDER = ("fails", "unclear", "told", "holds")
@@ -36,7 +36,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
     Of a task that has a damaged file nothing else is looked at. `progress` is told of every task that is done. Raises
     WmsError if there is no finished dataset in the folder, or if a file of it may not be read.
     """
-    dataset = Finished.open(folder)
+    dataset = DatasetReader.open(folder)
     found = _Gathered(whole(dataset))
     damaged = {finding.task for finding in found.findings if finding.verdict == "fails"}
     for task in dataset.tasks:
@@ -60,7 +60,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
     )
 
 
-def _task(dataset: Finished, said: Counts, most: int, found: _Gathered) -> None:
+def _task(dataset: DatasetReader, said: Counts, most: int, found: _Gathered) -> None:
     parts = list(units(dataset, said.task, most))
     found.findings += accounted(dataset, said, parts)
     for unit in parts:

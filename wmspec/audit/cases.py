@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.write.reader import PICTURES, Finished
+from wmspec.write.reader import PICTURES, DatasetReader
 from wmspec.write.rows import Row
 
 #: Pictures are looked at with so many pixels a side.
@@ -90,7 +90,7 @@ class Unit:
         return tuple(c for c in self.cases if c.row["engine"] == self.engines[0] and (c.seen_context or c.seen_options))
 
 
-def units(dataset: Finished, task: str, most: int) -> Iterator[Unit]:
+def units(dataset: DatasetReader, task: str, most: int) -> Iterator[Unit]:
     """The questions of a task. Pictures of at most `most` instances are looked at, the same ones every time."""
     indices = {row["index"] for row in dataset.rows(task, ["index"])}
     chosen = set(sorted(indices, key=lambda i: _key(task, i))[:most])

@@ -9,20 +9,20 @@ from pathlib import Path
 from wmspec.audit.cases import Case, Unit
 from wmspec.audit.model import Counts, Finding
 from wmspec.write import files
-from wmspec.write.reader import MENDED, Finished
+from wmspec.write.reader import MENDED, DatasetReader
 
 #: Reasons that are no property of the design: something broke.
 BROKEN = ("crashed", "timeout", "unstable")
 
 
-def counts(dataset: Finished, task: str) -> Counts:
+def counts(dataset: DatasetReader, task: str) -> Counts:
     """What the manifest says of a task."""
     said = dataset.manifest["tasks"][task]
     kept, rejected = sum(said["rows"].values()), dict(said["rejected"])
     return Counts(task, said["dimension"], said["instances"], kept + sum(rejected.values()), kept, rejected)
 
 
-def whole(dataset: Finished) -> list[Finding]:
+def whole(dataset: DatasetReader) -> list[Finding]:
     """Whether every file is there as it was written: a failure of each task with a damaged one, which names them all.
 
     Shards are held against the hashes in the manifest. The card and the Croissant metadata have to be there.
@@ -41,7 +41,7 @@ def whole(dataset: Finished) -> list[Finding]:
     ]
 
 
-def accounted(dataset: Finished, said: Counts, units: list[Unit]) -> Iterator[Finding]:
+def accounted(dataset: DatasetReader, said: Counts, units: list[Unit]) -> Iterator[Finding]:
     """Whether a task's rows are those that the manifest counts, each with one true option."""
     rows = [case for unit in units for case in unit.cases]
     by_engine = Counter(c.row["engine"] for c in rows)
@@ -59,7 +59,7 @@ def accounted(dataset: Finished, said: Counts, units: list[Unit]) -> Iterator[Fi
     yield _judged(said)
 
 
-def _rows(dataset: Finished, task: str) -> Iterator[tuple[str, int]]:
+def _rows(dataset: DatasetReader, task: str) -> Iterator[tuple[str, int]]:
     yield from dataset.manifest["tasks"][task]["rows"].items()
 
 

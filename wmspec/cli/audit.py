@@ -39,9 +39,9 @@ def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictur
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from wmspec.audit.audit import audit
     from wmspec.audit.page import page
-    from wmspec.write.reader import Finished
+    from wmspec.write.reader import DatasetReader
 
-    with progress_bar(len(Finished.open(dataset).tasks), "auditing", "tasks") as progress:
+    with progress_bar(len(DatasetReader.open(dataset).tasks), "auditing", "tasks") as progress:
         found = audit(dataset, pictures_of, progress)
     said = json.dumps({"passed": found.passed, **asdict(found)}, indent=1, ensure_ascii=False) + "\n"
     if output is not None:

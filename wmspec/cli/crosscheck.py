@@ -104,7 +104,7 @@ def _print(agreement: Agreement) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from wmspec.compare.say import complaints
+    from wmspec.compare.verbalize import complaints
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     headings = ("task", "engines", "answers", "before gates", "within tolerance", "gap, median", "largest", "event")

@@ -84,9 +84,9 @@ def _run(dataset: Path, said: dict[str, Any]) -> tuple[Run, Server | None]:
     from wmspec.evaluate.limits import Limits
     from wmspec.evaluate.question import Selection
     from wmspec.evaluate.run import Run, Settings
-    from wmspec.write.reader import Finished
+    from wmspec.write.reader import DatasetReader
 
-    opened = Finished.open(dataset)
+    opened = DatasetReader.open(dataset)
     opened.intact()
     served = said["model"].startswith("openai:")
     url = server.address(said["base_url"]) if served else None

@@ -41,9 +41,9 @@ def view_command(dataset: Path, output: Path, per_task: int | None) -> None:
         click.echo(output)
         return
     from wmspec.gallery.gallery import folder, page
-    from wmspec.write.reader import Finished
+    from wmspec.write.reader import DatasetReader
 
-    found = Finished.open(dataset)
+    found = DatasetReader.open(dataset)
     shown = (page if kind == ".html" else folder)(found, count, output)
     where = output if kind == ".html" else output / "index.html"
     some = any(task["instances"] > count for task in found.manifest["tasks"].values())

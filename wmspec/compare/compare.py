@@ -45,9 +45,9 @@ def _events(a: Trace, b: Trace, allowed: Array, event: float) -> Iterator[Event]
     index = {name: i for i, name in enumerate(a.bodies)}
     # From the start in either: what is held touches nothing in some engines until it is let go.
     resting = {(c.first, c.second) for t in (a, b) for c in t.contacts if c.start <= event}
-    found = [_firsts(t, event, resting) for t in (a, b)]
-    for pair in sorted(found[0].keys() | found[1].keys(), key=lambda p: (index[p[0]], index[p[1]])):
-        times = (found[0].get(pair), found[1].get(pair))
+    firsts = [_firsts(t, event, resting) for t in (a, b)]
+    for pair in sorted(firsts[0].keys() | firsts[1].keys(), key=lambda p: (index[p[0]], index[p[1]])):
+        times = (firsts[0].get(pair), firsts[1].get(pair))
         seen = [(t, trace) for t, trace in zip(times, (a, b), strict=True) if t is not None]
         time, trace = min(seen, key=lambda s: s[0])
         i, j = index[pair[0]], index[pair[1]]

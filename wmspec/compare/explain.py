@@ -19,11 +19,11 @@ def cause(
     run: str,
     scene: Scene,
     traces: tuple[Trace, Trace],
-    found: tuple[Sequence[Gap], Sequence[Event], Sequence[Rest]],
+    differences: tuple[Sequence[Gap], Sequence[Event], Sequence[Rest]],
     apart: float,
 ) -> Cause | None:
     """Where the engines part first, or None if they do not; a pair `apart` (s) for longer touches anew."""
-    parted = _parted(scene, *found, float(traces[0].time[-1]))
+    parted = _parted(scene, *differences, float(traces[0].time[-1]))
     if not parted:
         return None
     began, name = min(parted)

@@ -10,9 +10,9 @@ from xml.etree import ElementTree as ET
 
 from wmspec import __version__
 from wmspec.compare.model import Checked
-from wmspec.compare.say import complaints, failure, parting
 from wmspec.compare.summary import lines, suspects
 from wmspec.compare.sweep import Job, pairs
+from wmspec.compare.verbalize import complaints, failure, parting
 from wmspec.execute.backends import engine_version
 
 #: The version of the JSON's layout.
@@ -69,14 +69,14 @@ def junit(job: Job, checked: Sequence[Checked], strict: bool) -> str:
 def _case(suite: ET.Element, checked: Checked, job: Job, strict: bool) -> None:
     name = f"{checked.task}[{checked.index}]"
     case = ET.SubElement(suite, "testcase", classname=f"crosscheck.{checked.task}", name=name)
-    said = complaints(checked, strict)
+    reasons = complaints(checked, strict)
     if checked.failures:
         error = ET.SubElement(case, "error", type="failure", message=_clean(failure(checked.failures[0])))
-        error.text = _clean("\n".join(said))
-    elif said:
+        error.text = _clean("\n".join(reasons))
+    elif reasons:
         kind = "answers" if checked.disputed else "trajectories"
-        element = ET.SubElement(case, "failure", type=kind, message=_clean(said[0]))
-        element.text = _clean("\n".join(said))
+        element = ET.SubElement(case, "failure", type=kind, message=_clean(reasons[0]))
+        element.text = _clean("\n".join(reasons))
     out = [f"{k} = {v}" for k, v in checked.factors.items()]
     out += [f"wmspec crosscheck: seed {job.seed}, instance {checked.index}", *map(parting, checked.parted)]
     ET.SubElement(case, "system-out").text = _clean("\n".join(out))

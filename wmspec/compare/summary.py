@@ -96,15 +96,17 @@ def suspects(checked: Sequence[Checked]) -> tuple[Suspect, ...]:
 
 def _suspects(task: str, what: str, checked: Sequence[Checked], wrong: Callable[[Checked], bool]) -> list[Suspect]:
     """Values with at least two cases, and twice the rate of the factor's other values."""
-    found = []
+    suspected = []
     for factor in checked[0].factors:
         for value in dict.fromkeys(c.factors[factor] for c in checked):
             with_it = _share([wrong(c) for c in checked if c.factors[factor] == value])
             without = _share([wrong(c) for c in checked if c.factors[factor] != value])
             if with_it.good >= 2 and without.all and with_it.good * without.all >= 2 * without.good * with_it.all:
-                found.append(Suspect(task, what, factor, value, with_it, without))
-    found.sort(key=lambda s: (s.without.good / s.without.all - s.with_it.good / s.with_it.all, s.factor, str(s.value)))
-    return found[:3]
+                suspected.append(Suspect(task, what, factor, value, with_it, without))
+    suspected.sort(
+        key=lambda s: (s.without.good / s.without.all - s.with_it.good / s.with_it.all, s.factor, str(s.value))
+    )
+    return suspected[:3]
 
 
 def _share(wrong: Sequence[bool]) -> Share:

@@ -42,8 +42,8 @@ _DIMENSIONS: dict[str, tuple[Dimension, str]] = {
 }
 
 
-def tolerances(settings: Iterable[str], said: Mapping[str, float] = MappingProxyType({})) -> Tolerances:
-    """The defaults, in their place what a spec has `said` (SI), in their place `settings` such as `drift=1cm/s`.
+def tolerances(settings: Iterable[str], declared: Mapping[str, float] = MappingProxyType({})) -> Tolerances:
+    """The defaults, in their place what a spec has `declared` (SI), in their place `settings` such as `drift=1cm/s`.
 
     Raises WmsError with the remedy.
     """
@@ -54,17 +54,17 @@ def tolerances(settings: Iterable[str], said: Mapping[str, float] = MappingProxy
             known = [f.name for f in fields(Tolerances)]
             raise WmsError(f"there is no tolerance `{name}`; {suggestion(name, known) or ', '.join(known)}")
         given[name] = _value(name, text)
-    return replace(Tolerances(), **{**said, **given})
+    return replace(Tolerances(), **{**declared, **given})
 
 
 def _value(name: str, text: str) -> float:
     dimension, example = _DIMENSIONS[name]
     number = text.rstrip("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ/%^ ")
     try:
-        scale, found = parse_unit(text[len(number) :].strip())
+        scale, unit = parse_unit(text[len(number) :].strip())
         value = convert(float(number), scale)
     except (ValueError, UnknownUnit):
-        found, value = dimension, -1.0
-    if found != dimension or not 0 <= value < 1e6:
+        unit, value = dimension, -1.0
+    if unit != dimension or not 0 <= value < 1e6:
         raise WmsError(f"--tolerance {name}={text}: expected a {dimension}, such as {name}={example}")
     return value

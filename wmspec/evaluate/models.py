@@ -10,11 +10,11 @@ from wmspec.evaluate import baselines
 from wmspec.evaluate.model import Model
 from wmspec.evaluate.question import questions
 from wmspec.evaluate.server import Server, ServerModel
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 
 
 def open_model(
-    name: str, dataset: Finished, seed: int, parameters: dict[str, Any], server: Server | None, asks: int
+    name: str, dataset: DatasetReader, seed: int, parameters: dict[str, Any], server: Server | None, asks: int
 ) -> Model:
     """The model of a name. Raises WmsError if there is none, or if what it needs is missing."""
     kind, _, rest = name.partition(":")

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from wmspec.diagnostics import WmsError, suggestion
-from wmspec.write.reader import PICTURES, Finished
+from wmspec.write.reader import PICTURES, DatasetReader
 from wmspec.write.rows import Row
 
 _COLUMNS = (
@@ -63,7 +63,7 @@ class Selection:
     engines: tuple[str, ...] = ()
     limit: int | None = None
 
-    def ids(self, dataset: Finished) -> list[str]:
+    def ids(self, dataset: DatasetReader) -> list[str]:
         """The questions' ids in the dataset's order. Raises WmsError if the dataset lacks a task or an engine."""
         for kind, wanted, known in (("task", self.tasks, dataset.tasks), ("engine", self.engines, dataset.engines)):
             for name in wanted:
@@ -85,7 +85,7 @@ def _evenly(queues: list[list[str]], limit: int | None) -> set[str]:
     return {queues[queue][turn] for turn, queue in turns[:limit]}
 
 
-def questions(dataset: Finished, ids: Collection[str], pictures: bool = True) -> Iterator[Question]:
+def questions(dataset: DatasetReader, ids: Collection[str], pictures: bool = True) -> Iterator[Question]:
     """The questions of these ids, in the dataset's order, few in memory at a time; without `pictures` much quicker.
 
     Raises WmsError if a shard cannot be read.

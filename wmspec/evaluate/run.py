@@ -21,7 +21,7 @@ from wmspec.evaluate.question import Question, Selection, questions
 from wmspec.evaluate.request import Ablation, Ask
 from wmspec.evaluate.results import Counts
 from wmspec.write import files
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 
 #: Told of every reply: how many are right so far, of how many, and what they cost.
 Progress = Callable[[int, int, float], None]
@@ -44,7 +44,7 @@ class Settings:
 class Run:
     """Which questions are asked how often: every circular permutation of the options, and so many samples of each."""
 
-    dataset: Finished
+    dataset: DatasetReader
     settings: Settings
     selection: Selection
     permute: bool = False

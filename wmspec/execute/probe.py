@@ -71,11 +71,11 @@ TRIALS: dict[str, Callable[[str], str]] = {"execute": execute, "render": render}
 def main(engine: str, trial: str) -> int:
     """Print what was found, or what failed; the exit code is 0 or 1."""
     try:
-        said, code = FOUND + TRIALS[trial](engine), 0
+        report, code = FOUND + TRIALS[trial](engine), 0
     except Exception as error:  # noqa: BLE001  whatever an engine raises is what we came to hear
         kind = "" if isinstance(error, WmsError) else f"{type(error).__name__}: "
-        said, code = FAILED + kind + " ".join(str(error).split()), 1
-    print("\n" + said, flush=True)
+        report, code = FAILED + kind + " ".join(str(error).split()), 1
+    print("\n" + report, flush=True)
     return code
 
 

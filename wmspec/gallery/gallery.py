@@ -13,13 +13,13 @@ from PIL import Image
 
 from wmspec.gallery.records import Put, about, records
 from wmspec.write.files import explained
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 
 #: How good the pictures inside a page are, which are compressed: of 100.
 QUALITY = 88
 
 
-def page(dataset: Finished, per_task: int, path: Path) -> int:
+def page(dataset: DatasetReader, per_task: int, path: Path) -> int:
     """Write one page, its pictures compressed inside it. Returns the number of questions.
 
     Raises WmsError if there is no such file to be written, or if the dataset is damaged.
@@ -33,7 +33,7 @@ def page(dataset: Finished, per_task: int, path: Path) -> int:
     return _write(dataset, per_task, path, inside)
 
 
-def folder(dataset: Finished, per_task: int, path: Path) -> int:
+def folder(dataset: DatasetReader, per_task: int, path: Path) -> int:
     """Write a folder with `index.html` and the dataset's own pictures. Returns the number of questions.
 
     Raises WmsError if it cannot be written, or if the dataset is damaged.
@@ -50,7 +50,7 @@ def folder(dataset: Finished, per_task: int, path: Path) -> int:
     return _write(dataset, per_task, path / "index.html", beside)
 
 
-def _write(dataset: Finished, per_task: int, path: Path, put: Put) -> int:
+def _write(dataset: DatasetReader, per_task: int, path: Path, put: Put) -> int:
     dataset.intact()
     with explained(path):
         path.parent.mkdir(parents=True, exist_ok=True)

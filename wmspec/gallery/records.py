@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from itertools import groupby
 from typing import Any
 
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 from wmspec.write.rows import Row
 from wmspec.write.words import human, reading
 
@@ -16,7 +16,7 @@ Record = dict[str, Any]
 Put = Callable[[str, bytes], str]
 
 
-def about(dataset: Finished) -> Record:
+def about(dataset: DatasetReader) -> Record:
     """What the page says of the dataset and of its tasks."""
     said = dataset.manifest
     return {
@@ -39,7 +39,7 @@ def about(dataset: Finished) -> Record:
     }
 
 
-def records(dataset: Finished, per_task: int, put: Put) -> Iterator[Record]:
+def records(dataset: DatasetReader, per_task: int, put: Put) -> Iterator[Record]:
     """The records of at most `per_task` instances of each task, spread over those that were kept."""
     for task in dataset.tasks:
         units = dataset.units(task)

@@ -115,22 +115,22 @@ def _task(task: Task, count: TaskSummary) -> str:
         rows = [[f.name, "nuisance" if f.nuisance else "factor", _domain(f)] for f in spec.factors]
         parts.append(_table(["name", "", "values"], rows))
     facts = [("Licence", spec.license), ("Source", spec.source), ("Rejected", _reasons(count.rejected))]
-    parts += [f"{name}: {said}" for name, said in facts if said]
+    parts += [f"{name}: {words}" for name, words in facts if words]
     return "\n\n".join(p.strip() for p in parts if p.strip())
 
 
 def _domain(factor: Factor) -> str:
     match factor.domain:
         case Choices(values=values, weights=weights):
-            said = ", ".join(plain(v) for v in values)
-            said += f", weighted {', '.join(map(plain, weights))}" if weights else ""
+            words = ", ".join(plain(v) for v in values)
+            words += f", weighted {', '.join(map(plain, weights))}" if weights else ""
         case Interval(low=low, high=high, logarithmic=logarithmic):
-            said = f"{plain(low)} to {plain(high)}{', even in the logarithm' if logarithmic else ''}"
+            words = f"{plain(low)} to {plain(high)}{', even in the logarithm' if logarithmic else ''}"
         case Normal(mean=mean, deviation=deviation):
-            said = f"about {plain(mean)}, normally with a deviation of {plain(deviation)}"
+            words = f"about {plain(mean)}, normally with a deviation of {plain(deviation)}"
     if factor.nuisance:
-        said += ", drawn once per block"
-    return f"{said} ({factor.unit})" if factor.unit else said
+        words += ", drawn once per block"
+    return f"{words} ({factor.unit})" if factor.unit else words
 
 
 def plain(value: Level) -> str:
@@ -159,7 +159,7 @@ def _columns(plan: Plan) -> str:
     columns = COLUMNS.copy()
     for task in plan.tasks:
         columns |= channels(task.spec)
-    rows = [[f"`{name}`", said] for name, (_, said) in columns.items()]
+    rows = [[f"`{name}`", meaning] for name, (_, meaning) in columns.items()]
     rows += [
         ["`factor.*`", "the value of each factor, in SI units"],
         ["`group.*`", "the key that the instances differing in that factor alone share: group by it"],

@@ -53,7 +53,7 @@ CONTEXT: dict[str, Any] = {
 }
 
 #: What every column holds, by its name.
-_MEANINGS = {name: said for columns in (COLUMNS, *CHANNELS.values()) for name, (_, said) in columns.items()}
+_MEANINGS = {name: meaning for columns in (COLUMNS, *CHANNELS.values()) for name, (_, meaning) in columns.items()}
 
 _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
 
@@ -64,7 +64,7 @@ def croissant(plan: Plan, records: Mapping[str, Record]) -> dict[str, Any]:
     for shard in plan.shards():
         rows[shard.task.spec.name] += records[shard.path].rows
     filled = [t for t in plan.tasks if rows[t.spec.name]]
-    said: dict[str, Any] = {
+    metadata: dict[str, Any] = {
         "@context": CONTEXT,
         "@type": "sc:Dataset",
         "conformsTo": "http://mlcommons.org/croissant/1.0",
@@ -75,7 +75,7 @@ def croissant(plan: Plan, records: Mapping[str, Record]) -> dict[str, Any]:
         "recordSet": [_records(t) for t in filled],
     }
     licenses = sorted({t.spec.license for t in plan.tasks if t.spec.license})
-    return said | {"license": licenses} if licenses else said
+    return metadata | {"license": licenses} if licenses else metadata
 
 
 def _files(task: Task) -> dict[str, Any]:
@@ -116,10 +116,10 @@ def _field(task: str, field: pa.Field) -> list[dict[str, Any]]:
 def _one(task: str, column: pa.Field, kind: str, part: str = "", named: str = "") -> dict[str, Any]:
     """The Croissant field of a column, or of one part of the structs in it."""
     name = f"{task}/{column.name}{named}"
-    said: dict[str, Any] = {"@type": "cr:Field", "@id": name, "name": name, "dataType": kind}
+    field: dict[str, Any] = {"@type": "cr:Field", "@id": name, "name": name, "dataType": kind}
     if column.name in _MEANINGS:
-        said["description"] = _MEANINGS[column.name]
+        field["description"] = _MEANINGS[column.name]
     if pa.types.is_list(column.type):
-        said["repeated"] = True
+        field["repeated"] = True
     transform = {"transform": {"jsonPath": part}} if part else {}
-    return said | {"source": {"fileSet": {"@id": f"files/{task}"}, "extract": {"column": column.name}, **transform}}
+    return field | {"source": {"fileSet": {"@id": f"files/{task}"}, "extract": {"column": column.name}, **transform}}

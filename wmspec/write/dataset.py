@@ -129,12 +129,12 @@ class Dataset:
     def _plan(self) -> dict[str, Any] | None:
         """The plan that the folder holds, as JSON values; None if it holds none, {} if it cannot be read."""
         try:
-            said = json.loads((self.folder / files.PLAN).read_bytes())
+            record = json.loads((self.folder / files.PLAN).read_bytes())
         except FileNotFoundError:
             return None
         except ValueError:
             return {}
-        return said if isinstance(said, dict) else {}
+        return record if isinstance(record, dict) else {}
 
     def _clear(self) -> None:
         (self.folder / files.MANIFEST).unlink(missing_ok=True)

@@ -50,8 +50,8 @@ def explained(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         remedy = REMEDIES.get(error.errno or 0, "{} cannot be read or written, {}; choose another folder with -o")
-        said = (error.strerror or str(error)).lower()
-        raise WmsError(remedy.format(error.filename or path, said)) from error
+        reason = (error.strerror or str(error)).lower()
+        raise WmsError(remedy.format(error.filename or path, reason)) from error
 
 
 def write(folder: Path, name: str, content: bytes, synced: bool = True) -> None:
@@ -94,8 +94,8 @@ def text(value: Any) -> bytes:
 
 def lines(values: dict[str, Any]) -> bytes:
     """Values as JSON with one key a line: for lists that are too long to be read."""
-    said = (f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in values.items())
-    return ("{\n" + ",\n".join(said) + "\n}\n").encode()
+    entries = (f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in values.items())
+    return ("{\n" + ",\n".join(entries) + "\n}\n").encode()
 
 
 def digest(path: Path) -> str:

@@ -81,5 +81,5 @@ def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[
 
 def _task(task: Task, count: TaskSummary) -> dict[str, Any]:
     spec = task.spec
-    said = {key: getattr(spec, key) for key in ("dimension", "title", "description", "license", "source")}
-    return {**said, "instances": count.instances, "rows": count.rows, "rejected": count.rejected}
+    about = {key: getattr(spec, key) for key in ("dimension", "title", "description", "license", "source")}
+    return {**about, "instances": count.instances, "rows": count.rows, "rejected": count.rejected}

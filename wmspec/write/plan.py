@@ -111,7 +111,7 @@ def differences(there: dict[str, Any], here: dict[str, Any]) -> list[str]:
     return [_differs(key, there.get(key), here[key]) for key in here if there.get(key) != here[key]]
 
 
-def _said(value: Any) -> str:
+def _words(value: Any) -> str:
     return "none" if value is None else " ".join(map(str, value)) if isinstance(value, list) else str(value).lower()
 
 
@@ -122,4 +122,4 @@ def _differs(key: str, there: Any, here: Any) -> str:
             return f"versions ({', '.join(_differs(n, there.get(n), here.get(n)) for n in names)})"
         what = "instances" if key == "tasks" and all(n in there and n in here for n in names) else key
         return f"{what} ({', '.join(names) or 'in another order'})"
-    return f"{key} {_said(there)} there, {_said(here)} now"
+    return f"{key} {_words(there)} there, {_words(here)} now"

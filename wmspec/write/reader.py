@@ -30,25 +30,25 @@ _SHARD = {"sha256", "rows"}
 
 
 @dataclass(frozen=True)
-class Finished:
+class DatasetReader:
     """A finished dataset: its folder and its manifest as JSON values."""
 
     folder: Path
     manifest: dict[str, Any]
 
     @classmethod
-    def open(cls, folder: Path) -> Finished:
+    def open(cls, folder: Path) -> DatasetReader:
         """Raises WmsError if there is no finished dataset in the folder, or if its manifest is damaged."""
         place = folder / files.MANIFEST
         try:
-            said = json.loads(place.read_bytes())
+            manifest = json.loads(place.read_bytes())
         except OSError:
             raise WmsError(f"{folder} holds no finished dataset; make one with `wmspec generate`") from None
         except ValueError:
-            said = None
-        if not _as_written(said):
+            manifest = None
+        if not _as_written(manifest):
             raise WmsError(f"{place} is not one that `wmspec generate` writes; {MENDED}")
-        return cls(folder, said)
+        return cls(folder, manifest)
 
     def damaged(self) -> dict[str, str]:
         """The shards that are not what the manifest says, by path, each with what is wrong with it. Reads all of them.
@@ -56,11 +56,11 @@ class Finished:
         Raises WmsError if a file may not be read.
         """
         wrong = {}
-        for path, said in self.manifest["shards"].items():
+        for path, shard in self.manifest["shards"].items():
             file = self.folder / path
             if not file.is_file():
                 wrong[path] = "is gone"
-            elif _digest(file) != said["sha256"]:
+            elif _digest(file) != shard["sha256"]:
                 wrong[path] = "is not as it was written"
         return wrong
 
@@ -111,16 +111,16 @@ class Finished:
                 raise _unreadable(self.folder / path, error) from None
 
 
-def _as_written(said: Any) -> bool:
+def _as_written(manifest: Any) -> bool:
     """Whether a manifest has what one has that we write."""
-    return _has(said, _WHOLE) and all(
-        isinstance(said[name], dict) and all(_has(each, keys) for each in said[name].values())
+    return _has(manifest, _WHOLE) and all(
+        isinstance(manifest[name], dict) and all(_has(each, keys) for each in manifest[name].values())
         for name, keys in (("tasks", _TASK), ("shards", _SHARD))
     )
 
 
-def _has(said: Any, keys: set[str]) -> bool:
-    return isinstance(said, dict) and keys <= said.keys()
+def _has(value: Any, keys: set[str]) -> bool:
+    return isinstance(value, dict) and keys <= value.keys()
 
 
 def _digest(path: Path) -> str:
@@ -146,5 +146,5 @@ def _opened(path: Path) -> pq.ParquetFile:
 
 
 def _unreadable(path: Path, error: Exception) -> WmsError:
-    said = str(error).splitlines()[0]
-    return WmsError(f"{path}: cannot be read ({said}); {MENDED}")
+    reason = str(error).splitlines()[0]
+    return WmsError(f"{path}: cannot be read ({reason}); {MENDED}")

@@ -44,8 +44,8 @@ class Before:
     """
 
     def __init__(self, folders: Iterable[Path], plan: Plan) -> None:
-        found = (file for folder in folders for file in _files(folder, plan))
-        self._files = {(f.shard.task.spec.name, index): f for f in found for index in f.shard.indices}
+        reusable = (file for folder in folders for file in _files(folder, plan))
+        self._files = {(f.shard.task.spec.name, index): f for f in reusable for index in f.shard.indices}
 
     def outcomes(self, shard: Shard) -> dict[int, Outcome]:
         """What came of the instances of a shard that were made before, by their indices."""
@@ -77,16 +77,16 @@ def _files(folder: Path, plan: Plan) -> Iterator[File]:
 def _plan(folder: Path, plan: Plan) -> Plan:
     """The plan of a folder: this one, but for which instances of the tasks it has."""
     try:
-        said = json.loads((folder / files.PLAN).read_bytes())
-        indices = {name: tuple(map(int, numbers)) for name, numbers in said["tasks"].items()}
+        record = json.loads((folder / files.PLAN).read_bytes())
+        indices = {name: tuple(map(int, numbers)) for name, numbers in record["tasks"].items()}
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         raise WmsError(
             f"{folder} holds no dataset that could be reused; name a folder that `wmspec generate` made"
         ) from None
     tasks = tuple(Task(t.spec, indices[t.spec.name]) for t in plan.tasks if t.spec.name in indices)
     there = replace(plan, tasks=tasks)
-    if there.record != said:
-        what = "; ".join(differences(said, there.record)) or "parts that this version does not know"
+    if there.record != record:
+        what = "; ".join(differences(record, there.record)) or "parts that this version does not know"
         raise WmsError(
             f"{folder} cannot be reused, it was made with other {what}; give the options that it was made with"
         )

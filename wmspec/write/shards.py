@@ -75,8 +75,8 @@ def sidecar(shard: Shard) -> str:
 def read_record(folder: Path, shard: Shard) -> Record | None:
     """The record of a shard; None if there is none that can be read."""
     try:
-        said: dict[str, Any] = json.loads((folder / sidecar(shard)).read_bytes())
-        rejected = tuple(Rejected(**r) for r in said.pop("rejected"))
-        return Record(**said, rejected=rejected)
+        record: dict[str, Any] = json.loads((folder / sidecar(shard)).read_bytes())
+        rejected = tuple(Rejected(**r) for r in record.pop("rejected"))
+        return Record(**record, rejected=rejected)
     except (FileNotFoundError, ValueError, TypeError, KeyError, AttributeError):
         return None

@@ -16,7 +16,7 @@ from PIL import Image
 
 from wmspec.diagnostics import WmsError
 from wmspec.write import typeset
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 from wmspec.write.rows import Row
 from wmspec.write.typeset import BLACK, GREEN, GREY, PALE, Picture, Style
 from wmspec.write.words import human, reading
@@ -40,15 +40,15 @@ def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = No
 
     Raises WmsError if there is no finished dataset in the folder, if it is damaged, or has no such task.
     """
-    dataset = Finished.open(folder)
-    said = dataset.manifest
-    chosen = list(said["tasks"]) if tasks is None else list(tasks)
+    dataset = DatasetReader.open(folder)
+    manifest = dataset.manifest
+    chosen = list(manifest["tasks"]) if tasks is None else list(tasks)
     for name in chosen:
-        if name not in said["tasks"]:
-            raise WmsError(f"{folder} has no task `{name}`; it has {', '.join(said['tasks'])}")
+        if name not in manifest["tasks"]:
+            raise WmsError(f"{folder} has no task `{name}`; it has {', '.join(manifest['tasks'])}")
     dataset.intact()
-    parts = [_title(said)]
-    parts += [_task(folder, said, name, count) for name in chosen]
+    parts = [_title(manifest)]
+    parts += [_task(folder, manifest, name, count) for name in chosen]
     return typeset.padded(typeset.above(parts, 70), MARGIN)
 
 
@@ -59,21 +59,21 @@ def _inside() -> int:
 # ---------------------------------------------------------------- tasks
 
 
-def _title(said: dict[str, Any]) -> Picture:
-    engines = ", ".join(said["engines"])
-    agreed = AGREED[said["consensus"]]
-    tasks = f"{len(said['tasks'])} {'task' if len(said['tasks']) == 1 else 'tasks'}"
-    counted = f"{said['rows']:,} questions in {tasks}, executed and drawn in {engines}{agreed}"
+def _title(manifest: dict[str, Any]) -> Picture:
+    engines = ", ".join(manifest["engines"])
+    agreed = AGREED[manifest["consensus"]]
+    tasks = f"{len(manifest['tasks'])} {'task' if len(manifest['tasks']) == 1 else 'tasks'}"
+    counted = f"{manifest['rows']:,} questions in {tasks}, executed and drawn in {engines}{agreed}"
     return typeset.above(
         [typeset.paragraph("wmspec", TITLE, _inside()), typeset.paragraph(counted, SMALL, _inside())], 4
     )
 
 
-def _task(folder: Path, said: dict[str, Any], name: str, count: int) -> Picture:
-    about = said["tasks"][name]
+def _task(folder: Path, manifest: dict[str, Any], name: str, count: int) -> Picture:
+    about = manifest["tasks"][name]
     head = [typeset.rule(_inside(), BLACK, 3), typeset.paragraph(about["title"] or name, TASK, _inside())]
     head += [typeset.paragraph(f"{name}  ·  {about['dimension']}  ·  {_kept(about)}", SMALL, _inside())]
-    shown = [_question(list(rows), units) for rows, units in _picked(folder, said, name, count)]
+    shown = [_question(list(rows), units) for rows, units in _picked(folder, manifest, name, count)]
     nothing = typeset.paragraph("every question was rejected", BODY, _inside())
     return typeset.above([typeset.above(head, 8), *(shown or [nothing])], 40)
 
@@ -83,9 +83,11 @@ def _kept(about: dict[str, Any]) -> str:
     return f"{rows:,} questions kept, {lost:,} rejected"
 
 
-def _picked(folder: Path, said: dict[str, Any], task: str, count: int) -> Iterator[tuple[list[Row], dict[str, str]]]:
+def _picked(
+    folder: Path, manifest: dict[str, Any], task: str, count: int
+) -> Iterator[tuple[list[Row], dict[str, str]]]:
     """The rows of `count` questions, engine by engine, spread over the task; those that all engines ask come first."""
-    files = [str(folder / path) for path in said["shards"] if path.startswith(f"data/{task}/")]
+    files = [str(folder / path) for path in manifest["shards"] if path.startswith(f"data/{task}/")]
     if not files:
         return
     data = ds.dataset(files, format="parquet")
@@ -94,17 +96,17 @@ def _picked(folder: Path, said: dict[str, Any], task: str, count: int) -> Iterat
     for index, question in _spread(keys, count):
         which = (pc.field("index") == index) & (pc.field("question") == question)
         rows = _decoded(data.to_table(filter=which))
-        yield sorted(rows, key=lambda r: said["engines"].index(r["engine"])), units
+        yield sorted(rows, key=lambda r: manifest["engines"].index(r["engine"])), units
 
 
 def _spread(keys: list[Row], count: int) -> list[tuple[int, int]]:
-    asked: dict[tuple[int, int], int] = {}
+    engines_of: dict[tuple[int, int], int] = {}
     for key in keys:
         which = (key["index"], key["question"])
-        asked[which] = asked.get(which, 0) + 1
-    most = max(asked.values(), default=0)
-    best = [which for which, engines in asked.items() if engines == most]
-    best += [which for which, engines in asked.items() if engines < most] if len(best) < count else []
+        engines_of[which] = engines_of.get(which, 0) + 1
+    most = max(engines_of.values(), default=0)
+    best = [which for which, engines in engines_of.items() if engines == most]
+    best += [which for which, engines in engines_of.items() if engines < most] if len(best) < count else []
     shown = min(count, len(best))
     return [best[i * len(best) // shown] for i in range(shown)]
 
@@ -171,16 +173,16 @@ def _heading(row: Row) -> _Heading:
 
 def _headings(heading: _Heading, side: int) -> Picture:
     wide = side + 2 * ROOM
-    shown = [typeset.paragraph(said, SMALL, wide, centred=True) for said in heading.context]
+    shown = [typeset.paragraph(words, SMALL, wide, centred=True) for words in heading.context]
     left = _over("what is shown", typeset.beside(shown, GAP))
     options = [_option(LETTERS[i], option, wide) for i, option in enumerate(heading.options)]
-    asked = "which picture is true?" if options else "which is true?"
-    right = _over(asked, typeset.beside(options or [typeset.blank(WORDS, 1)], GAP))
+    prompt = "which picture is true?" if options else "which is true?"
+    right = _over(prompt, typeset.beside(options or [typeset.blank(WORDS, 1)], GAP))
     return typeset.beside([typeset.blank(ENGINE, 1), left, typeset.blank(PARTING, 1), right], GAP)
 
 
-def _over(said: str, part: Picture) -> Picture:
-    return typeset.above([typeset.paragraph(said, TINY, part.width), typeset.rule(part.width), part], 5)
+def _over(words: str, part: Picture) -> Picture:
+    return typeset.above([typeset.paragraph(words, TINY, part.width), typeset.rule(part.width), part], 5)
 
 
 def _option(letter: str, option: tuple[str, str, str], wide: int) -> Picture:
@@ -189,11 +191,11 @@ def _option(letter: str, option: tuple[str, str, str], wide: int) -> Picture:
         head = typeset.beside(
             [typeset.paragraph(letter, TRUE, typeset.width_of(letter, TRUE)), typeset.tick(22)], 8, middle=True
         )
-        said = ["this happens"]
+        lines = ["this happens"]
     else:
         head = typeset.paragraph(f"{letter}  {name}", NAME, wide)
-        said = change.replace("->", "→").split(": ", 1)
-    return typeset.above([head, *(typeset.paragraph(line, TINY, wide) for line in said)], 2)
+        lines = change.replace("->", "→").split(": ", 1)
+    return typeset.above([head, *(typeset.paragraph(line, TINY, wide) for line in lines)], 2)
 
 
 # ---------------------------------------------------------------- the pictures
@@ -217,8 +219,8 @@ def _choices(row: Row, side: int) -> list[Picture]:
 
 def _word(row: Row, i: int) -> Picture:
     true = i == row["answer"]
-    said = typeset.paragraph(f"{LETTERS[i]}  {row['option_text'][i]}", TRUE if true else BODY, WORDS - 80)
-    line = typeset.beside([said, typeset.tick(24) if true else typeset.blank(24, 24)], 8, middle=True)
+    words = typeset.paragraph(f"{LETTERS[i]}  {row['option_text'][i]}", TRUE if true else BODY, WORDS - 80)
+    line = typeset.beside([words, typeset.tick(24) if true else typeset.blank(24, 24)], 8, middle=True)
     return typeset.framed(typeset.padded(line, 8), GREEN if true else PALE, 4 if true else 1, ROOM)
 
 
@@ -232,10 +234,13 @@ def _sized(picture: Picture, side: int) -> Picture:
 
 def _reasons(rows: list[Row]) -> Picture:
     """Why the answer is the answer, once for all engines that measured the same."""
-    said: dict[str, list[str]] = {}
+    engines_by_reason: dict[str, list[str]] = {}
     for row in rows:
-        said.setdefault(_reason(row), []).append(row["engine"])
-    lines = [typeset.paragraph(f"{', '.join(engines)}:  {why}", BODY, _inside()) for why, engines in said.items()]
+        engines_by_reason.setdefault(_reason(row), []).append(row["engine"])
+    lines = [
+        typeset.paragraph(f"{', '.join(engines)}:  {why}", BODY, _inside())
+        for why, engines in engines_by_reason.items()
+    ]
     return typeset.above(lines, 2)
 
 

@@ -8,9 +8,9 @@ from wmspec.ask.kinds import KINDS
 from wmspec.compare.model import Cause, Checked, Comparison, Failure, Gap, Verdict
 
 
-def failure(found: Failure) -> str:
+def failure(failed: Failure) -> str:
     """Why an instance was not executed."""
-    return ", ".join(part for part in (found.engine, found.run) if part) + f": {found.reason}"
+    return ", ".join(part for part in (failed.engine, failed.run) if part) + f": {failed.reason}"
 
 
 def dispute(verdict: Verdict) -> str:
@@ -40,15 +40,15 @@ def parting(comparison: Comparison) -> str:
     return f"{comparison.run}, {' and '.join(comparison.engines)}: {', '.join(parts)}{why}"
 
 
-def cause(found: Cause) -> str:
+def cause(why: Cause) -> str:
     """Where it began and what decides it."""
-    where = f"`{found.body}` parts at {found.began:.3f} s" + ("" if found.run == "truth" else f" in `{found.run}`")
-    if found.mass is None or found.touched is None:
-        return f"{where}: {found.hint}"
-    masses = " and ".join(f"{m * 1000:.4g} g" if m else "fixed" for m in found.mass)
+    where = f"`{why.body}` parts at {why.began:.3f} s" + ("" if why.run == "truth" else f" in `{why.run}`")
+    if why.mass is None or why.touched is None:
+        return f"{where}: {why.hint}"
+    masses = " and ".join(f"{m * 1000:.4g} g" if m else "fixed" for m in why.mass)
     return (
-        f"{where}, after touching `{found.other}` at {found.touched:.3f} s "
-        f"(mass {masses}, friction {found.friction:.3g}, restitution {found.restitution:.3g}): {found.hint}"
+        f"{where}, after touching `{why.other}` at {why.touched:.3f} s "
+        f"(mass {masses}, friction {why.friction:.3g}, restitution {why.restitution:.3g}): {why.hint}"
     )
 
 
@@ -56,10 +56,10 @@ def complaints(checked: Checked, strict: bool) -> list[str]:
     """Everything for which an instance does not pass; nothing if it does."""
     if checked.passes(strict):
         return []
-    said = [failure(f) for f in checked.failures] + [dispute(v) for v in checked.disputed]
+    reasons = [failure(f) for f in checked.failures] + [dispute(v) for v in checked.disputed]
     if strict or not checked.verdicts:
-        said += [parting(c) for c in checked.parted]
-    return said
+        reasons += [parting(c) for c in checked.parted]
+    return reasons
 
 
 def _apart(gap: Gap) -> str:
