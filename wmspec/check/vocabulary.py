@@ -147,7 +147,7 @@ PARAMETERS: dict[str, Kind] = {
 
 #: The properties that only some shapes have, besides `radius` and `height`.
 _OWN: dict[str, Slot] = {
-    name: Slot((PARAMETERS[p.kind],), p.meaning, p.default, p.default is None, p.above, p.least, p.most)
+    name: Slot((PARAMETERS[p.kind],), p.meaning, optional=True, above=p.above, least=p.least, most=p.most)
     for shape in SHAPES.values()
     for name, p in shape.properties.items()
 }

@@ -45,5 +45,5 @@ def overlap(a: Shape, at_a: Pose, b: Shape, at_b: Pose, least: float) -> float:
 
 def _depth(shape: Shape, pose: Pose, point: Array) -> tuple[float, Array]:
     """How far (m) a point is below the surface (negative: outside) and how that grows with the point (3,)."""
-    depth, slope = shape.depth(rotate(conjugate(pose.orientation), point - pose.position))
+    depth, slope = shape.depth_at(rotate(conjugate(pose.orientation), point - pose.position))
     return depth, rotate(pose.orientation, slope)

@@ -71,7 +71,7 @@ class Capsule(Shape):
         """All engines have it."""
         return "capsule", (float(self.radius), float(self.height))
 
-    def depth(self, point: Array) -> tuple[float, Array]:
+    def depth_at(self, point: Array) -> tuple[float, Array]:
         """Below the ball around the nearest point of its line."""
         from wmspec.shapes.sides import round_
 

@@ -80,7 +80,7 @@ class Cone(Shape):
         rim = np.stack([self.radius * np.cos(turn), self.radius * np.sin(turn), base], axis=1)
         return np.vstack([rim, [0.0, 0.0, self.height / 2]])
 
-    def sides(self, point: Array) -> list[tuple[float, Array]]:
+    def depths_at(self, point: Array) -> list[tuple[float, Array]]:
         """Its base and the slanting side."""
         import numpy as np
 

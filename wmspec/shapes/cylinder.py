@@ -67,7 +67,7 @@ class Cylinder(Shape):
         """All engines have it."""
         return "cylinder", (float(self.radius), float(self.height))
 
-    def sides(self, point: Array) -> list[tuple[float, Array]]:
+    def depths_at(self, point: Array) -> list[tuple[float, Array]]:
         """Its caps and the tube."""
         from wmspec.shapes.sides import below, round_
 

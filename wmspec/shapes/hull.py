@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from math import pi
 from typing import Any
@@ -11,6 +12,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from wmspec.diagnostics import WmsError
+from wmspec.space import Vector
 
 Array = NDArray[np.float64]
 
@@ -32,10 +34,10 @@ def _hull(numbers: bytes) -> Any:
     return trimesh.convex.convex_hull(points)
 
 
-def thinned(solid: Any) -> Array:
+def thinned(solid: Any, also: Sequence[Vector] = ()) -> Array:
     """At most 240 of the corners of a hull that has more than 250: those furthest out in evenly spread directions.
 
-    The directions are those of a Fibonacci sphere.
+    The directions are those of a Fibonacci sphere, and besides them up to ten that are given.
     """
     points = np.asarray(solid.vertices, float)
     if len(points) <= _MOST:
@@ -44,6 +46,7 @@ def thinned(solid: Any) -> Array:
     z, turn = 1 - 2 * i / _DIRECTIONS, i * pi * (3 - np.sqrt(5))
     across = np.sqrt(1 - z**2)
     directions = np.stack([across * np.cos(turn), across * np.sin(turn), z], axis=1)
+    directions = np.concatenate([directions, np.reshape(also, (-1, 3))])
     furthest = np.unique((directions @ points.T).argmax(axis=1))
     kept: Array = points[furthest]
     return kept

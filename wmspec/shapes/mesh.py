@@ -122,7 +122,7 @@ class Mesh(Shape):
 
         return thinned(self.solid)
 
-    def sides(self, point: Array) -> list[tuple[float, Array]]:
+    def depths_at(self, point: Array) -> list[tuple[float, Array]]:
         """The hull's."""
         from wmspec.shapes.sides import of_hull
 

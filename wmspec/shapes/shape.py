@@ -37,14 +37,13 @@ class UnfitError(ValueError):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A property that a shape has in the language besides `size`, `radius` and `height`.
+    """A property that a shape has in the language besides `size`, `radius` and `height`; it may be left out.
 
-    `kind` is what it takes, in the words of `wmspec.check.vocabulary.PARAMETERS`; None as `default` makes it optional.
+    `kind` is what it takes, in the words of `wmspec.check.vocabulary.PARAMETERS`.
     """
 
     kind: str
     meaning: str
-    default: str | None = None
     above: float | None = None
     least: float | None = None
     most: float | None = None
@@ -215,13 +214,13 @@ class Shape:
         from wmspec.shapes.facets import tessellate
         from wmspec.shapes.hull import hull, thinned
 
-        return thinned(hull(tessellate(self).points))
+        return thinned(hull(tessellate(self).points), also=[*AXES, *(times(-1.0, axis) for axis in AXES)])
 
-    def depth(self, point: Array) -> tuple[float, Array]:
+    def depth_at(self, point: Array) -> tuple[float, Array]:
         """How far (m) a point is below the surface (negative: outside), and how that grows with the point (3,)."""
-        return min(self.sides(point), key=lambda side: side[0])
+        return min(self.depths_at(point), key=lambda side: side[0])
 
-    def sides(self, point: Array) -> list[tuple[float, Array]]:
+    def depths_at(self, point: Array) -> list[tuple[float, Array]]:
         """The same of each of its sides, where it is convex."""
         from wmspec.shapes.sides import below, of_hull
 

@@ -62,7 +62,7 @@ class Sphere(Shape):
         """All engines have it."""
         return "sphere", (float(self.radius),)
 
-    def depth(self, point: Array) -> tuple[float, Array]:
+    def depth_at(self, point: Array) -> tuple[float, Array]:
         """Below the ball."""
         from wmspec.shapes.sides import round_
 
