@@ -32,13 +32,12 @@ class Rule:
 
 @dataclass(frozen=True)
 class QuestionRules:
-    """A kind of question: which answers make it, with which clause, and the rules for the others.
+    """A kind of question: which answers, with which clauses beside them, make it, and the rules for its clauses.
 
     What is `spoken` is answered in words, so that its values must have some.
     """
 
-    fits: Callable[[Kind], bool]
-    by: str
+    fits: Callable[[Kind, Set[str]], bool]
     spoken: bool
     refused: tuple[Rule, ...] = ()
     needed: tuple[Rule, ...] = ()
@@ -64,8 +63,7 @@ _NO_TOLERANCE = Rule(
 #: The first kind that fits is that of a question.
 QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
     "pictures": QuestionRules(
-        fits=lambda answer: answer == PICTURE,
-        by=ANSWER,
+        fits=lambda answer, _: answer == PICTURE,
         spoken=False,
         refused=(
             Rule("options", "the options of a picture question are its counterfactuals", "remove `options`", "options"),
@@ -81,8 +79,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
         ),
     ),
     "numbers": QuestionRules(
-        fits=_quantity,
-        by="within",
+        fits=lambda answer, clauses: _quantity(answer) and "within" in clauses,
         spoken=True,
         refused=(
             _NO_COUNTERFACTUALS,
@@ -95,8 +92,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
         ),
     ),
     "labels": QuestionRules(
-        fits=lambda answer: answer != PICTURE,
-        by=ANSWER,
+        fits=lambda answer, _: answer != PICTURE,
         spoken=True,
         refused=(_NO_COUNTERFACTUALS, _NO_TOLERANCE),
         needed=(
@@ -121,7 +117,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
 
 def question_kind(answer: Kind, clauses: Set[str]) -> ir.QuestionKind:
     """The kind of a question that has such an answer and these clauses."""
-    return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer) and rules.by in clauses)
+    return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
 
 
 def broken(rules: QuestionRules, answer: Kind, clauses: Set[str]) -> Rule | None:

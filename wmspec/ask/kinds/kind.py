@@ -36,10 +36,10 @@ A = TypeVar("A", bound=Answer)
 
 
 class Kind(ABC, Generic[A]):
-    """One kind of question.
+    """One kind of question; it has no options unless it says more than it must.
 
     `ask` calls `answer`, `gate`, `disturbed` after every nudge, and `options`; a crosscheck calls `answer` and `gate`.
-    What it need not draw a picture for, an `answer` holds.
+    Engines are then compared by their answers alone, which hold whatever can be told without drawing a picture.
     """
 
     def executed(self, question: Question) -> tuple[Counterfactual, ...]:
@@ -54,7 +54,6 @@ class Kind(ABC, Generic[A]):
     def words(self, asking: Asking, answer: A) -> str:
         """The answer in words. Raises Ambiguous if words cannot tell it."""
 
-    @abstractmethod
     def gate(self, asking: Asking, answer: A) -> None:
         """Raise Reject if the options are not what they should be, as far as can be told without drawing them."""
 
@@ -66,17 +65,17 @@ class Kind(ABC, Generic[A]):
         """The pictures that are options."""
         return ()
 
-    @abstractmethod
     def options(self, asking: Asking, answer: A, slot: AnswerSlot) -> tuple[Option, ...]:
         """The options in order, the true one at its slot. Raises Reject if two look alike."""
+        return ()
 
     def number(self, asking: Asking, answer: A) -> Number | None:
         """The answer as a number, if it is one."""
         return None
 
-    @abstractmethod
     def picked(self, mine: A, other: A) -> str | None:
         """The name of the option of mine that the other engine's outcome picks; None if it picks none."""
+        return None
 
     @abstractmethod
     def agree(self, a: A, b: A) -> bool:
@@ -90,9 +89,9 @@ class Kind(ABC, Generic[A]):
     def remedy(self, sort: str) -> str:
         """What to do about an answer (of a sort of value) that the least difference between engines decides."""
 
-    @abstractmethod
     def offered(self, options: Sequence[Option]) -> Offered:
         """The options as a row holds them."""
+        return Offered(())
 
 
 def quantity(value: Any, sort: str, within: float | None = None) -> Number | None:

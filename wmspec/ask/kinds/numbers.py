@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from wmspec.ask.asking import AnswerSlot, Asking
-from wmspec.ask.kinds.kind import Kind, Offered, in_words, quantity
-from wmspec.ask.model import Answer, Number, Option
+from wmspec.ask.asking import Asking
+from wmspec.ask.kinds.kind import Kind, in_words, quantity
+from wmspec.ask.model import Answer, Number
 from wmspec.ask.runs import Run
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import QuestionKind
@@ -36,9 +35,6 @@ class Numbers(Kind[NumberAnswer]):
         """The value with its unit."""
         return in_words(asking, answer.value)
 
-    def gate(self, asking: Asking, answer: NumberAnswer) -> None:
-        """There are no options that could be amiss."""
-
     def disturbed(self, asking: Asking, answer: NumberAnswer, nudged: Run, by: float) -> str:
         """Whether what is measured is no longer near enough."""
         now = evaluate(asking.question.answer, asking.measured_on(nudged))
@@ -46,17 +42,9 @@ class Numbers(Kind[NumberAnswer]):
             return ""
         return f"{answer.value} becomes {now} when everything free is set aside by {by * 1000:g} mm"
 
-    def options(self, asking: Asking, answer: NumberAnswer, slot: AnswerSlot) -> tuple[Option, ...]:
-        """None."""
-        return ()
-
     def number(self, asking: Asking, answer: NumberAnswer) -> Number | None:
         """The value, and how far off is still right."""
         return quantity(answer.value, asking.question.sort, answer.within)
-
-    def picked(self, mine: NumberAnswer, other: NumberAnswer) -> str | None:
-        """Nothing: there are no options."""
-        return None
 
     def agree(self, a: NumberAnswer, b: NumberAnswer) -> bool:
         """Whether the one would be right where the other is asked."""
@@ -65,7 +53,3 @@ class Numbers(Kind[NumberAnswer]):
     def remedy(self, sort: str) -> str:
         """What is right may lie further from what is wrong."""
         return "ask for a larger margin"
-
-    def offered(self, options: Sequence[Option]) -> Offered:
-        """Neither texts nor pictures."""
-        return Offered(())
