@@ -38,7 +38,7 @@ def test_what_is_public() -> None:
     assert sorted(api.HOMES) == [
         *("Agreement", "Asked", "Choices", "Diagnosis", "Drawing", "Episode", "Factor", "Instance", "SpecError"),
         *("Task", "Track", "WmsError", "crosscheck", "diagnose", "generate", "load", "load_all", "load_episode"),
-        *("open_stage", "progress_bar", "run"),
+        *("open_stage", "progress_bar", "register", "run"),
     ]
     for name in api.HOMES:
         public = getattr(wmspec, name)

@@ -19,7 +19,7 @@ from wmspec.compare.summary import Line, Suspect, lines, suspects
 from wmspec.compare.sweep import Job, pairs, sweep
 from wmspec.compare.tolerance import tolerances
 from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import chosen
+from wmspec.execute.backends import chosen, only_here
 from wmspec.execute.pool import Effort
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def crosscheck(
         seed: what the draws depend on, of tasks that are given by their path; a task has its own.
         tolerance: settings such as "drift=1cm/s" in place of a task's own tolerances.
         strict: whether trajectories must be within tolerance for an instance to pass.
-        workers: processes; one for each core if it is left out.
+        workers: processes, 0 to have none; one for each core if it is left out.
         timeout: seconds that an instance may take.
         progress: shows how far it has come; `wmspec.progress_bar` does.
         tell: told what is left out.
@@ -114,9 +114,8 @@ def crosscheck(
     specs = [task.spec for task in found]
     limits = tuple((s.name, tolerances(tolerance, s.tolerances)) for s in specs)
     job = Job(tuple((s.name, to_json(s)) for s in specs), found[0].seed, engines, limits)
-    effort = Effort(workers or os.cpu_count() or 1, timeout)
     with progress(sum(min(sample, len(task)) for task in found), "crosschecking") as advance:
-        return Agreement(job, sweep(specs, sample, job, effort, advance), strict)
+        return Agreement(job, sweep(specs, sample, job, effort(workers, timeout, engines), advance), strict)
 
 
 def gathered(tasks: Tasks, seed: int, tell: Tell, dimensions: Sequence[str] = ()) -> tuple[Task, ...]:
@@ -133,6 +132,13 @@ def gathered(tasks: Tasks, seed: int, tell: Tell, dimensions: Sequence[str] = ()
     if len(seeds) > 1:
         raise WmsError(f"these tasks have different seeds, {sorted(seeds)}; load them with one")
     return executable(of_dimensions(loaded, dimensions), paths, tell)
+
+
+def effort(workers: int | None, timeout: float, engines: Iterable[str]) -> Effort:
+    """How hard to try: with a worker for each core if nothing is said, with none for engines of this process alone."""
+    if only_here(engines):
+        return Effort(0, timeout)
+    return Effort((os.cpu_count() or 1) if workers is None else workers, timeout)
 
 
 def _row(line: Line) -> Mapping[str, Any]:

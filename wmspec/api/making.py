@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TypedDict, Unpack
 
 from wmspec import __version__
-from wmspec.api.agreement import Tasks, gathered
+from wmspec.api.agreement import Tasks, effort, gathered
 from wmspec.api.drawing import pixels, samples_of
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
@@ -18,7 +17,6 @@ from wmspec.ask.consensus import Consensus
 from wmspec.design.design import share
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import chosen, drawing, engine_version
-from wmspec.execute.pool import Effort
 from wmspec.paper import instances
 from wmspec.scene.model import Look
 from wmspec.write.dataset import Dataset
@@ -73,7 +71,7 @@ def generate(
         output: the folder.
         reuse: folders to take instances from that were made before.
         force: whether to replace a different dataset in the folder.
-        workers: processes; one for each core if it is left out.
+        workers: processes, 0 to have none; one for each core if it is left out.
         timeout: seconds that an instance may take.
         progress: shows how far it has come; `wmspec.progress_bar` does.
         tell: told what is left out, and what was damaged and is made again.
@@ -91,7 +89,7 @@ def generate(
         for notice in dataset.notices:
             tell(notice)
         with progress(sum(len(shard.indices) for shard in dataset.pending()), "generating") as advance:
-            make(dataset, effort(workers, timeout), advance, before)
+            make(dataset, effort(workers, timeout, plan.engines), advance, before)
         return dataset.finish()
 
 
@@ -121,11 +119,6 @@ def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan
         renderer=drawers[0] if renderer else "",
         versions={"wmspec": __version__} | {name: engine_version(name) for name in {*engines, *drawers}},
     )
-
-
-def effort(workers: int | None, timeout: float) -> Effort:
-    """How hard to try; a worker for each core if nothing is said."""
-    return Effort(workers or os.cpu_count() or 1, timeout)
 
 
 def texts(tasks: Sequence[Task]) -> dict[str, str]:

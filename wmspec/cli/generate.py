@@ -95,7 +95,8 @@ def generate_command(
     command without --shard makes one of them (-o whole --reuse part-1 --reuse part-2 ...), as if there had been one.
     """
     from wmspec.api import generate, progress_bar
-    from wmspec.api.making import effort, planned
+    from wmspec.api.agreement import effort
+    from wmspec.api.making import planned
 
     choices: Choices = {
         "per_task": per_task,
@@ -111,7 +112,8 @@ def generate_command(
         "samples": samples,
     }
     if dry_run:
-        tell_cost(planned(specs, tell, **choices), effort(workers, timeout), as_json)
+        plan = planned(specs, tell, **choices)
+        tell_cost(plan, effort(workers, timeout, plan.engines), as_json)
         return
     if output is None:
         raise WmsError("where to? give the folder of the dataset with -o, or --dry-run to learn what it would take")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points, version
@@ -21,9 +21,31 @@ def _entries() -> dict[str, EntryPoint]:
     return {e.name: e for e in sorted(entry_points(group=GROUP), key=lambda e: e.name)}
 
 
+#: Backends of this process alone.
+_registered: dict[str, Backend] = {}
+
+
+def register(backend_: Backend) -> None:
+    """Have a backend in this process alone, as in a notebook; an entry point has it everywhere.
+
+    It replaces one that was registered by the same name. Raises WmsError if an entry point has that name.
+    """
+    name = backend_.info.name
+    if name in _entries():
+        raise WmsError(f"there is a backend `{name}` already; choose another name")
+    _registered[name] = backend_
+    for known in (info, backend):
+        known.cache_clear()
+
+
+def only_here(engines: Iterable[str]) -> bool:
+    """Whether one of the engines is unknown to other processes."""
+    return not _registered.keys().isdisjoint(engines)
+
+
 def names() -> tuple[str, ...]:
     """The names of all backends that wmspec knows, whether or not their engine is installed."""
-    return tuple(_entries())
+    return (*_entries(), *_registered)
 
 
 @cache
@@ -56,8 +78,10 @@ def backend(name: str) -> Backend:
 
 def _loaded(name: str) -> Backend:
     entries = _entries()
+    if name in _registered:
+        return _registered[name]
     if name not in entries:
-        raise WmsError(f"there is no backend `{name}`; {suggestion(name, entries) or 'none is installed'}")
+        raise WmsError(f"there is no backend `{name}`; {suggestion(name, names()) or 'none is installed'}")
     try:
         return cast(Backend, entries[name].load())
     except (ImportError, AttributeError) as error:

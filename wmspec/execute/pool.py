@@ -22,7 +22,10 @@ PIECES_PER_WORKER = 500
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard to try: worker processes, and the seconds that a piece of work may take."""
+    """How hard to try: worker processes, and the seconds that a piece of work may take.
+
+    Without workers, all is done in this process, where nothing stops a piece that hangs.
+    """
 
     workers: int
     timeout: float
@@ -43,6 +46,9 @@ def in_order(
 
     Close it to stop them.
     """
+    if effort.workers == 0:
+        yield from (work(*piece) for piece in pieces)
+        return
     with _pool(effort.workers) as pool:
 
         def schedule(piece: tuple[Any, ...]) -> Any:
