@@ -18,6 +18,7 @@ from wmspec.compare.record import junit, record
 from wmspec.compare.summary import Line, Suspect, lines, suspects
 from wmspec.compare.sweep import Job, pairs, sweep
 from wmspec.compare.tolerance import tolerances
+from wmspec.compare.verbalize import complaints
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import chosen, only_here
 from wmspec.execute.pool import Effort
@@ -54,6 +55,10 @@ class Agreement:
     def failed(self) -> tuple[Checked, ...]:
         """The instances on which the engines do not agree, or that one cannot execute."""
         return tuple(c for c in self.instances if not c.passes(self.strict))
+
+    def complaints(self, instance: Checked) -> list[str]:
+        """What is wrong with an instance, a sentence each: where engines part, when, and what to do about it."""
+        return complaints(instance, self.strict)
 
     @property
     def passed(self) -> bool:

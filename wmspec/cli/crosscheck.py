@@ -104,8 +104,6 @@ def _print(agreement: Agreement) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from wmspec.compare.verbalize import complaints
-
     table = Table(box=None, pad_edge=False, header_style="bold")
     headings = ("task", "engines", "answers", "before gates", "within tolerance", "gap, median", "largest", "event")
     for heading in headings:
@@ -124,7 +122,7 @@ def _print(agreement: Agreement) -> None:
     for instance in failed[:MOST_TOLD]:
         settings = ", ".join(f"{k} {_short(v)}" for k, v in instance.factors.items())
         click.echo(f"\n{instance.task}, instance {instance.index} ({settings})")
-        for complaint in complaints(instance, agreement.strict):
+        for complaint in agreement.complaints(instance):
             click.echo(f"  {complaint}")
     if len(failed) > MOST_TOLD:
         click.echo(f"\n... and {len(failed) - MOST_TOLD} more instances; --json FILE has them all")
