@@ -65,11 +65,11 @@ def placed(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:
 
 def _polygons(body: Body, pose: Pose, camera: Camera, size: tuple[int, int]) -> list[Array]:
     """The pixel coordinates of polygons (n, 2) that together cover what is seen of a body."""
-    found: list[Array] = []
+    polygons: list[Array] = []
     for geom in body.geoms:
         if geom.visible:
-            found += _outlines(geom.shape, compose(pose, geom.pose), camera, size)
-    return found
+            polygons += _outlines(geom.shape, compose(pose, geom.pose), camera, size)
+    return polygons
 
 
 def _outlines(shape: Shape, pose: Pose, camera: Camera, size: tuple[int, int]) -> list[Array]:

@@ -60,20 +60,20 @@ def info(name: str) -> Info:
 @cache
 def backend(name: str) -> Backend:
     """The backend of that name. Raises WmsError if there is none, or if its engine is not installed."""
-    found = _loaded(name)
+    engine = _loaded(name)
     try:
         with silence():
-            import_module(found.info.module)
+            import_module(engine.info.module)
     except ImportError as error:
         raise WmsError(
             f"the engine of backend `{name}` cannot be imported ({error}); "
-            f"install it with `pip install '{found.info.requirement}'`"
+            f"install it with `pip install '{engine.info.requirement}'`"
         ) from None
     except Exception as error:  # noqa: BLE001  whatever an engine does while it is imported
         raise WmsError(
             f"the engine of backend `{name}` fails as it is imported ({error}); `wmspec doctor` tells what mends it"
         ) from None
-    return found
+    return engine
 
 
 def _loaded(name: str) -> Backend:

@@ -113,13 +113,13 @@ def _egl(user: Info, system: System, _patience: float) -> Finding:
 
 def _vulkan(user: Info, system: System, patience: float) -> Finding:
     assert user.graphics
-    ok, said = _try("wmspec.execute.vulkan", patience=patience)
-    devices = [vulkan.Device(**d) for d in json.loads(said)] if ok else []
+    ok, output = _try("wmspec.execute.vulkan", patience=patience)
+    devices = [vulkan.Device(**d) for d in json.loads(output)] if ok else []
     if any(d.draws(user.graphics.mesa) for d in devices):
         return Finding("Vulkan", True, "; ".join(map(str, devices)))
     if devices:
-        said = f"too old for {user.title}: " + "; ".join(map(str, devices))
-    return Finding("Vulkan", False, said if said != "[]" else "no device", remedy.drawing(user, system))
+        output = f"too old for {user.title}: " + "; ".join(map(str, devices))
+    return Finding("Vulkan", False, output if output != "[]" else "no device", remedy.drawing(user, system))
 
 
 # ---------------------------------------------------------------- engines
@@ -138,8 +138,8 @@ def _engine(engine: Info, system: System, patience: float) -> list[Finding]:
 
 
 def _trial(engine: str, trial: str, cure: str, patience: float) -> Finding:
-    ok, said = _try("wmspec.execute.probe", engine, trial, patience=patience)
-    return Finding(f"{engine} {trial}s", ok, said, "" if ok else cure)
+    ok, output = _try("wmspec.execute.probe", engine, trial, patience=patience)
+    return Finding(f"{engine} {trial}s", ok, output, "" if ok else cure)
 
 
 def _try(module: str, *arguments: str, patience: float) -> tuple[bool, str]:
