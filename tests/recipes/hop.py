@@ -1,0 +1,18 @@
+"""The function of a verb: `hop` sends an object straight up, as high as it is told."""
+
+from __future__ import annotations
+
+import math
+
+from wmspec.check.ir import Thing
+from wmspec.layout.values import Values
+from wmspec.stage.document import Prim
+
+
+def hop(prim: Prim, action: Thing, values: Values) -> None:
+    """What rises by h sets off with the speed sqrt(2 g h)."""
+    name = action.name
+    speed = math.sqrt(2 * values.gravity * values.property(name, "height"))
+    prim.set("wms:speed", "double", speed, f"{name}.height", "world.gravity", uniform=True)
+    prim.set("wms:direction", "double3", (0.0, 0.0, 1.0), uniform=True)
+    prim.set("wms:spin", "double3", (0.0, 0.0, 0.0), uniform=True)
