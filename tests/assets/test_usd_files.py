@@ -58,7 +58,7 @@ def test_a_file_with_colliders_alone_stands_still(tmp_path: Path) -> None:
     (tmp_path / "wall.usda").write_text(f"#usda 1.0\n{text}")
     found = body(tmp_path, 'object a { file: "wall.usda"  at: (0, 0, 0) }')
     assert found.motion == "static"
-    assert ways(tmp_path, 'object a { file: "wall.usda"  at: (0, 0, 0) }') == ["convexDecomposition"]
+    assert ways(tmp_path, 'object a { file: "wall.usda"  at: (0, 0, 0) }') == ["none"]
 
 
 # ---------------------------------------------------------------- what else a stage is made of

@@ -70,9 +70,10 @@ EACH = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.0, 0.5)] * 6
 
 
 def folder(tmp_path: Path, subsets: str = "", st: list[tuple[float, float]] = EACH, way: str = "faceVarying") -> Path:
-    """A box with a picture on it, 2 cm wide, and the picture."""
+    """A box with a picture on it, 2 cm wide, and the picture; another one lies outside."""
     (tmp_path / "pictures").mkdir(exist_ok=True)
-    Image.new("RGB", (8, 8), "red").save(tmp_path / "pictures/four.png")
+    for name in ("pictures/four.png", "../outside.png"):
+        Image.new("RGB", (8, 8), "red").save(tmp_path / name)
     kinds = [MATERIAL.format(name=n, tint=t) for n, t in (("picture", (1, 1, 1, 1)), ("tinted", (1, 0.25, 1, 1)))]
     said = {"materials": "\n".join([*kinds, PLAIN]), "form": QUADS.format(CORNERS), "subsets": subsets, "way": way}
     (tmp_path / "box.usda").write_text(BOX.format(head=HEAD, st=", ".join(map(str, st)), **said))
@@ -152,13 +153,14 @@ def test_a_package_is_read_but_for_its_pictures(tmp_path: Path) -> None:
 #: What is changed of a material: the shader, its input, the value, and what is said about it.
 ODD = [
     ("texture", "sourceColorSpace", "raw", "not in sRGB"),
-    ("texture", "bias", (0.1, 0, 0, 0), "made lighter"),
-    ("texture", "scale", (2, 1, 1, 1), "made lighter"),
-    ("texture", "file", "none.png", "there is no picture"),
+    ("texture", "bias", (0.1, 0, 0, 0), "not only tinted"),
+    ("texture", "scale", (2, 1, 1, 1), "not only tinted"),
+    ("texture", "file", "none.png", "is not found"),
     ("texture", "file", "box.usda", "no picture that can be read"),
-    ("texture", "file", "../four.png", "there is no picture"),
-    ("reader", "varname", "other", "its picture lies by `other`"),
-    ("surface", "opacity", 0.5, "transparent"),
+    ("texture", "file", "../four.png", "is not found"),
+    ("texture", "file", "../outside.png", "there is no picture `outside.png` below the spec's folder"),
+    ("reader", "varname", "other", "its image lies by the texture coordinates 'other'"),
+    ("surface", "opacity", 0.5, "transparency"),
 ]
 TYPES = {"sourceColorSpace": "Token", "varname": "String", "file": "Asset", "opacity": "Float"}
 

@@ -79,7 +79,7 @@ def test_without_a_scale_there_is_no_tint() -> None:
         ("texture", "wrapS", "Token", "clamp", "wrap mode"),
         ("texture", "sourceColorSpace", "Token", "raw", "not in sRGB"),
         ("texture", "file", "Asset", "lost.png", "'lost.png' is not found"),
-        ("st", "varname", "String", "uv", "named 'st'"),
+        ("st", "varname", "String", "uv", "those of the mesh are 'st'"),
     ],
 )
 def test_what_is_not_supported_is_refused(shader: str, name: str, kind: str, value: object, message: str) -> None:

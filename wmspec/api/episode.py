@@ -11,17 +11,17 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from pxr import Tf, Usd, UsdUtils
+from pxr import Usd, UsdUtils
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.api.drawing import Drawing, renderer_of
 from wmspec.diagnostics import WmsError, suggestion
 from wmspec.execute import archive
 from wmspec.execute.trace_cache import TraceCache
-from wmspec.importers.usd_open import complaint
 from wmspec.scene.camera import find
 from wmspec.scene.model import Contact, Frame, Scene, Shot, Trace
 from wmspec.usd import read
+from wmspec.usd.files import opened
 from wmspec.write import film, typeset
 from wmspec.write.overlay import annotated
 
@@ -178,10 +178,9 @@ def open_stage(path: str | PathLike[str]) -> Usd.Stage:
         raise WmsError(f"{path}: there is no such file")
     quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us, here and by the reader
     try:
-        return Usd.Stage.Open(str(path))
-    except Tf.ErrorException as error:
-        what = complaint(error, path, str(path))
-        raise WmsError(f"{path}: not a stage that USD can open: {what}") from None
+        return opened(path, str(path))
+    except WmsError as error:
+        raise WmsError(f"{path}: not a stage that USD can open: {error}") from None
     finally:
         del quiet
 

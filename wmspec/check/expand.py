@@ -106,6 +106,7 @@ class Assets:
     def _said(self, block: s.Block, tree: Tree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
         """What `part NAME { ... }` says of links and joints."""
         from wmspec.importers.blocks import OF_JOINT, OF_LINK, plain
+        from wmspec.importers.model import MeshFile
 
         links = {plain(placed.link.name): placed.link for placed in tree.links}
         known = self._names(tree, named)
@@ -125,7 +126,7 @@ class Assets:
                     message = f"of a {what} of an asset, a spec cannot say `{p.name.id}`"
                     self.check.report.add("WMS203", message, p.name.span, f"it can say {', '.join(allowed)}")
                 elif p.name.id == "collision" and not any(
-                    shape.kind == "mesh" and shape.solid for shape in links[name].shapes
+                    isinstance(shape.form, MeshFile) and shape.solid for shape in links[name].shapes
                 ):
                     message = f"`collision` is for a mesh, and nothing that is touched of `{name}` is one"
                     self.check.report.add("WMS203", message, p.name.span, "remove it")

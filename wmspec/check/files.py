@@ -69,11 +69,10 @@ def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...])
 
 def _mesh(check: Expressions, text: s.Text, folder: Path, file: str, prim: str) -> None:
     """Complain about a mesh in a USD file that cannot be read."""
-    from wmspec.importers.triangles import Triangles
-    from wmspec.importers.usd_meshes import triangles
+    from wmspec.importers.usd_file import mesh
 
-    found = triangles(folder / file, folder, file, prim)
-    if not isinstance(found, Triangles):
+    found = mesh(folder / file, folder, file, prim)
+    if isinstance(found, tuple):
         for fault in found:
             check.report.add("WMS210", f"{fault.where}: {fault.message}", text.span, fault.help)
         raise Failed

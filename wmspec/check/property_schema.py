@@ -11,17 +11,18 @@ from wmspec.check.vocabulary import MEASURES, PROPERTIES, Slot
 
 _FORM = ("shape", *MEASURES)
 _MESH = ("file", "scale", "collision")
-_DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping")
+_DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping", "pace", "strength")
 #: A property that says nothing without another, and what it is for.
 _NEEDS = {
     "scale": ("file", "a mesh"),
     "collision": ("file", "a mesh"),
     "axes": ("moments", "moments of inertia"),
+    "repeats": ("image", "a picture"),
     "gap": ("scatter", "what is scattered"),
     "scatter": ("on", "what rests on something"),
 }
 #: The looks that a part has from its object where it does not say its own.
-LOOKS = ("color", "material", "image", "roughness", "metallic")
+LOOKS = ("color", "material", "image", "repeats", "roughness", "metallic")
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Sort:
 
 def sort(kind: str, said: Collection[str], model: str = "", parts: bool = False, asset: bool = False) -> Sort:
     """The sort of a thing. Only the properties that decide about others are kept, so that there are few sorts."""
-    deciding = {"file", "on", "scatter", "target", "moments"}
+    deciding = {"file", "image", "on", "scatter", "target", "moments"}
     return Sort(kind, frozenset(deciding & set(said)), model, parts, asset)
 
 

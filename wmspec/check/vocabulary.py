@@ -31,7 +31,7 @@ from wmspec.check.types import (
     Quantity,
     Vector,
 )
-from wmspec.check.units import ACCELERATION, DENSITY, INERTIA, MASS, NUMBER, SPEED, TIME, Dimension, told
+from wmspec.check.units import ACCELERATION, ANGULAR_SPEED, DENSITY, INERTIA, MASS, NUMBER, SPEED, TIME, Dimension, told
 from wmspec.materials import MATERIALS, SHADES
 from wmspec.shapes import SHAPES
 
@@ -58,11 +58,20 @@ COLORS: dict[str, tuple[float, float, float]] = {
     "mist": (0.86, 0.90, 0.95),
 }
 
+#: How a mesh can be touched, and how UsdPhysics says that.
+COLLISIONS = {
+    "hull": "convexHull",
+    "pieces": "convexDecomposition",
+    "bounds": "boundingCube",
+    "ball": "boundingSphere",
+    "surface": "none",
+}
+
 WORDS: dict[str, tuple[str, ...]] = {
     "shape": tuple(SHAPES),
     "color": (*COLORS, *SHADES),
     "material": tuple(MATERIALS),
-    "collision": ("hull", "pieces", "bounds"),
+    "collision": tuple(COLLISIONS),
     "direction": ("left", "right", "away", "nearer"),
     "path": ("straight", "arc", "zigzag", "circle", "back_and_forth"),
     "relation": ("left_of", "right_of", "in_front_of", "behind", "above", "below"),
@@ -166,6 +175,12 @@ _FORM: dict[str, Slot] = {
     "color": Slot((COLOR,), "its colour, which tints its material; instead of its material's own", optional=True),
     "material": Slot((MATERIAL,), "what it seems to be made of: its pattern and its gloss", "plastic"),
     "image": Slot((TEXT,), "a picture on its surface: a PNG or JPEG file beside the spec", optional=True),
+    "repeats": Slot(
+        (Vector(NUMBER, 2),),
+        "how often the picture is repeated on a metre, or on what a mesh's own coordinates call 1; laid out once if left out",
+        optional=True,
+        above=0,
+    ),
     "roughness": Slot(
         (A_NUMBER,), "of its surface, 0 is a mirror; instead of its material's", optional=True, least=0, most=1
     ),
@@ -184,7 +199,9 @@ _MESH: dict[str, Slot] = {
         nonzero=True,
     ),
     "collision": Slot(
-        (COLLISION,), "how a mesh is touched: as its hull, in convex pieces, or as its upright box", "hull"
+        (COLLISION,),
+        "how a mesh is touched: as its hull, in convex pieces, as its upright box, as a ball around it, or, if it is fixed, as the surface that it is",
+        "hull",
     ),
 }
 _TURN: dict[str, Slot] = {
@@ -206,6 +223,10 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "friction": Slot((A_NUMBER,), "friction; a touching pair has the geometric mean", "0.5", least=0, most=5),
         "restitution": Slot((A_NUMBER,), "bounciness; a touching pair has the geometric mean", "0.1", least=0, most=1),
         "damping": Slot((Quantity(NUMBER / TIME),), "share of its speed that the air takes, per time", "0 Hz", least=0, most=100),
+        "spin_damping": Slot((Quantity(NUMBER / TIME),), "share of its turning that the air takes, per time; as `damping` if left out", optional=True, least=0, most=100),
+        "velocity": Slot((Vector(SPEED, 3),), "how fast it goes at the start, along the axes of the world", optional=True, least=-100, most=100),
+        "spin": Slot((Vector(ANGULAR_SPEED, 3),), "how fast it turns at the start, about the axes of the world", optional=True),
+        "passes": Slot((List(OBJECT),), "the objects that it passes through", optional=True),
         "on": Slot((OBJECT,), "what it rests on; `on: table at (x, y)` says where, from its middle", optional=True),
         "inside": Slot((OBJECT,), "what it rests in: on the lowest part of it below the place", optional=True),
         "at": Slot((POINT2, POINT3, PLACE), "where its middle is: (x, y) on what it rests on, else (x, y, z)", "(0 m, 0 m)"),
@@ -221,6 +242,8 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         **_MESH,
         "at": Slot((POINT3,), "where its middle is, from the middle of the object's ground", "(0 m, 0 m, 0 m)"),
         **_TURN,
+        "friction": Slot((A_NUMBER,), "its own, instead of that of its object", optional=True, least=0, most=5),
+        "restitution": Slot((A_NUMBER,), "its own, instead of that of its object", optional=True, least=0, most=1),
         "solid": Slot((TRUTH,), "whether it can be touched; what cannot weighs nothing", optional=True),
         "drawn": Slot((TRUTH,), "whether it can be seen", optional=True),
     },
@@ -250,6 +273,9 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "target": Slot((AN_ANGLE, A_LENGTH), "where its drive takes it", optional=True),
         "stiffness": Slot((A_NUMBER,), "of its drive, SI units per radian or metre", "0", least=0),
         "damping": Slot((A_NUMBER,), "of its drive, SI units", "0", least=0),
+        "pace": Slot((A_NUMBER,), "the speed that its drive's damping keeps it at, SI units", optional=True),
+        "strength": Slot((A_NUMBER,), "the most that its drive exerts, SI units; as much as it takes if left out", optional=True, above=0),
+        "touching": Slot((TRUTH,), "whether the two that it joins can touch each other; they cannot if left out", optional=True),
     },
     "robot": {
         "on": Slot((OBJECT,), "what it stands on", optional=True),

@@ -8,17 +8,23 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from wmspec.check.property_schema import LOOKS
-from wmspec.importers import frames, model
-from wmspec.importers.model import MOST_FAULTS, Fault, Joint, Link, Refused, Shape
+from wmspec.importers import model
+from wmspec.importers.model import MOST_FAULTS, Fault, Form, Joint, Link, MeshFile, Refused, Shape
 from wmspec.importers.tree import Placed, Tree
+from wmspec.importers.turns import angles, clean
 from wmspec.importers.write import Writer
 from wmspec.parse import syntax as s
+from wmspec.shapes import Box, Capsule, Sphere, word
 
 #: What a spec may say of a link and of a joint of an asset, instead of its file.
-OF_LINK = (*LOOKS, "mass", "density", "friction", "restitution", "damping", "collision")
-OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping")
+OF_LINK = (
+    *LOOKS, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed", "velocity",
+    "spin", "passes",
+)  # fmt: skip
+OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "touching")
 #: What holds for every link where the whole says it, besides looks.
 _COMMON = ("density", "friction", "restitution", "damping")
+_UNITS = {"density": "kg/m^3", "damping": "Hz", "spin_damping": "Hz"}
 
 Said = Mapping[str, tuple[s.Property, ...]]
 
@@ -60,7 +66,8 @@ class Blocks:
 
     def _base(self, link: Link) -> s.Block:
         here = {p.name.id for p in self.base.properties}
-        held: dict[str, s.Expr] = {"fixed": self.write.truth(True)} if self.tree.held and "fixed" not in here else {}
+        stands = (self.tree.held or link.fixed) and "fixed" not in here
+        held: dict[str, s.Expr] = {"fixed": self.write.truth(True)} if stands else {}
         own = tuple(p for p in self.base.properties if p.name.id not in ("file", "collision"))
         found = _instead((*own, *self.write.properties(held | self._by_file(link))), self._of(link))
         made = (*found, *self.write.properties(self._matter(link, found)))
@@ -68,10 +75,12 @@ class Blocks:
 
     def _link(self, placed: Placed) -> s.Block:
         link, base = placed.link, self.base.name.id
-        yaw, pitch, roll = frames.turn(placed.place[:3, :3])
-        at = self.write.numbers(frames.clean(placed.place[:3, 3]), "m")
+        yaw, pitch, roll = angles(placed.pose.orientation)
+        at = self.write.numbers(clean(placed.pose.position), "m")
         turns = {"yaw": yaw, "pitch": pitch, "roll": roll}
         where = {"at": at, **{name: self.write.number(angle, "rad") for name, angle in turns.items()}}
+        if link.fixed:
+            where["fixed"] = self.write.truth(True)
         whole = {p.name.id for p in self.base.properties}
         common = ("present", *_COMMON, *(look for look in LOOKS if look in whole))
         shared = self.write.properties({name: self.write.of(base, name) for name in common} | self._by_file(link))
@@ -90,8 +99,14 @@ class Blocks:
     def _by_file(self, link: Link) -> dict[str, s.Expr]:
         """What the file says of a link besides its mass, unless the spec says it of the whole."""
         whole = {p.name.id for p in self.base.properties}
-        units = {"density": "kg/m^3"}
-        return {n: self.write.number(x, units.get(n)) for n, x in link.said.items() if n not in whole}
+        found = {n: self.write.number(x, _UNITS.get(n)) for n, x in link.said.items()}
+        if link.velocity is not None:
+            found["velocity"] = self.write.numbers(clean(link.velocity), "m/s")
+        if link.spin is not None:
+            found["spin"] = self.write.numbers(clean(link.spin), "rad/s")
+        if link.passes:
+            found["passes"] = self.write.names(self.name(other) for other in link.passes)
+        return {n: made for n, made in found.items() if n not in whole}
 
     def _matter(self, link: Link, said: tuple[s.Property, ...]) -> dict[str, s.Expr]:
         """Its mass with its centre and its moments, which go with the mass; nothing if the spec says its density."""
@@ -99,13 +114,10 @@ class Blocks:
         if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._of(link))}:
             return {}
         found = {} if "mass" in names else {"mass": self.write.number(link.mass.mass, "kg")}
-        if link.mass.centre is not None:
-            found["centre"] = self.write.numbers(frames.clean(link.mass.centre), "m")
-        if link.mass.tensor is not None:
-            moments, axes = frames.principal(link.mass.tensor)
-            own = self.write.of(self.name(link.name), "mass")
-            found["moments"] = self.write.times((m / link.mass.mass for m in moments), "m^2", own)
-            found["axes"] = self.write.numbers(axes, "rad")
+        own = self.write.of(self.name(link.name), "mass")
+        found["centre"] = self.write.numbers(clean(link.mass.center), "m")
+        found["moments"] = self.write.times((float(m) / link.mass.mass for m in link.mass.moments), "m^2", own)
+        found["axes"] = self.write.numbers(angles(link.mass.axes), "rad")
         return found
 
     def _parts(self, link: Link, said: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
@@ -113,17 +125,19 @@ class Blocks:
         looks = set(LOOKS) - names if not names.intersection(model.LOOKS) else set()
         ways = (*self.said.get(plain(link.name), ()), *self.base.properties)
         touched = next((p.value for p in ways if p.name.id == "collision"), None)
-        return tuple(self._part(i, shape, looks, touched) for i, shape in enumerate(link.shapes))
+        spec = {p.name.id for p in (*self.base.properties, *self._of(link))}
+        files = {*looks, *({"friction", "restitution"} - spec)}
+        return tuple(self._part(i, shape, files, touched) for i, shape in enumerate(link.shapes))
 
-    def _part(self, i: int, shape: Shape, looks: Collection[str], touched: s.Expr | None) -> s.Part:
-        """A shape; `looks` are those that the file may say, `touched` is how the spec says that meshes are."""
-        yaw, pitch, roll = frames.turn(shape.place[:3, :3])
+    def _part(self, i: int, shape: Shape, files: Collection[str], touched: s.Expr | None) -> s.Part:
+        """A shape; `files` is what the file may say of it, `touched` is how the spec says that meshes are."""
+        yaw, pitch, roll = angles(shape.pose.orientation)
         values = {
-            **self._form(shape, touched),
-            "at": self.write.numbers(frames.clean(shape.place[:3, 3]), "m"),
+            **self._form(shape.form, touched),
+            "at": self.write.numbers(clean(shape.pose.position), "m"),
             **{n: self.write.number(a, "rad") for n, a in (("yaw", yaw), ("pitch", pitch), ("roll", roll)) if a},
         }
-        values |= {name: made for name, made in self._look(shape).items() if name in looks}
+        values |= {name: made for name, made in (self._look(shape) | self._rubs(shape)).items() if name in files}
         if not shape.solid:
             values["solid"] = self.write.truth(False)
         if not shape.drawn:
@@ -136,17 +150,26 @@ class Blocks:
         made: dict[str, s.Expr] = {name: self.write.number(x) for name, x in found.items()}
         if look.color is not None:
             made["color"] = self.write.color(look.color)
-        return made | ({"image": self.write.text(look.image)} if look.image else {})
+        if look.image:
+            made["image"] = self.write.text(look.image)
+        return made | ({"repeats": self.write.numbers(look.repeats)} if look.image and look.repeats else {})
 
-    def _form(self, shape: Shape, touched: s.Expr | None) -> dict[str, s.Expr]:
-        if shape.kind == "mesh":
-            way = touched or self.write.name(shape.collision)
-            return {"file": self.write.text(shape.file), "scale": self.write.numbers(shape.scale), "collision": way}
-        kind: dict[str, s.Expr] = {"shape": self.write.name(shape.kind)}
-        if shape.kind == "box":
-            return kind | {"size": self.write.numbers(shape.size, "m")}
-        sizes = zip(("radius", "height"), shape.size, strict=False)
-        return kind | {name: self.write.number(value, "m") for name, value in sizes}
+    def _rubs(self, shape: Shape) -> dict[str, s.Expr]:
+        names = ("friction", "restitution")
+        return {n: self.write.number(x) for n, x in zip(names, shape.rubs, strict=True)} if shape.rubs else {}
+
+    def _form(self, form: Form, touched: s.Expr | None) -> dict[str, s.Expr]:
+        if isinstance(form, MeshFile):
+            way = touched or self.write.name(form.collision)
+            return {"file": self.write.text(form.file), "scale": self.write.numbers(form.scale), "collision": way}
+        kind: dict[str, s.Expr] = {"shape": self.write.name(word(form))}
+        if isinstance(form, Box):
+            return kind | {"size": self.write.numbers((2 * half for half in form.half), "m")}
+        radius = kind | {"radius": self.write.number(form.radius, "m")}
+        if isinstance(form, Sphere):
+            return radius
+        caps = 2 * form.radius if isinstance(form, Capsule) else 0.0
+        return radius | {"height": self.write.number(form.height + caps, "m")}
 
     # ------------------------------------------------------------ joints
 
@@ -154,7 +177,9 @@ class Blocks:
         values: dict[str, s.Expr] = {"of": self.write.name(self.name(joint.child))}
         if joint.parent:
             values["to"] = self.write.name(self.name(joint.parent))
-        values["at"] = self.write.numbers(frames.clean(joint.at), "m")
+        values["at"] = self.write.numbers(clean(joint.at), "m")
+        if joint.touching:
+            values["touching"] = self.write.truth(True)
         if joint.kind in ("hinge", "slider"):
             values |= self._coordinate(joint)
         properties = _instead(self.write.properties(values), self.said.get(plain(joint.name), ()))
@@ -169,9 +194,10 @@ class Blocks:
         start = joint.start if joint.start is not None else max(low, min(high, 0.0))
         numbers = (("low", joint.low), ("high", joint.high), ("start", start or None), ("target", joint.target))
         found = {name: self.write.number(value, unit) for name, value in numbers if value is not None}
-        plain_numbers = (("stiffness", joint.stiffness), ("damping", joint.damping))
+        drive = (joint.stiffness, joint.damping, joint.pace, joint.strength)
+        plain_numbers = zip(("stiffness", "damping", "pace", "strength"), drive, strict=True)
         found |= {name: self.write.number(value) for name, value in plain_numbers if value}
-        return {"axis": self.write.numbers(frames.clean(joint.axis)), **found}
+        return {"axis": self.write.numbers(clean(joint.axis)), **found}
 
 
 def _instead(made: tuple[s.Property, ...], said: tuple[s.Property, ...]) -> tuple[s.Property, ...]:

@@ -11,13 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmspec.importers.frames import place
 from wmspec.importers.markup import Element
 from wmspec.importers.mjcf_defaults import Defaults, Find
 from wmspec.importers.mjcf_geoms import Geoms
 from wmspec.importers.mjcf_joints import Joints
 from wmspec.importers.model import MOST_LINKS, MOST_SHAPES, Asset, Faults, Joint, Link
 from wmspec.importers.tree import WORLD
+from wmspec.importers.turns import X
+from wmspec.scene.transform import identity
 
 _READ = ("compiler", "default", "asset", "worldbody", "actuator")
 _LEFT_OUT = ("option", "size", "visual", "statistic", "sensor", "keyframe", "custom")
@@ -62,7 +63,7 @@ class _Mjcf:
         if not link.shapes:
             return WORLD
         self.links["base"] = replace(link, mass=None)
-        held = Joint("", world.where, "fixed", WORLD, "base", place(), np.zeros(3), np.array((1.0, 0.0, 0.0)))
+        held = Joint("", world.where, "fixed", WORLD, "base", identity(), np.zeros(3), X)
         self.found[""] = held
         return "base"
 

@@ -7,9 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wmspec.importers.frames import place
 from wmspec.importers.markup import Element, Reader
-from wmspec.importers.model import Array, Faults
+from wmspec.importers.model import Faults
+from wmspec.scene.model import Array, Pose
+from wmspec.scene.transform import multiply, turning
 
 #: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
 Find = Callable[[Element, str], str]
@@ -78,15 +79,13 @@ class Defaults(Reader):
                 return self.full(e, "")
         return None
 
-    def place(self, e: Element) -> Array:
+    def place(self, e: Element) -> Pose:
         """Where something is in what is around it."""
-        made = place(self.numbers(e, "pos", 3, (0.0, 0.0, 0.0)))
+        position = np.array(self.numbers(e, "pos", 3, (0.0, 0.0, 0.0)))
         said = [name for name in _TURNS if name in e.attributes]
         if len(said) > 1:
             self.faults.add(e.where, f"`{said[0]}` and `{said[1]}` are both said", "keep one")
-        if said:
-            made[:3, :3] = getattr(self, f"_{said[0]}")(e)
-        return made
+        return Pose(position, getattr(self, f"_{said[0]}")(e) if said else turning(np.zeros(3)))
 
     def _quat(self, e: Element) -> Array:
         w, x, y, z = self.numbers(e, "quat", 4)
@@ -98,19 +97,17 @@ class Defaults(Reader):
 
     def _euler(self, e: Element) -> Array:
         """Turns about axes that go with the thing (xyz), or stand still (XYZ), one after the other."""
-        made = np.eye(3)
+        made = turning(np.zeros(3))
         for letter, angle in zip(self.sequence, self.numbers(e, "euler", 3), strict=True):
             turn = self._about(e, np.eye(3)["xyz".index(letter.lower())], angle * self.angle)
-            made = made @ turn if letter.islower() else turn @ made
+            made = multiply(made, turn) if letter.islower() else multiply(turn, made)
         return made
 
     def _about(self, e: Element, axis: Array, angle: float) -> Array:
-        """Turned about an axis (Rodrigues' formula)."""
+        """Turned about an axis, as a quaternion."""
         size = float(np.linalg.norm(axis))
         if size == 0:
             if angle != 0:
                 self.faults.add(e.where, "it is turned about an axis that is 0", "correct it")
-            return np.eye(3)
-        x, y, z = axis / size
-        k = np.array(((0, -z, y), (z, 0, -x), (-y, x, 0)))
-        return np.asarray(np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * k @ k)
+            return turning(np.zeros(3))
+        return turning(angle / size * axis)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import math
 import posixpath
-from dataclasses import replace
 
 import numpy as np
 
-from wmspec.importers.frames import point
 from wmspec.importers.markup import Element
 from wmspec.importers.mjcf_defaults import Defaults
-from wmspec.importers.model import LOOKS, Array, Color, Link, Look, Mass, Shape, doubts
-from wmspec.importers.solids import solid
+from wmspec.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, doubts
+from wmspec.scene.inertia import inertia, principal
+from wmspec.scene.model import Inertia, Pose
+from wmspec.scene.transform import multiply, quaternion
+from wmspec.shapes import Box, Capsule, Cylinder, Sphere
+from wmspec.shapes import Shape as Solid
 
 _GEOM = (
     "name", "type", "size", "pos", "quat", "euler", "axisangle", "fromto", "mass", "density", "friction", "rgba",
@@ -51,18 +52,18 @@ class Geoms:
         solid, drawn = self._touched(e), self.read.number(e, "group", 0.0) <= _DRAWN
         look = self._look(e) if drawn else Look()
         if kind == "mesh":
-            made = self._mesh(e, here)
-            return made and replace(made, look=look, solid=solid, drawn=drawn)
+            file = self._mesh(e)
+            return Shape(file, here, look, solid, drawn) if file else None
         if kind not in _SIZES:
             known = ", ".join((*_SIZES, "mesh"))
             help = f"make it one of {known}" + ("; the ground is the spec's" if kind == "plane" else "")
             self.faults.add(e.where, f"geoms of type `{kind[:30]}` are not supported", help)
             return None
-        here, size = self._sized(e, kind, here)
-        return Shape(kind, size, here, look=look, solid=solid, drawn=drawn)  # type: ignore[arg-type]
+        here, sizes = self._sized(e, kind, here)
+        return Shape(_form(kind, sizes), here, look, solid, drawn)
 
-    def _sized(self, e: Element, kind: str, here: Array) -> tuple[Array, tuple[float, ...]]:
-        """Its place and whole size, from half sizes and maybe from the two ends of its middle line."""
+    def _sized(self, e: Element, kind: str, here: Pose) -> tuple[Pose, tuple[float, ...]]:
+        """Its place and half sizes, maybe from the two ends of its middle line."""
         given = len(e.attributes.get("size", "").split())
         if "fromto" in e.attributes:
             if kind not in ("capsule", "cylinder"):
@@ -70,37 +71,28 @@ class Geoms:
                 return here, (1.0,) * _SIZES[kind]
             here, half = self._between(e)
             radius = self.read.numbers(e, "size", max(1, given), above=0.0)[0]
-            sizes: tuple[float, ...] = (radius, half)
-        else:  # MuJoCo lets more numbers stand than there are sizes
-            sizes = self.read.numbers(e, "size", max(_SIZES[kind], given))[: _SIZES[kind]]
-            if any(x <= 0 for x in sizes):
-                self.faults.add(e.where, "its size must be more than 0", "correct it")
-        match kind:
-            case "box":
-                return here, tuple(2 * x for x in sizes)
-            case "sphere":
-                return here, sizes
-            case "capsule":
-                return here, (sizes[0], 2 * (sizes[0] + sizes[1]))
-        return here, (sizes[0], 2 * sizes[1])
+            return here, (radius, half)
+        # MuJoCo lets more numbers stand than there are sizes
+        sizes = self.read.numbers(e, "size", max(_SIZES[kind], given))[: _SIZES[kind]]
+        if any(x <= 0 for x in sizes):
+            self.faults.add(e.where, "its size must be more than 0", "correct it")
+        return here, sizes
 
-    def _between(self, e: Element) -> tuple[Array, float]:
+    def _between(self, e: Element) -> tuple[Pose, float]:
         """The frame half way between two points, its z axis from the second to the first, and half the distance."""
         ends = np.array(self.read.numbers(e, "fromto", 6)).reshape(2, 3)
         way = ends[0] - ends[1]
         size = float(np.linalg.norm(way))
-        made = np.eye(4)
-        made[:3, 3] = ends.mean(axis=0)
+        middle = ends.mean(axis=0)
         if size < 1e-9:
             self.faults.add(e.where, "the two ends of its `fromto` are the same", "correct them")
-            return made, 1.0
+            return Pose(middle, quaternion(np.eye(3))), 1.0
         z = way / size
         x = np.cross((0.0, 1.0, 0.0) if abs(z[1]) < 0.9 else (1.0, 0.0, 0.0), z)
         x /= np.linalg.norm(x)
-        made[:3, :3] = np.stack([x, np.cross(z, x), z], axis=1)
-        return made, size / 2
+        return Pose(middle, quaternion(np.stack([x, np.cross(z, x), z], axis=1))), size / 2
 
-    def _mesh(self, e: Element, here: Array) -> Shape | None:
+    def _mesh(self, e: Element) -> MeshFile | None:
         mesh = self.read.named("mesh", self.read.text(e, "mesh"))
         if mesh is None:
             self.faults.add(e.where, f"there is no mesh `{e.attributes.get('mesh', '')[:60]}`", "add it to `asset`")
@@ -109,7 +101,7 @@ class Geoms:
         scale = self.read.scale(mesh)
         named = self.read.text(mesh, "file")
         file = self.read.find(mesh, posixpath.join(self.read.meshes, named)) if named else ""
-        return Shape("mesh", (), here, file, scale) if file else None
+        return MeshFile(file, scale) if file else None
 
     def _touched(self, e: Element) -> bool:
         """Whether it collides with what has MuJoCo's defaults."""
@@ -157,7 +149,7 @@ class Geoms:
 
     # ------------------------------------------------------------ masses
 
-    def _inertial(self, e: Element) -> Mass:
+    def _inertial(self, e: Element) -> Inertia:
         self.read.known(e, ("pos", "quat", "euler", "axisangle", "mass", "diaginertia", "fullinertia"))
         here = self.read.place(e)
         mass = self.read.number(e, "mass", above=0.0)
@@ -166,33 +158,34 @@ class Geoms:
             tensor = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
         else:
             tensor = np.diag(self.read.numbers(e, "diaginertia", 3, above=0.0))
-        axes = here[:3, :3]
-        return Mass(mass, here[:3, 3], axes @ tensor @ axes.T)
+        axes, moments = principal(tensor)
+        return Inertia(mass, here.position, multiply(here.orientation, axes), moments)
 
-    def _summed(self, made: list[tuple[Element, Shape]]) -> Mass | None:
+    def _summed(self, made: list[tuple[Element, Shape]]) -> Inertia | None:
         """The mass of all geoms of a body, drawn or touched, by their masses or densities."""
         if not made:
             return None
-        parts: list[tuple[float, Array, Array]] = []
+        parts: list[tuple[Solid, Pose, float]] = []
         for e, shape in made:
-            if shape.kind == "mesh" and self.read.number(e, "mass", -1.0) != 0:
+            mass = self.read.number(e, "mass", -1.0)
+            if isinstance(shape.form, MeshFile):
+                if mass == 0:
+                    continue
                 what, help = "the mass of a mesh is not worked out", 'give its body an `inertial`, or the mesh mass="0"'
                 self.faults.add(e.where, what, help)
                 return None
-            mass = self.read.number(e, "mass", -1.0)
             if mass < 0:
-                mass = self.read.number(e, "density", 1000.0) * solid(shape).volume
+                mass = self.read.number(e, "density", 1000.0) * shape.form.volume
             if mass > 0:
-                axes = shape.place[:3, :3]
-                parts.append(
-                    (mass, point(shape.place, np.zeros(3)), axes @ (mass * np.array(solid(shape).tensor)) @ axes.T)
-                )
-        total = math.fsum(m for m, _, _ in parts)
-        if total <= 0:
-            return None
-        centre = np.sum([m * c for m, c, _ in parts], axis=0) / total
-        tensor = np.zeros((3, 3))
-        for m, c, own in parts:
-            arm = c - centre
-            tensor += own + m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-        return Mass(total, centre, tensor)
+                parts.append((shape.form, shape.pose, mass))
+        return inertia(parts) if parts else None
+
+
+def _form(kind: str, sizes: tuple[float, ...]) -> Form:
+    """A geometry by its half sizes."""
+    match kind:
+        case "box":
+            return Box((sizes[0], sizes[1], sizes[2]))
+        case "sphere":
+            return Sphere(sizes[0])
+    return (Capsule if kind == "capsule" else Cylinder)(sizes[0], 2 * sizes[1])

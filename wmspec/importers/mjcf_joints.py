@@ -7,10 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from wmspec.importers.frames import place
 from wmspec.importers.markup import Element
 from wmspec.importers.mjcf_defaults import Defaults
-from wmspec.importers.model import Array, Joint
+from wmspec.importers.model import Joint
+from wmspec.importers.turns import X
+from wmspec.scene.model import Pose
 
 _KINDS: dict[str, Literal["hinge", "slider", "ball", "free"]] = {
     "hinge": "hinge",
@@ -23,7 +24,6 @@ _JOINT = (
     "armature", "ref",
 )  # fmt: skip
 _POSITION = ("name", "joint", "kp", "kv", "gear", "ctrlrange", "ctrllimited", "group")
-_X = np.array((1.0, 0.0, 0.0))
 
 
 class Joints:
@@ -42,14 +42,14 @@ class Joints:
             what = "several joints of one body are not supported"
             self.faults.add(found[1].where, what, "put a body, with a geom, between each two of them")
         if not found:
-            return Joint(f"{name} fixed", body.where, "fixed", parent, name, here, np.zeros(3), _X)
+            return Joint(f"{name} fixed", body.where, "fixed", parent, name, here, np.zeros(3), X)
         joint = found[0]
         if free:
             self.read.known(joint, ("name", "group", "align"))
-            return Joint(f"{name} free", joint.where, "free", parent, name, here, np.zeros(3), _X)
+            return Joint(f"{name} free", joint.where, "free", parent, name, here, np.zeros(3), X)
         return self._joint(joint, name, parent, here)
 
-    def _joint(self, e: Element, body: str, parent: str, here: Array) -> Joint:
+    def _joint(self, e: Element, body: str, parent: str, here: Pose) -> Joint:
         self.read.known(e, _JOINT)
         said = e.attributes.get("type", "hinge")
         kind = _KINDS.get(said)
@@ -64,8 +64,8 @@ class Joints:
         size = float(np.linalg.norm(axis))
         if size < 1e-6:
             self.faults.add(e.where, "its axis is 0", 'write something like axis="0 0 1"')
-            axis, size = _X, 1.0
-        at = place(self.read.numbers(e, "pos", 3, (0.0, 0.0, 0.0)))[:3, 3]
+            axis, size = X, 1.0
+        at = np.array(self.read.numbers(e, "pos", 3, (0.0, 0.0, 0.0)))
         low, high = self._limits(e, kind)
         stiffness, damping, rest = (self.read.number(e, n, 0.0) for n in ("stiffness", "damping", "springref"))
         if kind == "ball" and (stiffness or damping):

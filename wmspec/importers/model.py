@@ -1,6 +1,6 @@
 """What an asset says, in whatever format: links with shapes, joints between them, and what is wrong with it.
 
-Lengths in m, angles in rad, masses in kg. Places are 4 × 4 matrices, from a frame to the one around it.
+Lengths in m, angles in rad, masses in kg.
 """
 
 from __future__ import annotations
@@ -10,10 +10,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from wmspec.scene.model import Array, Inertia, Pose
+from wmspec.shapes import Box, Capsule, Cone, Cylinder, Sphere
 
-Array = NDArray[np.float64]
 Color = tuple[float, float, float]
 
 #: What a spec says of looks goes before all that the file says of them.
@@ -84,60 +83,61 @@ class Faults:
 class Look:
     """How a shape looks: a colour (sRGB), a picture on it, seen from the spec's folder, or both; how glossy it is.
 
-    What is None or empty is not said. `doubts` are what cannot be honoured.
+    What is None or empty is not said. The picture is laid out once, or `repeats` times on a metre. `doubts` are what
+    cannot be honoured.
     """
 
     color: Color | None = None
     image: str = ""
+    repeats: tuple[float, float] | None = None
     roughness: float | None = None
     metallic: float | None = None
     doubts: tuple[Doubt, ...] = ()
 
 
 @dataclass(frozen=True)
-class Shape:
-    """One geometry of a link: `size` are the edges of a box, (radius,) or (radius, height) along z; a mesh has `file`.
+class MeshFile:
+    """A mesh in a file, seen from the spec's folder, `scale` along each of its axes; `collision`: how it is touched."""
 
-    A capsule's height is the whole of it. `file` is seen from the spec's folder, `scale` is along
-    each of a mesh's axes, and `collision` says how a mesh is touched.
-    """
-
-    kind: Literal["box", "sphere", "cylinder", "capsule", "cone", "mesh"]
-    size: tuple[float, ...]
-    place: Array
-    file: str = ""
+    file: str
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)
-    look: Look = field(default_factory=Look)
-    solid: bool = True
-    drawn: bool = True
     collision: str = "hull"
-    doubts: tuple[Doubt, ...] = ()
+
+
+Form = Box | Sphere | Cylinder | Cone | Capsule | MeshFile
 
 
 @dataclass(frozen=True)
-class Mass:
-    """A mass, its centre (3,) in the link and its tensor of inertia (3, 3) about that, in the link's axes.
+class Shape:
+    """One geometry of a link, placed in its frame. What is None of how it rubs is as its link says."""
 
-    What is None follows from the shapes.
-    """
-
-    mass: float
-    centre: Array | None = None
-    tensor: Array | None = None
+    form: Form
+    pose: Pose
+    look: Look = field(default_factory=Look)
+    solid: bool = True
+    drawn: bool = True
+    rubs: tuple[float, float] | None = None
+    doubts: tuple[Doubt, ...] = ()
 
 
 @dataclass(frozen=True)
 class Link:
     """A rigid body. `where` is where it stands in the file. One without shapes is a mere frame.
 
-    `said` are numbers of the language that the file says of it: `density`, `friction`, `restitution`.
+    `said` are numbers of the language that the file says of it: `density`, `friction`, `restitution`, `damping`. Its
+    `velocity` (3,) m/s and `spin` (3,) rad/s at the start are along the axes of the asset. It goes through those links
+    that it `passes`.
     """
 
     name: str
     where: str
     shapes: tuple[Shape, ...] = ()
-    mass: Mass | None = None
+    mass: Inertia | None = None
     said: dict[str, float] = field(default_factory=dict)
+    fixed: bool = False
+    velocity: Array | None = None
+    spin: Array | None = None
+    passes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,8 @@ class Joint:
     """Holds `child` to `parent`. `place` is the child's frame in the parent's with the joint at 0.
 
     The joint itself is `at` (3,) along `axis` (3,) in the child's frame; the axis of a ball joint or a fixed one means
-    nothing. A `free` joint holds nothing. Without a `start` it starts at 0, or at the limit that is nearest to it.
+    nothing. A `free` joint holds nothing. Without a `start` it starts at 0, or at the limit that is nearest to it. Its
+    drive goes for the `target` at the speed `pace`, with at most this `strength`; SI units.
     """
 
     name: str
@@ -161,7 +162,7 @@ class Joint:
     kind: Literal["hinge", "slider", "ball", "fixed", "free"]
     parent: str
     child: str
-    place: Array
+    place: Pose
     at: Array
     axis: Array
     low: float | None = None
@@ -169,6 +170,9 @@ class Joint:
     damping: float = 0.0
     stiffness: float = 0.0
     target: float | None = None
+    pace: float = 0.0
+    strength: float | None = None
+    touching: bool = False
     start: float | None = None
 
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wmspec.importers.frames import place, point
-from wmspec.importers.model import Array, Asset, Faults, Joint, Link, Mass
+from wmspec.importers.model import Asset, Faults, Joint, Link
+from wmspec.scene.model import Inertia, Pose
+from wmspec.scene.transform import apply, compose, identity, multiply, rotate
 
 #: The name of a root that is the world itself.
 WORLD = "world"
@@ -16,10 +17,10 @@ WORLD = "world"
 
 @dataclass(frozen=True)
 class Placed:
-    """A link and the place of its frame in the asset's, with all joints at 0."""
+    """A link and where its frame is in the asset's, with all joints at 0."""
 
     link: Link
-    place: Array
+    pose: Pose
 
 
 @dataclass(frozen=True)
@@ -97,39 +98,43 @@ class _Walk:
         self.held = False
 
     def from_root(self, name: str) -> None:
-        """Begin with the base: the root, or what a root without matter holds."""
-        here, link = place(), self._asset.links[name]
+        """Begin with the base: the root, or the first that a root without matter holds."""
+        here, link = identity(), self._asset.links[name]
+        others: list[Joint] = []
         while not link.shapes:
-            if link.mass is not None or len(self._below.get(name, ())) != 1:
+            joint, *more = self._below.get(name, (None,))
+            if joint is None or link.mass is not None or (more and name != WORLD):
                 raise self._faults.stop(link.where, "the base of the asset has no shape", "give it a `visual`")
-            (joint,) = self._below[name]
+            others += more
             if joint.kind in ("hinge", "slider", "ball"):
-                self._from_world(name, joint, here)
+                self._from_world(name, joint, here, others)
                 return
             self.held = self.held or (joint.kind == "fixed" and name == WORLD)
-            here, name = here @ joint.place, joint.child
+            here, name = compose(here, joint.place), joint.child
             link = self._asset.links[name]
-        self._base(link, here)
+        self._base(link, here, others)
 
-    def _from_world(self, name: str, joint: Joint, here: Array) -> None:
+    def _from_world(self, name: str, joint: Joint, here: Pose, others: list[Joint]) -> None:
         """A base that a joint holds to the world."""
         if name != WORLD and not self.held:
             what = f"`{name}` has neither shape nor mass, so nothing can be joined to it"
             raise self._faults.stop(joint.where, what, "give it a `visual`; or call it `world`, if it is that")
-        here = here @ joint.place
+        here = compose(here, joint.place)
         link = self._asset.links[joint.child]
         if not link.shapes:
             raise self._faults.stop(link.where, "it has no shape", "give it a `visual`")
-        self._base(link, here)
-        at, axis = point(here, joint.at), here[:3, :3] @ joint.axis
+        self._base(link, here, others)
+        at, axis = apply(here, joint.at), rotate(here.orientation, joint.axis)
         self.joints.insert(0, replace(joint, parent="", child=link.name, at=at, axis=axis))
 
-    def _base(self, link: Link, here: Array) -> None:
-        self.links.append(Placed(_moved(link, here), place()))
-        waiting = [(j, link.name, here) for j in reversed(self._below.get(link.name, ()))]
+    def _base(self, link: Link, here: Pose, others: list[Joint]) -> None:
+        """The base, all that it holds, and the `others` that the world holds besides."""
+        self.links.append(Placed(_moved(link, here), identity()))
+        waiting = [(j, "", identity()) for j in reversed(others)]
+        waiting += [(j, link.name, here) for j in reversed(self._below.get(link.name, ()))]
         while waiting:
             joint, holder, frame = waiting.pop()
-            here = frame @ joint.place
+            here = compose(frame, joint.place)
             child = self._asset.links[joint.child]
             name = child.name if child.shapes else holder
             if child.shapes:
@@ -141,22 +146,21 @@ class _Walk:
                 )
             waiting += [(j, name, here) for j in reversed(self._below.get(joint.child, ()))]
 
-    def _take(self, joint: Joint, holder: str, child: Link, here: Array) -> None:
+    def _take(self, joint: Joint, holder: str, child: Link, here: Pose) -> None:
         self.links.append(Placed(child, here))
         if joint.kind != "free":
-            at, axis = point(here, joint.at), here[:3, :3] @ joint.axis
+            at, axis = apply(here, joint.at), rotate(here.orientation, joint.axis)
             self.joints.append(replace(joint, parent=holder, at=at, axis=axis))
 
 
-def _moved(link: Link, here: Array) -> Link:
+def _moved(link: Link, here: Pose) -> Link:
     """A link whose own frame is where `here` is seen from."""
-    if np.array_equal(here, np.eye(4)):
+    if not here.position.any() and here.orientation[0] == 1:
         return link
-    shapes = tuple(replace(s, place=here @ s.place) for s in link.shapes)
-    mass, axes = link.mass, here[:3, :3]
+    shapes = tuple(replace(s, pose=compose(here, s.pose)) for s in link.shapes)
+    mass = link.mass
     if mass is not None:
-        centre = None if mass.centre is None else point(here, mass.centre)
-        mass = Mass(mass.mass, centre, None if mass.tensor is None else axes @ mass.tensor @ axes.T)
+        mass = Inertia(mass.mass, apply(here, mass.center), multiply(here.orientation, mass.axes), mass.moments)
     return replace(link, shapes=shapes, mass=mass)
 
 
@@ -164,9 +168,9 @@ def _solid(walk: _Walk, faults: Faults) -> None:
     """Complain about masses that no solid has."""
     for placed in walk.links:
         link = placed.link
-        if link.mass is None or link.mass.tensor is None:
+        if link.mass is None:
             continue
-        moments = np.linalg.eigvalsh(link.mass.tensor)
+        moments = np.sort(link.mass.moments)
         if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
             told = ", ".join(f"{m:.3g}" for m in moments)
             what = f"no solid has its moments of inertia, {told}: each is above 0 and none above the others' sum"

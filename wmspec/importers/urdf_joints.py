@@ -7,8 +7,9 @@ from typing import Literal
 import numpy as np
 
 from wmspec.importers.markup import Element, Reader
-from wmspec.importers.model import Array, Joint
+from wmspec.importers.model import Joint
 from wmspec.importers.urdf_links import origin
+from wmspec.scene.model import Array
 
 _KINDS: dict[str, Literal["hinge", "slider", "fixed", "free"]] = {
     "revolute": "hinge",

@@ -7,9 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmspec.importers.frames import place
 from wmspec.importers.markup import Element, Reader
-from wmspec.importers.model import LOOKS, Array, Color, Link, Look, Mass, Shape, doubts
+from wmspec.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, doubts
+from wmspec.importers.turns import posed
+from wmspec.scene.inertia import principal
+from wmspec.scene.model import Inertia, Pose
+from wmspec.scene.transform import multiply, rotation
+from wmspec.shapes import Box, Capsule, Cylinder, Sphere
 
 #: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
 Find = Callable[[Element, str], str]
@@ -36,7 +40,7 @@ class Links:
         shapes += [replace(t, drawn=not drawn) for t in touched]
         return Link(e.attributes.get("name", ""), e.where, tuple(shapes), self._mass(e))
 
-    def _mass(self, link: Element) -> Mass | None:
+    def _mass(self, link: Element) -> Inertia | None:
         """What `inertial` says; None if there is none."""
         e = self.read.only(link, "inertial")
         if e is None:
@@ -55,8 +59,8 @@ class Links:
         xx, yy, zz = (self.read.number(inertia, name, above=0.0) for name in names[:3])
         xy, xz, yz = (self.read.number(inertia, name, 0.0) for name in names[3:])
         here, tensor = origin(self.read, e), np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-        axes = here[:3, :3]
-        return Mass(kg, here[:3, 3], axes @ tensor @ axes.T)
+        axes, moments = principal(tensor)
+        return Inertia(kg, here.position, multiply(here.orientation, axes), moments)
 
     def _shape(self, e: Element) -> Shape | None:
         """A `visual` or `collision`."""
@@ -67,34 +71,32 @@ class Links:
             self.read.faults.add(e.where, "it needs one `geometry` with one shape in it", "add it")
             return None
         self.read.known(geometry, (), ("box", "sphere", "cylinder", "capsule", "mesh"))
-        made = self._form(geometry.children[0], origin(self.read, e))
-        if made is None or not drawn:
-            return made
-        return replace(made, look=self._look(e))
+        here = origin(self.read, e)
+        form = self._form(geometry.children[0])
+        return Shape(form, here, self._look(e) if drawn else Look()) if form else None
 
-    def _form(self, e: Element, here: Array) -> Shape | None:
+    def _form(self, e: Element) -> Form | None:
         match e.tag:
             case "box":
                 self.read.known(e, ("size",))
-                return Shape("box", self.read.numbers(e, "size", 3, above=0.0), here)
+                x, y, z = self.read.numbers(e, "size", 3, above=0.0)
+                return Box((x / 2, y / 2, z / 2))
             case "sphere":
                 self.read.known(e, ("radius",))
-                return Shape("sphere", (self.read.number(e, "radius", above=0.0),), here)
+                return Sphere(self.read.number(e, "radius", above=0.0))
             case "cylinder" | "capsule":
                 self.read.known(e, ("radius", "length"))
                 radius, length = (self.read.number(e, name, above=0.0) for name in ("radius", "length"))
-                if e.tag == "cylinder":
-                    return Shape("cylinder", (radius, length), here)
-                return Shape("capsule", (radius, length + 2 * radius), here)
+                return (Cylinder if e.tag == "cylinder" else Capsule)(radius, length)
             case "mesh":
-                return self._mesh(e, here)
+                return self._mesh(e)
         return None  # it was complained about
 
-    def _mesh(self, e: Element, here: Array) -> Shape | None:
+    def _mesh(self, e: Element) -> MeshFile | None:
         self.read.known(e, ("filename", "scale"))
         scale = self.read.scale(e)
         file = self.find(e, self.read.text(e, "filename"))
-        return Shape("mesh", (), here, file, scale) if file else None
+        return MeshFile(file, scale) if file else None
 
     def _look(self, e: Element) -> Look:
         """The colour of a `visual`, and what is wrong with it."""
@@ -131,17 +133,19 @@ class Links:
         return r, g, b
 
 
-def origin(read: Reader, e: Element) -> Array:
+def origin(read: Reader, e: Element) -> Pose:
     """The place that its `origin` says."""
     said = read.only(e, "origin")
     if said is None:
-        return place()
+        return posed()
     read.known(said, ("xyz", "rpy"))
     nowhere = (0.0, 0.0, 0.0)
-    return place(read.numbers(said, "xyz", 3, nowhere), read.numbers(said, "rpy", 3, nowhere))
+    return posed(read.numbers(said, "xyz", 3, nowhere), read.numbers(said, "rpy", 3, nowhere))
 
 
 def _alike(a: Shape, b: Shape) -> bool:
     """Whether two shapes are the same in the same place, whatever they look like."""
-    same = (a.kind, a.size, a.file, a.scale) == (b.kind, b.size, b.file, b.scale)
-    return same and np.allclose(a.place, b.place, rtol=0, atol=1e-9)
+    if a.form != b.form:
+        return False
+    here, there = ((s.pose.position, rotation(s.pose.orientation)) for s in (a, b))
+    return all(np.allclose(x, y, rtol=0, atol=1e-9) for x, y in zip(here, there, strict=True))

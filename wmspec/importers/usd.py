@@ -1,8 +1,7 @@
-"""USD by UsdGeom and UsdPhysics: rigid bodies, shapes, masses, joints. What bears on them and is not known is refused.
+"""USD as the reader of stages reads it: its rigid bodies as links, all else as the base, joints, what passes what.
 
-Geometry outside any rigid body is the base, which never moves; but a file without any physics is one thing, which can
-move and all of which is touched. Lights, cameras and physics scenes are the spec's
-business and left out, and so are the attributes of single engines.
+Geometry outside any rigid body never moves; but a file without any physics is one thing, which can move and all of
+which is touched. Cameras, lights, physics scenes and episodes are the spec's business and left out.
 """
 
 from __future__ import annotations
@@ -10,146 +9,210 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-from pxr import Usd, UsdPhysics
+from pxr import Usd
 
-from wmspec.importers import usd_bodies, usd_joints, usd_pieces
-from wmspec.importers.model import MOST_LINKS, MOST_SHAPES, Asset, Faults, Joint, Link
-from wmspec.importers.tree import WORLD
-from wmspec.importers.usd_bodies import Body
-from wmspec.importers.usd_open import opened
-from wmspec.importers.usd_prims import Prims
+from wmspec.check.vocabulary import COLLISIONS, FILES
+from wmspec.diagnostics import Report, StageError
+from wmspec.importers.model import (
+    LOOKS,
+    MOST_LINKS,
+    MOST_SHAPES,
+    Asset,
+    Doubt,
+    Fault,
+    Faults,
+    Link,
+    Look,
+    MeshFile,
+    Shape,
+    doubts,
+)
+from wmspec.importers.usd_file import REST, bounded, note, stage_of
+from wmspec.importers.usd_tree import Stage
+from wmspec.scene.model import Body, Motion
+from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Sphere
+from wmspec.shapes import Shape as Solid
+from wmspec.usd import joints, meshes
+from wmspec.usd.bodies import body
+from wmspec.usd.colliders import touched
+from wmspec.usd.filters import filtered
+from wmspec.usd.frames import World, split
+from wmspec.usd.geoms import Materials
+from wmspec.usd.masses import body_inertia
+from wmspec.usd.prims import Names, applied, refuse
+from wmspec.usd.shapes import Placed, placed
+from wmspec.usd.unsupported import TYPES
+from wmspec.usd.walk import Owner, Piece, Walk
 
-#: The most prims.
-MOST_PRIMS = 20_000
-_GEOMETRIES = ("Cube", "Sphere", "Cylinder", "Capsule", "Cone", "Mesh")
-_JOINTS = ("PhysicsRevoluteJoint", "PhysicsPrismaticJoint", "PhysicsSphericalJoint", "PhysicsFixedJoint")
-_PASSED = ("", "Xform", "Scope", "GeomSubset")
-_LIGHTS = ("DistantLight", "DomeLight", "SphereLight", "RectLight", "DiskLight", "CylinderLight")
-_LEFT_OUT = ("Material", "PhysicsScene", "Camera", *_LIGHTS)
-_APIS = (
-    "PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "PhysicsMassAPI", "PhysicsArticulationRootAPI", "PhysicsMaterialAPI",
-    "PhysicsDriveAPI", "PhysicsMeshCollisionAPI",
-)  # fmt: skip
-
-#: What a stage without any physics has on none of its prims.
-_PHYSICAL = (UsdPhysics.RigidBodyAPI, UsdPhysics.CollisionAPI)
+#: What is the spec's business, and no part of an asset.
+_ASIDE = frozenset(
+    {"PhysicsScene", "Camera", "DistantLight", "DomeLight", "WmsEpisode", "WmsAction", "WmsObservation"}
+    | {kind for kind in TYPES if "Light" in kind}
+)
+_WORDS = {way: word for word, way in COLLISIONS.items()}
 
 
 def usd(path: Path, folder: Path, shown: str, faults: Faults) -> Asset:
     """The asset in a USD file, all of whose layers are below a folder. Raises Broken if it cannot be read."""
-    with opened(path, folder, shown, faults) as prims:
-        return _Usd(prims).asset()
+    with stage_of(path, folder, shown, faults) as stage:
+        return _Usd(stage, folder, shown, faults).asset()
 
 
 class _Usd:
-    def __init__(self, prims: Prims) -> None:
-        self.prims = prims
-        self.faults = prims.faults
-        self.bodies: dict[str, Body] = {}
-        self.base = Body("base", prims.shown, np.eye(4))
-        self.joints: list[Usd.Prim] = []
-        self.bare = False
+    """Reads one stage; what is wrong with it is noted, and goes to the faults in the end."""
+
+    def __init__(self, stage: Usd.Stage, folder: Path, shown: str, faults: Faults) -> None:
+        self.stage, self.folder, self.shown, self.faults = stage, folder.resolve(), shown, faults
+        self.problems = Report(StageError)
+        self.world = World(stage, self.problems)
+        self.found = Walk(stage, self.problems, _ASIDE).found
+        self.owners = tuple(self.found.owners.values())
+        self.materials = Materials((piece for owner in self.owners for piece in owner.pieces), pictured=True)
 
     def asset(self) -> Asset:
         """The base, the rigid bodies and the joints between them; or all of it as one, without any physics."""
-        every = list(self._walk())
-        self.bare = not any(prim.HasAPI(api) for prim in every for api in _PHYSICAL)
-        for prim in every:
-            self._take(prim)
         self._sized()
-        links = self._links()
-        if self.bare:
-            return Asset(links, {})
-        base = links.pop(self.base.name)
-        root = base.name if base.shapes else WORLD
-        frames = {body.name: body.frame for body in self.bodies.values()}
-        ends = {path: body.name for path, body in self.bodies.items()}
-        joints: dict[str, Joint] = {}
-        for joint in usd_joints.joints(self.prims, self.joints, ends, frames, root):
-            if joint.name in joints:
-                self.faults.add(joint.where, "another joint has this name", "rename one of them")
-            joints.setdefault(joint.name, joint)
-        world = Link(WORLD, self.prims.shown)
-        if base.shapes:  # it stands on the world
-            joints[""] = usd_joints.welded(WORLD, root, base.where)
-            links = {WORLD: world, root: base, **links}
-        elif any(joint.parent == WORLD for joint in joints.values()):
-            links[WORLD] = world
-        return Asset(links, joints)
+        if not any(_physical(owner) for owner in self.owners):
+            whole = Link("base", self.shown, tuple(self._bare()))
+            note(self.problems.diagnostics, self.shown, self.faults, self.folder)
+            return Asset({whole.name: whole}, {})
+        bodies, shapes = self._bodies()
+        held = joints.joints(self.found.joints, bodies, self.world, self.problems)
+        apart: tuple[tuple[str, str], ...] = ()
+        with self.problems.gathered():
+            groups = self.found.of("PhysicsCollisionGroup")
+            apart = filtered(self.stage, self.found.filters, groups, self.found.owners, bodies, held)
+        note(self.problems.diagnostics, self.shown, self.faults, self.folder)
+        found = Stage(bodies, shapes, apart, self.shown)
+        return Asset(found.links, {}) if self.faults.found else found.asset(tuple(held.values()), self.faults)
 
     def _sized(self) -> None:
         """Complain about nothing, and about too much."""
-        if not (self.bodies or self.base.shapes or self.faults.found):
-            raise self.faults.stop(self.prims.shown, "has no geometry", "is this the right file?")
-        bodies = [self.base, *self.bodies.values()]
-        if len(bodies) > MOST_LINKS or sum(len(body.shapes) for body in bodies) > MOST_SHAPES:
+        if not (self.owners or self.problems.failed):
+            raise self.faults.stop(self.shown, "has no geometry", "is this the right file?")
+        if len(self.owners) > MOST_LINKS + MOST_SHAPES or sum(len(o.pieces) for o in self.owners) > MOST_SHAPES:
             what = f"has more than {MOST_LINKS} rigid bodies or {MOST_SHAPES} shapes"
-            raise self.faults.stop(self.prims.shown, what, "make it simpler")
+            raise self.faults.stop(self.shown, what, "make it simpler")
 
-    def _links(self) -> dict[str, Link]:
-        """The base, whose name nothing else has, and the rigid bodies."""
-        taken = {body.name for body in self.bodies.values()}
-        if WORLD in taken:
-            raise self.faults.stop(self.prims.shown, "a rigid body is called `world`", "rename it")
-        self.base.name = next(name for name in ("base", "stand", "ground", "base_of_all") if name not in taken)
-        links: dict[str, Link] = {}
-        for body in (self.base, *self.bodies.values()):
-            if body.name in links:
-                self.faults.add(body.where, f"another rigid body is called `{body.name}` too", "rename one of them")
-            links[body.name] = usd_bodies.link(self.prims, body)
-        return links
+    # ------------------------------------------------------------ bodies
 
-    def _walk(self) -> Iterator[Usd.Prim]:
-        """All prims but those below what is left out."""
-        prims = iter(Usd.PrimRange(self.prims.stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()))
-        for count, prim in enumerate(prims):
-            if count > MOST_PRIMS:
-                raise self.faults.stop(self.prims.shown, f"has more than {MOST_PRIMS:,} prims", "make it simpler")
-            if prim.GetTypeName() in _LEFT_OUT:
-                prims.PruneChildren()
-            elif not prim.IsPseudoRoot():
-                yield prim
+    def _bodies(self) -> tuple[dict[str, Body], dict[str, tuple[Shape, ...]]]:
+        """The bodies without their geometries, and these as shapes in their frames, both by the bodies' paths."""
+        names = Names()
+        bodies: dict[str, Body] = {}
+        shapes: dict[str, tuple[Shape, ...]] = {}
+        for owner in self.owners:
+            path = str(owner.prim.GetPath())
+            name = names.give(owner.prim.GetName(), path)
+            with self.problems.gathered():
+                bodies[path], shapes[path] = self._body(owner, name)
+        return bodies, shapes
 
-    def _take(self, prim: Usd.Prim) -> None:
-        kind, where = str(prim.GetTypeName()), self.prims.where(prim)
-        for api in prim.GetAppliedSchemas():
-            if api.startswith("Physics") and api.partition(":")[0] not in _APIS:
-                self.faults.add(where, f"`{api}` is not supported", "remove it")
-        if kind in _JOINTS:
-            self.joints.append(prim)
+    def _body(self, owner: Owner, name: str) -> tuple[Body, tuple[Shape, ...]]:
+        place = split(self.world.matrix(owner.prim), owner.prim)
+        back, found, colliders = place.rigid.GetInverse(), list[Shape](), list[tuple[Placed, float]]()
+        problems = Report(StageError)
+        for piece in owner.pieces:
+            with problems.gathered():
+                bounded(piece.prim)
+                here = placed(piece.prim, split(self.world.matrix(piece.prim) * back, piece.prim))
+                found += self._shapes(piece, here, owner.motion)
+                if piece.collides:
+                    colliders.append((here, self.materials.density(piece.prim)))
+        problems.stop_if_failed()
+        mass = None
+        if owner.motion == "dynamic":
+            try:
+                mass = body_inertia(owner.prim, place, colliders, self.world)
+            except StageError:
+                if not any(shape.doubts for shape in found):
+                    raise
+        return body(owner, name, place.pose, (), mass, self.world), tuple(found)
+
+    def _bare(self) -> Iterator[Shape]:
+        """All that is drawn where nothing says what is touched: all of it is, but for sheets."""
+        for piece in (piece for owner in self.owners for piece in owner.pieces):
+            with self.problems.gathered():
+                bounded(piece.prim)
+                here = placed(piece.prim, split(self.world.matrix(piece.prim), piece.prim))
+                touches = not (isinstance(here.shape, Mesh) and meshes.is_flat(here.shape))
+                yield from self._shapes(Piece(piece.prim, touches, visible=True), here, None)
+
+    # ------------------------------------------------------------ shapes
+
+    def _shapes(self, piece: Piece, here: Placed, motion: Motion | None) -> Iterator[Shape]:
+        """A geometry; if parts of a mesh look different each of these, and the whole if it can be touched.
+
+        Without a `motion` nothing says how meshes are touched and what rubs: by their hulls, as the language says.
+        """
+        prim, rubs = piece.prim, None
+        if piece.collides and motion is not None:
+            self.materials.alike(prim)
+            rubs = self._rubs(prim)
+        if isinstance(here.shape, Box | Sphere | Cylinder | Cone | Capsule):
+            look = self._look(prim) if piece.visible else Look()
+            yield Shape(here.shape, here.pose, look, piece.collides, piece.visible, rubs)
             return
-        if kind not in (*_PASSED, *_GEOMETRIES):
-            known = ", ".join((*_GEOMETRIES, *_JOINTS))
-            self.faults.add(where, f"prims of type `{kind}` are not supported in an asset", f"it can have: {known}")
-            return
-        if prim.HasAPI(UsdPhysics.RigidBodyAPI) and self.prims.value(prim, "physics:rigidBodyEnabled", True):
-            self._still(prim)
-            frame, _ = self.prims.rigid(prim)
-            self.bodies[str(prim.GetPath())] = Body(prim.GetName(), where, frame, prim)
-        if kind in _GEOMETRIES:
-            body = next(
-                (self.bodies[p] for p in map(str, prim.GetPath().GetAncestorsRange()) if p in self.bodies), None
-            )
-            self._piece(prim, body or self.base)
+        way, why = self._touched(prim, here.shape, motion) if piece.collides and motion else ("hull", ())
+        file = f"{self.shown}#{prim.GetPath()}"
+        parts = meshes.parts(prim) if piece.visible else []
+        for part, _ in parts:
+            name = f"{file}{REST}" if part == prim else f"{self.shown}#{part.GetPath()}"
+            yield Shape(MeshFile(name), here.pose, self._look(part), solid=False)
+        if piece.collides or not parts:
+            drawn = piece.visible and not parts
+            look = self._look(prim) if drawn else Look()
+            yield Shape(MeshFile(file, collision=way), here.pose, look, piece.collides, drawn, rubs, why)
 
-    def _still(self, prim: Usd.Prim) -> None:
-        """Complain about bodies that do not simply begin at rest."""
-        for name, remedy in (
-            ("velocity", "let the spec `launch` it"),
-            ("angularVelocity", "let the spec `launch` it"),
-            ("kinematicEnabled", "let the spec move it"),
-            ("startsAsleep", "remove it"),
-        ):
-            found = self.prims.value(prim, f"physics:{name}", 0)
-            if np.any(np.array(found, float)):
-                self.faults.add(self.prims.where(prim), f"physics:{name} is not supported", remedy)
+    def _rubs(self, prim: Usd.Prim) -> tuple[float, float]:
+        """Friction and restitution of a collider. Raises StageError if it rubs in two ways."""
+        found = self.materials.friction(prim)
+        if found.static != found.dynamic:
+            reason = f"its static friction {found.static:g} differs from its dynamic friction {found.dynamic:g}"
+            refuse(prim, reason, "make them equal, or author one")
+        return found.dynamic, found.restitution
 
-    def _piece(self, prim: Usd.Prim, body: Body) -> None:
-        if self.bare:
-            body.shapes += usd_pieces.bare(self.prims, prim, body.frame)
-            return
-        solid = usd_pieces.is_solid(self.prims, prim)
-        body.shapes += usd_pieces.shapes(self.prims, prim, body.frame, solid=solid, still=body is self.base)
-        if solid:
-            body.colliders.append(prim)
+    def _touched(self, prim: Usd.Prim, shape: Solid, motion: Motion) -> tuple[str, tuple[Doubt, ...]]:
+        """How a mesh is touched, as a word of the language, and why it cannot be as its file says."""
+        if not isinstance(shape, Mesh):  # it says which shape it is
+            return "hull" if shape.convex else "pieces", ()
+        try:
+            return _WORDS[touched(prim, shape, motion)], ()
+        except StageError as error:
+            if meshes.is_flat(shape):
+                raise
+            return "hull", doubts(self._told(error), ("collision",))
+
+    def _look(self, prim: Usd.Prim) -> Look:
+        """How a geometry or subset looks, and what of it cannot be honoured."""
+        try:
+            found = self.materials.surface(prim)
+            if found is None:
+                return Look()
+            image = self._picture(prim, found.texture) if found.texture else ""
+        except StageError as error:
+            return Look(doubts=doubts(self._told(error), LOOKS))
+        color = None if image and found.color == (1, 1, 1) else found.color
+        return Look(color, image, found.repeats, found.roughness, found.metallic)
+
+    def _picture(self, prim: Usd.Prim, texture: str) -> str:
+        """The file of a picture, seen from the spec's folder. Raises StageError if it is not there, or no picture."""
+        path = Path(texture)
+        if not (path.is_file() and path.resolve().is_relative_to(self.folder)):
+            what = f"there is no picture `{path.name[:80]}` below the spec's folder"
+            refuse(prim, what, "put it there, outside any package")
+        if path.suffix.lower() not in FILES["image"]:
+            refuse(prim, f"`{path.name[:80]}` is no picture that can be read", f"make it {', '.join(FILES['image'])}")
+        return path.resolve().relative_to(self.folder).as_posix()
+
+    def _told(self, error: StageError) -> list[Fault]:
+        faults = Faults()
+        note(error.diagnostics, self.shown, faults, self.folder)
+        return faults.found
+
+
+def _physical(owner: Owner) -> bool:
+    """Whether physics is said of a body or of anything in it."""
+    return "PhysicsRigidBodyAPI" in applied(owner.prim) or any(
+        "PhysicsCollisionAPI" in applied(piece.prim) for piece in owner.pieces
+    )

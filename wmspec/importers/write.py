@@ -26,6 +26,10 @@ class Writer:
         """A word or a declared name."""
         return s.Name(name, self.span)
 
+    def names(self, names: Iterable[str]) -> s.Expr:
+        """A list of declared names."""
+        return s.Items("list", tuple(map(self.name, names)), None, self.span)
+
     def of(self, owner: str, name: str) -> s.Expr:
         """The property of something."""
         return s.Member(self.name(owner), self.name(name), self.span)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -17,18 +18,18 @@ if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wa
     import numpy as np
     from numpy.typing import NDArray
 
-    from wmspec.importers.triangles import Triangles
-
 
 @dataclass(frozen=True, eq=False)
 class FileMesh(Mesh):
-    """The mesh of a file, touched at `touched` (n, 3): the corners of its convex hull, or of the upright box around it.
+    """The mesh of a file, and how it is touched: within `radius` (m) of the hull of the points `touched` (n, 3).
 
-    `room` (m³) is the volume of the hull, 0 if it is flat.
+    These are the corners of its own hull, or of the upright box around it, or the middle of a ball around it. `room`
+    (m³) is the volume of its own hull, 0 if it is flat.
     """
 
     touched: NDArray[np.float64] = field(kw_only=True)
     room: float = field(kw_only=True)
+    radius: float = field(kw_only=True)
 
     @property
     def outline(self) -> NDArray[np.float64]:
@@ -39,6 +40,16 @@ class FileMesh(Mesh):
     def volume(self) -> float:
         """The hull's, whatever is touched."""
         return self.room
+
+    def reach(self, direction: Vector) -> float:
+        """As far as what is touched of it."""
+        return super().reach(direction) + self.radius * math.hypot(*direction)
+
+    def bounds(self, turn: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of what is touched of it."""
+        import numpy as np
+
+        return np.asarray(super().bounds(turn) + np.array([[-self.radius], [self.radius]]))
 
 
 def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileMesh:
@@ -58,7 +69,7 @@ def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileM
     except OSError as error:
         raise ImpossibleValue(f"{name} cannot be read: {error.strerror}") from None
     made = _load(path, found.st_mtime_ns, found.st_size, scale, collision)
-    if solid and made.volume <= 0:
+    if solid and made.volume <= 0 and collision != "surface":
         raise ImpossibleValue(f"{path} has no volume", help="use a mesh that is not flat")
     return made
 
@@ -75,30 +86,30 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
         what = f"{size / 1000:g} km large with this scale; the most is {MOST_LENGTH / 1000:g} km"
         raise ImpossibleValue(f"{path} is {what}")
     hull, volume = _hull(path, points)
-    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
-    return FileMesh(
-        points, np.asarray(faces, np.int32), found.st, touched=corners if collision == "bounds" else hull, room=volume
-    )
+    touched, radius = hull, 0.0
+    if collision == "bounds":
+        touched = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
+    if collision == "ball":
+        touched = (low + high)[None] / 2
+        radius = float(np.linalg.norm(points - touched, axis=1).max())
+    return FileMesh(points, np.asarray(faces, np.int32), found.st, touched=touched, room=volume, radius=radius)
 
 
-def _of_stage(path: str) -> Triangles:
+def _of_stage(path: str) -> Mesh:
     """The triangles of a mesh in a USD file. Raises ImpossibleValue if it is broken."""
-    from wmspec.importers.triangles import Triangles
-    from wmspec.importers.usd_meshes import triangles
+    from wmspec.importers.usd_file import mesh
 
     name, prim = parted(path)
-    found = triangles(located(name), None, name, prim)
-    if not isinstance(found, Triangles):
+    found = mesh(located(name), None, name, prim)
+    if isinstance(found, tuple):
         raise ImpossibleValue("; ".join(f"{fault.where}: {fault.message}" for fault in found))
     return found
 
 
-def _of_file(path: str) -> Triangles:
+def _of_file(path: str) -> Mesh:
     """The triangles of a file. Raises ImpossibleValue if it is broken."""
     import numpy as np
     import trimesh
-
-    from wmspec.importers.triangles import Triangles
 
     try:
         found: Any = trimesh.load(located(path), force="mesh", process=False, skip_materials=True)
@@ -112,7 +123,8 @@ def _of_file(path: str) -> Triangles:
         inside_out = found.volume < 0
     points, faces = np.asarray(found.vertices, float), np.asarray(found.faces)
     st = getattr(found.visual, "uv", None)
-    return Triangles(points, faces[:, :: -1 if inside_out else 1], None if st is None else np.asarray(st, float)[:, :2])
+    st = None if st is None else np.asarray(st, float)[:, :2]
+    return Mesh(points, faces[:, :: -1 if inside_out else 1], st)
 
 
 def _hull(path: str, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:

@@ -22,7 +22,7 @@ from wmspec.space import Pose
 T = TypeVar("T")
 
 #: What a part takes from its object when it does not say it itself.
-INHERITED = ("color", "material", "image", "roughness", "metallic")
+INHERITED = ("color", "material", "image", "repeats", "roughness", "metallic")
 #: Gravity where no world says otherwise, m/s².
 EARTH = 9.81
 _LENGTHS = frozenset((A_LENGTH, POINT2, POINT3))

@@ -11,7 +11,8 @@ from math import atan2, pi
 
 import numpy as np
 
-from wmspec.diagnostics import WmsError
+from wmspec.diagnostics import StageError, WmsError
+from wmspec.places import PrimPlace
 from wmspec.scene.com_frame import mount
 from wmspec.scene.model import Body, Follow, Glide, Joint, Pose, Scene, Teleport
 from wmspec.scene.numbers import floats, numbers
@@ -153,7 +154,7 @@ def relative(bodies: Mapping[str, Body], upper: str | None, lower: str, above: P
 
 
 def coordinate(joint: Joint, found: Pose) -> float:
-    """The joint's coordinate where its second frame is `found` in the first. Raises WmsError if they don't fit."""
+    """The joint's coordinate where its second frame is `found` in the first. Raises StageError if they don't fit."""
     gap, turn = found.position.copy(), turned(found.orientation)
     start = 0.0
     match joint.kind:
@@ -168,12 +169,14 @@ def coordinate(joint: Joint, found: Pose) -> float:
         case "fixed":
             pass
     if np.abs(gap).max() > NEAR or np.abs(turn).max() > ALIGNED:
-        raise WmsError(
-            f"{joint.path}: its two frames are {np.linalg.norm(gap):.3g} m apart, or turned against each other by "
-            f"{np.linalg.norm(turn):.3g} rad, at the start; put the bodies where the joint holds them"
+        reason = (
+            f"its two frames are {np.linalg.norm(gap):.3g} m apart, or turned against each other by "
+            f"{np.linalg.norm(turn):.3g} rad, at the start"
         )
+        raise StageError(reason, PrimPlace(joint.path), "put the bodies where the joint holds them")
     if joint.limits and joint.kind != "ball" and not joint.limits[0] - ALIGNED < start < joint.limits[1] + ALIGNED:
-        raise WmsError(f"{joint.path}: it starts at {start:.4g}, outside its limits {joint.limits}; put it inside")
+        reason = f"it starts at {start:.4g}, outside its limits {joint.limits}"
+        raise StageError(reason, PrimPlace(joint.path), "put it inside")
     return start
 
 

@@ -6,7 +6,7 @@ Concavity and Tree Search", ACM Transactions on Graphics 41, 2022), with a fixed
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -51,14 +51,15 @@ def _hull(corners: Array) -> Mesh:
     return Mesh(np.asarray(hull.vertices, np.float64), np.asarray(hull.faces, np.int32))
 
 
-def whole(mesh: Mesh, pose: Pose, parts: Sequence[Mesh]) -> tuple[float, Inertia]:
+def whole(mesh: Mesh, pose: Pose, taken_apart: Callable[[], Sequence[Mesh]]) -> tuple[float, Inertia]:
     """The volume (m³) of a mesh, and its mass properties for 1 kg in the frame that it is placed in by `pose`.
 
-    Those of the solid inside it if it is closed, else those of its convex `parts`, or of its hull if there are none.
+    Those of the solid inside it if it is closed, else those of its convex parts when it is `taken_apart`, or of its
+    hull if there are none.
     """
     solid = trimesh.Trimesh(mesh.points, mesh.faces)
     if not (solid.is_watertight and solid.volume > 0):
-        parts = parts or [mesh]
+        parts = taken_apart() or [mesh]
         sizes = [part.volume for part in parts]
         return sum(sizes), inertia([(part, pose, size / sum(sizes)) for part, size in zip(parts, sizes, strict=True)])
     axes, moments = principal(np.asarray(solid.moment_inertia, float) / float(solid.mass))

@@ -51,9 +51,10 @@ class Prim:
         self.attributes[name] = Attribute(type, None, frozenset(sources), connection=target)
         return self
 
-    def relate(self, name: str, target: str, *sources: str) -> Prim:
-        """Give the prim a relationship; returns the prim."""
-        self.relations[name] = Relation((target,), frozenset(sources))
+    def relate(self, name: str, target: str | tuple[str, ...], *sources: str) -> Prim:
+        """Give the prim a relationship to one or several others; returns the prim."""
+        targets = (target,) if isinstance(target, str) else target
+        self.relations[name] = Relation(targets, frozenset(sources))
         return self
 
 

@@ -59,6 +59,8 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
     frame = Pose(values.property(name, "at"), _frame(joint, values))
     for number, body in enumerate((to, of)):
         _side(prim, number, joint, body, frame, values)
+    if values.has(name, "touching") and values.property(name, "touching"):
+        prim.set("physics:collisionEnabled", "bool", True, f"{name}.touching")
     if joint.model in _COORDINATES:
         _coordinate(prim, joint, values, driven)
 
@@ -166,6 +168,10 @@ def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
         prim.set(f"{drive}:stiffness", "float", values.property(name, "stiffness") / scale, f"{name}.stiffness")
         prim.set(f"{drive}:damping", "float", values.property(name, "damping") / scale, f"{name}.damping")
         prim.set(f"{drive}:targetPosition", "float", target * scale, f"{name}.target")
+        if values.has(name, "pace"):
+            prim.set(f"{drive}:targetVelocity", "float", values.property(name, "pace") * scale, f"{name}.pace")
+        if values.has(name, "strength"):
+            prim.set(f"{drive}:maxForce", "float", values.property(name, "strength"), f"{name}.strength")
 
 
 def _drive_sources(name: str) -> tuple[str, ...]:

@@ -49,10 +49,11 @@ def _moments(name: str, values: Values) -> tuple[float, ...]:
 
 def add_mass(prim: Prim, name: str, volume: float, values: Values) -> None:
     """What a piece of this volume (m³) weighs: its share of the object's mass, or its density."""
+    if values.property(name, "fixed") and not values.has(name, "mass"):
+        return
     whole = _whole(name, values)
     if not values.has(name, "mass"):
-        if not values.property(name, "fixed"):
-            prim.set("physics:density", "float", values.property(name, "density"), f"{name}.density")
+        prim.set("physics:density", "float", values.property(name, "density"), f"{name}.density")
     elif not own(name, values):
         parts = (f"{name}.form",) if values.parts(name) else ()
         share = values.property(name, "mass") * (volume / whole)

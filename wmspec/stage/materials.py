@@ -20,10 +20,10 @@ def add_material(doc: Document, part: str, owner: str, values: Values) -> str:
         doc.add(f"/World/Materials/{owner}", "Scope", (), there)
     material = doc.add(path, "Material", ("PhysicsMaterialAPI",), there)
     material.connect("outputs:surface", "token", f"{path}/surface.outputs:surface")
-    friction = values.property(owner, "friction")
-    material.set("physics:staticFriction", "float", friction, f"{owner}.friction")
-    material.set("physics:dynamicFriction", "float", friction, f"{owner}.friction")
-    material.set("physics:restitution", "float", values.property(owner, "restitution"), f"{owner}.restitution")
+    for name, written in (("friction", ("staticFriction", "dynamicFriction")), ("restitution", ("restitution",))):
+        of = part if values.has(part, name) else owner
+        for attribute in written:
+            material.set(f"physics:{attribute}", "float", values.property(of, name), f"{of}.{name}")
     surface = doc.add(f"{path}/surface", "Shader", (), there)
     surface.set("info:id", "token", "UsdPreviewSurface", uniform=True)
     _color(doc, surface, path, part, values, there)
@@ -37,7 +37,7 @@ def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, t
     """The colour itself, or an image that it tints."""
     red, green, blue = (linear(c) for c in rgb(values.property(part, "color")))
     image, repeats = _image(part, values)
-    patterned = (f"{part}.material", f"{part}.image")
+    patterned = (f"{part}.material", f"{part}.image", *((f"{part}.repeats",) if values.has(part, "repeats") else ()))
     if image is None:
         surface.set("inputs:diffuseColor", "color3f", (red, green, blue), f"{part}.color", *patterned)
         return
@@ -58,19 +58,19 @@ def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, t
         transform = doc.add(f"{path}/repeats", "Shader", (), (*patterned, *there))
         transform.set("info:id", "token", "UsdTransform2d", uniform=True)
         transform.connect("inputs:in", "float2", st)
-        transform.set("inputs:scale", "float2", (repeats, repeats), *patterned)
+        transform.set("inputs:scale", "float2", repeats, *patterned)
         transform.set("outputs:result", "float2", None)
         st = f"{path}/repeats.outputs:result"
     texture.connect("inputs:st", "float2", st, *patterned)
     texture.set("outputs:rgb", "float3", None)
 
 
-def _image(part: str, values: Values) -> tuple[Path | None, float]:
-    """The image on a surface, and how often it is repeated on a metre; 0 for one that is laid out once."""
+def _image(part: str, values: Values) -> tuple[Path | None, tuple[float, float] | None]:
+    """The image on a surface, and how often it is repeated on a metre; None for one that is laid out once."""
     if values.has(part, "image"):
         path = located(values.property(part, "image"))
         if not path.is_file():
             raise ImpossibleValue(f"there is no picture {path}", values.place(part, "image"))
-        return path, 0.0
+        return path, values.property(part, "repeats") if values.has(part, "repeats") else None
     material = MATERIALS[values.property(part, "material")]
-    return material.path, material.repeats
+    return material.path, (material.repeats, material.repeats)

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
+from wmspec.check.vocabulary import COLLISIONS
 from wmspec.diagnostics import ImpossibleValue
+from wmspec.layout import assets
 from wmspec.layout.geometry import every_piece, touchable
+from wmspec.layout.placement import frame
 from wmspec.layout.solids import Piece
 from wmspec.layout.support import supported
 from wmspec.layout.values import Values
 from wmspec.shapes.polygons import Polygons
-from wmspec.space import HERE, Pose, Vector
+from wmspec.space import HERE, LEVEL, Pose, Vector, rotate, times
 from wmspec.stage import masses, materials
 from wmspec.stage.document import Document, Prim
-
-_APPROXIMATIONS = {"hull": "convexHull", "pieces": "convexDecomposition", "bounds": "boundingCube"}
 
 
 def object_path(name: str) -> str:
@@ -29,7 +32,9 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
         raise ImpossibleValue(f"`{name}` cannot be touched, so it must be fixed", values.place(name))
     supported(name, values)
     weighed = () if fixed or not masses.own(name, values) else ("PhysicsMassAPI",)
-    schemas = () if fixed else ("PhysicsRigidBodyAPI", *weighed)
+    passed = _passed(name, values)
+    filters = ("PhysicsFilteredPairsAPI",) if passed else ()
+    schemas = filters if fixed else ("PhysicsRigidBodyAPI", *weighed, *filters)
     body = doc.add(object_path(name), "Xform", schemas, (f"{name}.fixed", f"{name}.present"))
     pose = values.pose(name)
     body.set("xformOp:translate", "double3", pose.position, f"{name}.pose")
@@ -38,12 +43,36 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
     if carriers and not fixed:
         body.set("physics:kinematicEnabled", "bool", carried, *carriers)
     if values.has(name, "damping"):
-        for kind in ("linear", "angular"):
-            share = values.property(name, "damping")
-            body.set(f"physxRigidBody:{kind}Damping", "float", share, f"{name}.damping")
+        spun = "spin_damping" if values.has(name, "spin_damping") else "damping"
+        for kind, said in (("linear", "damping"), ("angular", spun)):
+            body.set(f"physxRigidBody:{kind}Damping", "float", values.property(name, said), f"{name}.{said}")
+    _moving(body, name, values)
+    if passed:
+        others = tuple(object_path(other) for other in passed)
+        body.relate("physics:filteredPairs", others, f"{name}.passes", *(f"{other}.present" for other in passed))
     if weighed:
         masses.add_own(body, name, values)
     _pieces(doc, name, values, solid)
+
+
+def _moving(body: Prim, name: str, values: Values) -> None:
+    """How it moves at the start, which a link of an asset says along the axes of that."""
+    base = assets.base(values, name)
+    turned = frame(values, base).orientation if base else LEVEL
+    for said, attribute, unit in (("velocity", "velocity", 1.0), ("spin", "angularVelocity", 180 / math.pi)):
+        if not values.has(name, said):
+            continue
+        if values.property(name, "fixed"):
+            place = values.place(name, said)
+            raise ImpossibleValue(f"`{name}` is fixed, so it has no `{said}`", place)
+        way = times(unit, rotate(turned, values.property(name, said)))
+        body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{said}", *((f"{base}.pose",) if base else ()))
+
+
+def _passed(name: str, values: Values) -> tuple[str, ...]:
+    """The objects that are there and that it passes through."""
+    said = values.property(name, "passes") if values.has(name, "passes") else ()
+    return tuple(other for other in said if other != name and values.there(other))
 
 
 def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
@@ -79,7 +108,10 @@ def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values:
     if meshed:
         way = "convexHull" if piece.solid.convex else "convexDecomposition"
         if values.has(part, "file"):
-            way = _APPROXIMATIONS[values.property(part, "collision")]
+            way = COLLISIONS[values.property(part, "collision")]
+        if way == "none" and not values.property(name, "fixed"):
+            place = values.place(part, "collision")
+            raise ImpossibleValue("only what is fixed is touched as its surface", place, "make it `hull` or `pieces`")
         prim.set("physics:approximation", "token", way, form, uniform=True)
     return prim
 

@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Gf
 
 from wmspec.diagnostics import Report, StageError
-from wmspec.scene.model import Array, Body, Geom
+from wmspec.scene.model import Array, Body, Geom, Inertia, Pose
 from wmspec.scene.transform import conjugate, rotate
 from wmspec.usd.colliders import DOWN, collider
 from wmspec.usd.frames import World, split, vector
@@ -48,8 +48,14 @@ def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
                 colliders.append((here, materials.density(piece.prim)))
     problems.stop_if_failed()
     inertia = body_inertia(prim, place, colliders, world) if owner.motion == "dynamic" else None
-    damping = (float(value(prim, f"physxRigidBody:{kind}Damping", 0.0)) for kind in ("linear", "angular"))
-    return Body(name, path, owner.motion, place.pose, tuple(found), inertia, *_velocities(owner, world), *damping)
+    return body(owner, name, place.pose, tuple(found), inertia, world)
+
+
+def body(owner: Owner, name: str, pose: Pose, geoms: tuple[Geom, ...], inertia: Inertia | None, world: World) -> Body:
+    """A body of these, with its velocities and dampings. Raises StageError if it is kinematic and has velocities."""
+    damping = (float(value(owner.prim, f"physxRigidBody:{kind}Damping", 0.0)) for kind in ("linear", "angular"))
+    path = str(owner.prim.GetPath())
+    return Body(name, path, owner.motion, pose, geoms, inertia, *_velocities(owner, world), *damping)
 
 
 def _velocities(owner: Owner, world: World) -> tuple[Array, Array]:

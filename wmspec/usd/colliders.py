@@ -20,7 +20,31 @@ APART = ("convexDecomposition", "none", "meshSimplification")
 WAYS = ("convexHull", "boundingCube", "boundingSphere", *APART)
 
 
+_REMEDY = "set physics:approximation to convexDecomposition or convexHull"
 DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def touched(prim: Usd.Prim, mesh: Mesh, motion: Motion) -> str:
+    """How a mesh is touched: the approximation that it gets in the end, `none` being the surface that it is.
+
+    Raises:
+        StageError: if it is flat or not convex, and neither static nor meant to be touched as something else.
+    """
+    way = value(prim, "physics:approximation", "none")
+    if way not in WAYS:
+        refuse(prim, f"the approximation '{way}' is not supported", f"set it to one of: {', '.join(WAYS)}")
+    flat = meshes.is_flat(mesh)
+    if way == "boundingSphere" or (way == "boundingCube" and not flat):
+        return str(way)
+    if not flat and as_hull(prim, mesh):
+        return "convexHull"
+    if not flat and way == "convexDecomposition":
+        return "convexDecomposition"
+    if motion == "dynamic" and flat:
+        refuse(prim, "a dynamic mesh that collides has no volume", "use a Cube, a Plane or a mesh that is not flat")
+    if motion == "dynamic":
+        refuse(prim, "a dynamic mesh that is not convex can't collide as it is", _REMEDY)
+    return "none"
 
 
 def collider(here: Placed, motion: Motion, down: Array = DOWN) -> tuple[tuple[Shape, Pose], ...]:
@@ -32,16 +56,13 @@ def collider(here: Placed, motion: Motion, down: Array = DOWN) -> tuple[tuple[Sh
     prim, mesh = here.prim, here.shape
     if not isinstance(mesh, Mesh):
         return tuple((piece, _placed(here.pose, at)) for piece, at in mesh.pieces())
-    way = value(prim, "physics:approximation", "none")
-    if way not in WAYS:
-        refuse(prim, f"the approximation '{way}' is not supported", f"set it to one of: {', '.join(WAYS)}")
-    flat = meshes.is_flat(mesh)
-    if way == "boundingSphere" or (way == "boundingCube" and not flat):
-        return (_bounds(mesh, here.pose, way),)
-    if not flat and as_hull(prim, mesh):
-        return ((mesh, here.pose),)
-    if flat or way != "convexDecomposition":
-        return _surface(here, mesh, motion, down)
+    match touched(prim, mesh, motion):
+        case "boundingSphere" | "boundingCube" as way:
+            return (_bounds(mesh, here.pose, way),)
+        case "convexHull":
+            return ((mesh, here.pose),)
+        case "none":
+            return _surface(here, mesh, motion, down)
     try:
         return tuple((piece, here.pose) for piece in pieces(mesh))
     except WmsError as error:
@@ -53,18 +74,11 @@ def _placed(pose: Pose, at: space.Pose) -> Pose:
 
 
 def _surface(here: Placed, mesh: Mesh, motion: Motion, down: Array) -> tuple[tuple[Shape, Pose], ...]:
-    remedy = "set physics:approximation to convexDecomposition or convexHull"
-    if motion == "dynamic" and meshes.is_flat(mesh):
-        refuse(
-            here.prim, "a dynamic mesh that collides has no volume", "use a Cube, a Plane or a mesh that is not flat"
-        )
-    if motion == "dynamic":
-        refuse(here.prim, "a dynamic mesh that is not convex can't collide as it is", remedy)
     below = rotate(conjugate(here.pose.orientation), down) if motion == "static" else None
     try:
         return tuple((sheet, here.pose) for sheet in sheets(mesh, below))
     except WmsError as error:
-        refuse(here.prim, f"it can't collide as it is: {error}", remedy)
+        refuse(here.prim, f"it can't collide as it is: {error}", _REMEDY)
 
 
 def as_hull(prim: Usd.Prim, mesh: Mesh) -> bool:

@@ -15,22 +15,28 @@ from wmspec.usd.walk import Piece
 
 
 class Materials:
-    """What the geometries, and the subsets of meshes among them, are made of: looked up once for all."""
+    """What the geometries, and the subsets of meshes among them, are made of: looked up once for all.
 
-    def __init__(self, pieces: Iterable[Piece]) -> None:
+    Roughness and metalness that are pictures are refused, or else, if they may be `pictured`, not honoured.
+    """
+
+    def __init__(self, pieces: Iterable[Piece], *, pictured: bool = False) -> None:
         prims = [p for piece in pieces for p in (piece.prim, *_subsets(piece.prim))]
         paths = [prim.GetPath() for prim in prims]
         self._look = dict(zip(paths, materials.bound(prims, "preview"), strict=True))
         self._physics = dict(zip(paths, materials.bound(prims, "physics"), strict=True))
-        self._surfaces: dict[Sdf.Path, Surface] = {}
+        self._pictured = pictured
+        self._surfaces: dict[tuple[Sdf.Path, str], Surface | None] = {}
         self._frictions: dict[Sdf.Path | None, Friction] = {}
 
-    def surface(self, prim: Usd.Prim) -> Surface:
-        """How the geometry or subset looks."""
+    def surface(self, prim: Usd.Prim) -> Surface | None:
+        """How the geometry or subset looks; None if nothing says it."""
         material = self._look[prim.GetPath()]
-        key = (material or prim).GetPath()
+        of = prim.GetParent() if prim.GetTypeName() == "GeomSubset" else prim
+        coordinates = meshes.coordinates(of) if of.GetTypeName() == "Mesh" else ""
+        key = ((material or prim).GetPath(), coordinates)
         if key not in self._surfaces:
-            self._surfaces[key] = materials.surface(prim, material)
+            self._surfaces[key] = materials.surface(prim, material, coordinates or "st", pictured=self._pictured)
         return self._surfaces[key]
 
     def friction(self, prim: Usd.Prim) -> Friction:
@@ -75,14 +81,14 @@ def geoms(
         materials.alike(prim)
     drawn = []
     for part, faces in meshes.parts(prim) if piece.visible else []:
-        shape, surface = meshes.mesh(prim, placed.place.stretch, faces), materials.surface(part)
+        shape, surface = meshes.mesh(prim, placed.place.stretch, faces), materials.surface(part) or Surface()
         drawn.append(
             Geom(names.give(f"{name}_{part.GetName()}"), shape, placed.pose, surface, friction, collides=False)
         )
     if drawn and not piece.collides:
         return drawn
     visible = piece.visible and not drawn
-    surface = materials.surface(prim) if visible else Surface()
+    surface = (materials.surface(prim) if visible else None) or Surface()
     if all(shape is placed.shape for shape, _ in touched):
         return [*drawn, Geom(name, placed.shape, placed.pose, surface, friction, piece.collides, visible)]
     if visible:

@@ -15,8 +15,8 @@ _PLAIN = {"rotation": 0.0, "translation": Gf.Vec2f(0, 0)}
 """What a UsdTransform2d must leave as it is."""
 
 
-def image(shader: UsdShade.Shader, roughness: float, metallic: float) -> Surface:
-    """The surface whose colour is the image that `shader` reads.
+def image(shader: UsdShade.Shader, roughness: float, metallic: float, st: str) -> Surface:
+    """The surface whose colour is the image that `shader` reads, at the texture coordinates `st`.
 
     Raises:
         StageError: if the shader is no UsdUVTexture, or uses what is not supported.
@@ -26,7 +26,7 @@ def image(shader: UsdShade.Shader, roughness: float, metallic: float) -> Surface
         refuse(prim, "its colour is computed by another shader than a UsdUVTexture", "use a UsdUVTexture or a value")
     if source(shader, "sourceColorSpace") == "raw":
         refuse(prim, "its image is not in sRGB", "set inputs:sourceColorSpace to sRGB")
-    repeats = _repeats(shader)
+    repeats = _repeats(shader, st)
     if repeats is not None and not {source(shader, "wrapS"), source(shader, "wrapT")} <= {
         "repeat",
         "useMetadata",
@@ -44,14 +44,14 @@ def _tint(shader: UsdShade.Shader) -> tuple[float, float, float]:
     return srgb(Gf.Vec3f(red, green, blue))
 
 
-def _repeats(shader: UsdShade.Shader) -> tuple[float, float] | None:
+def _repeats(shader: UsdShade.Shader, st: str) -> tuple[float, float] | None:
     """How often the image is repeated: the scale of a UsdTransform2d between it and the texture coordinates."""
     reader = source(shader, "st")
     if isinstance(reader, UsdShade.Shader) and reader.GetIdAttr().Get() == "UsdTransform2d":
         scale, reader = _scale(reader), source(reader, "in")
     else:
         scale = None
-    _check_reader(reader)
+    _check_reader(reader, st)
     return scale
 
 
@@ -68,14 +68,15 @@ def _scale(transform: UsdShade.Shader) -> tuple[float, float]:
     return float(s), float(t)
 
 
-def _check_reader(reader: Any) -> None:
+def _check_reader(reader: Any, st: str) -> None:
     """Refuse all but the texture coordinates `st`, which is also what a texture without a reader has."""
     if not isinstance(reader, UsdShade.Shader):
         return
     if reader.GetIdAttr().Get() != "UsdPrimvarReader_float2":
-        refuse(reader.GetPrim(), "it computes texture coordinates", "use a UsdPrimvarReader_float2 for `st`")
-    if source(reader, "varname") not in (None, "", "st"):
-        refuse(reader.GetPrim(), "only the texture coordinates named 'st' are supported", "rename the primvar to st")
+        refuse(reader.GetPrim(), "it computes texture coordinates", f"use a UsdPrimvarReader_float2 for `{st}`")
+    if (name := source(reader, "varname")) not in (None, "", st):
+        reason = f"its image lies by the texture coordinates '{name}', and those of the mesh are '{st}'"
+        refuse(reader.GetPrim(), reason, "let a UsdPrimvarReader_float2 read these, or rename the primvar to st")
 
 
 def _file(shader: UsdShade.Shader) -> str:

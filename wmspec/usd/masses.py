@@ -51,9 +51,7 @@ def _collider_inertia(c: Placed, density: float, world: World) -> Inertia:
     per_volume = (_amount(c.prim, "density") or density) * world.kilograms / world.meters**3
     try:
         if isinstance(c.shape, Mesh) and not as_hull(c.prim, c.shape):
-            size, unit = whole(
-                c.shape, c.pose, [shape for shape, _ in collider(c, "static") if isinstance(shape, Mesh)]
-            )
+            size, unit = whole(c.shape, c.pose, lambda: [s for s, _ in collider(c, "static") if isinstance(s, Mesh)])
             mass = mass or (per_volume or WATER) * size
             found = replace(unit, mass=mass, moments=unit.moments * mass)
         else:

@@ -49,37 +49,44 @@ def density(material: Usd.Prim | None) -> float:
     return float(value(material, "physics:density", 0.0)) if material is not None else 0.0
 
 
-def surface(prim: Usd.Prim, material: Usd.Prim | None) -> Surface:
-    """The preview surface of the bound material, or the displayColor of a prim without one.
+def surface(prim: Usd.Prim, material: Usd.Prim | None, st: str = "st", *, pictured: bool = False) -> Surface | None:
+    """The preview surface of the bound material, or the displayColor of a prim without one; None without either.
+
+    The texture coordinates of the prim are called `st`. If its roughness and metalness may be `pictured`, they are then
+    those of a surface that does not say them.
 
     Raises:
         StageError: if the surface is of another kind, transparent, or its texture is missing.
     """
     shader = UsdShade.Material(material).ComputeSurfaceSource()[0] if material is not None else None
-    return _preview(shader) if shader else _displayed(prim)
+    return _preview(shader, st, pictured) if shader else _displayed(prim)
 
 
-def _displayed(prim: Usd.Prim) -> Surface:
+def _displayed(prim: Usd.Prim) -> Surface | None:
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
     colors = still(primvar.GetAttr()) if primvar and primvar.HasValue() else None
-    return Surface(srgb(colors[0])) if colors else Surface()
+    return Surface(srgb(colors[0])) if colors else None
 
 
-def _preview(shader: UsdShade.Shader) -> Surface:
+def _preview(shader: UsdShade.Shader, st: str, pictured: bool) -> Surface:
     prim = shader.GetPrim()
     if shader.GetIdAttr().Get() != "UsdPreviewSurface":
         refuse(prim, "its surface is no UsdPreviewSurface", "give the material a UsdPreviewSurface")
     if float(_input(shader, "opacity", 1.0)) < 1:
         refuse(prim, "transparency is not supported", "set inputs:opacity to 1")
     color = source(shader, "diffuseColor")
-    roughness, metallic = float(_input(shader, "roughness", 0.5)), float(_input(shader, "metallic", 0.0))
+    roughness, metallic = (
+        float(_input(shader, name, fallback, pictured)) for name, fallback in (("roughness", 0.5), ("metallic", 0.0))
+    )
     if isinstance(color, UsdShade.Shader):
-        return image(color, roughness, metallic)
+        return image(color, roughness, metallic, st)
     return Surface(srgb(Gf.Vec3f(color or _PREVIEW)), roughness, metallic)
 
 
-def _input(shader: UsdShade.Shader, name: str, fallback: float) -> float:
+def _input(shader: UsdShade.Shader, name: str, fallback: float, pictured: bool = False) -> float:
     found = source(shader, name)
     if isinstance(found, UsdShade.Shader):
+        if pictured:
+            return fallback
         refuse(found.GetPrim(), f"a texture for {name} is not supported", f"author a value for inputs:{name}")
     return fallback if found is None else float(found)

@@ -13,6 +13,8 @@ from wmspec.usd.prims import NOW, refuse, still, value
 
 _Indices = NDArray[np.int32]
 _CONVEX = 1e-5
+_MANY, _AT_ONCE = 2_000_000_000, 4_000_000  # pairs of a point and a face that are looked at, in all and at a time
+_COORDINATES = ("texCoord2f[]", "texCoord2d[]", "texCoord2h[]")
 
 
 def mesh(prim: Usd.Prim, stretch: Gf.Matrix4d, faces: _Indices | None = None) -> Mesh:
@@ -43,21 +45,45 @@ def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
     subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.GetTypeName() == "Mesh" else []
     if not subsets:
         return []
-    found = [(s.GetPrim(), np.asarray(still(s.GetIndicesAttr()), np.int32)) for s in subsets]
+    found = [(s.GetPrim(), subset(s.GetPrim())) for s in subsets]
     count = len(value(prim, "faceVertexCounts", []))
     rest = np.setdiff1d(np.arange(count, dtype=np.int32), np.concatenate([faces for _, faces in found]))
     return [(prim, rest)] * bool(len(rest)) + found
 
 
+def subset(prim: Usd.Prim) -> _Indices:
+    """The polygons of a GeomSubset. Raises StageError if it is one of other things."""
+    if value(prim, "elementType", "face") != "face":
+        refuse(prim, "it is a subset of other things than faces", "make its elementType face")
+    return np.asarray(value(prim, "indices", []), np.int32)
+
+
+def coordinates(prim: Usd.Prim) -> str:
+    """The name of the texture coordinates of a mesh: `st`, or else the only ones that it has; empty if it has none."""
+    primvars = UsdGeom.PrimvarsAPI(prim)
+    if (plain := primvars.FindPrimvarWithInheritance("st")) and plain.HasValue():
+        return "st"
+    found = [
+        str(primvar.GetPrimvarName())
+        for primvar in primvars.FindPrimvarsWithInheritance()
+        if str(primvar.GetTypeName()) in _COORDINATES and primvar.HasValue()
+    ]
+    return found[0] if len(found) == 1 else ""
+
+
 def is_convex(found: Mesh) -> bool:
-    """Whether it is closed and no point is in front of any face, within 1e-5 of the mesh's size."""
-    if not trimesh.Trimesh(found.points, found.faces).is_watertight:
+    """Whether it is closed and no point is in front of any face, within 1e-5 of its size. A very large one is not."""
+    points, faces = found.points, found.faces
+    if len(points) * len(faces) > _MANY or not trimesh.Trimesh(points, faces).is_watertight:
         return False
-    a, b, c = (found.points[found.faces[:, i]] for i in range(3))
-    normals = np.cross(b - a, c - a)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    front = normals @ found.points.T - (normals * a).sum(axis=1)[:, None]
-    return bool(front.max() <= _CONVEX * np.ptp(found.points, axis=0).max())
+    near = _CONVEX * np.ptp(points, axis=0).max()
+    for some in np.array_split(faces, 1 + len(points) * len(faces) // _AT_ONCE):
+        a, b, c = (points[some[:, i]] for i in range(3))
+        normals = np.cross(b - a, c - a)
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        if (normals @ points.T - (normals * a).sum(axis=1)[:, None]).max(initial=0.0) > near:
+            return False
+    return True
 
 
 def is_flat(found: Mesh) -> bool:
@@ -84,16 +110,16 @@ def _triangulate(prim: Usd.Prim, points: Array, vertices: _Indices, faces: _Indi
 
 
 def _texture_coordinates(prim: Usd.Prim, vertices: _Indices) -> Array | None:
-    """`st` for every corner (k, 2), or None."""
-    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("st")
-    if not primvar or not primvar.HasValue():
+    """The texture coordinates of every corner (k, 2), or None."""
+    if not (name := coordinates(prim)):
         return None
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
     for attribute in filter(None, (primvar.GetAttr(), primvar.GetIndicesAttr())):
         still(attribute)
     st = np.asarray(primvar.ComputeFlattened(NOW), np.float64).reshape(-1, 2)
     interpolation = primvar.GetInterpolation()
     per_point = interpolation in (UsdGeom.Tokens.vertex, UsdGeom.Tokens.varying) and len(st) > vertices.max()
     if not per_point and not (interpolation == UsdGeom.Tokens.faceVarying and len(st) == len(vertices)):
-        reason = f"its primvars:st ({interpolation}, {len(st)} values) does not fit"
+        reason = f"its primvars:{name} ({interpolation}, {len(st)} values) does not fit"
         refuse(prim, reason, "author it vertex or faceVarying")
     return np.asarray(st[vertices]) if per_point else st

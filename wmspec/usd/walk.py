@@ -60,10 +60,14 @@ class _Above:
 
 
 class Walk:
-    """Finds the bodies and everything around them; notes as problems what is not supported."""
+    """Finds the bodies and everything around them; notes as problems what is not supported.
 
-    def __init__(self, stage: Usd.Stage, problems: Report) -> None:
+    Prims of the types that are `aside`, and all below them, are passed by.
+    """
+
+    def __init__(self, stage: Usd.Stage, problems: Report, aside: frozenset[str] = frozenset()) -> None:
         self.found = Found()
+        self._closed = _CLOSED | aside
         self._problems = problems
         self._predicate = Usd.TraverseInstanceProxies()
         default = stage.GetDefaultPrim()
@@ -73,7 +77,7 @@ class Walk:
 
     def _visit(self, prim: Usd.Prim, above: _Above) -> None:
         kind = str(prim.GetTypeName())
-        if kind in _CLOSED:
+        if kind in self._closed:
             return
         apis = applied(prim)
         with self._problems.gathered():

@@ -1,0 +1,31 @@
+"""USD files opened; what USD complains of is told by us."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pxr import Tf, Usd
+
+from wmspec.diagnostics import WmsError
+
+
+def opened(path: Path, shown: str) -> Usd.Stage:
+    """The stage in a file, as it is there now. Whoever opens it keeps USD from printing meanwhile.
+
+    Raises:
+        WmsError: saying what USD complains of, where the file is called `shown`.
+    """
+    try:
+        stage = Usd.Stage.Open(str(path))
+        stage.Reload()  # of a layer that was read before, USD gives what was in it then
+    except Tf.ErrorException as error:
+        raise WmsError(_complaint(error, path, shown)) from None
+    return stage
+
+
+def _complaint(error: Exception, path: Path, shown: str) -> str:
+    """The first thing that pxr complains about a file, told as `shown`, without where in its own source."""
+    said = str(error).partition(" : '")[2].partition("'\n")[0] or str(error) or type(error).__name__
+    for name in (f"<{path.resolve()}>", str(path.resolve())):
+        said = said.replace(name, shown)
+    return " ".join(said.replace("</", "<").split())[: 120 + len(shown)]
