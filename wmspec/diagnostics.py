@@ -53,6 +53,10 @@ class Diagnostic:
         told = "; ".join((self.message, *notes, *((self.help,) if self.help else ())))
         return told if self.place is None else f"{self.place}: {told}"
 
+    def at(self, place: Place) -> Diagnostic:
+        """The same for whoever knows where it is: with this place, unless it has one."""
+        return self if self.place else replace(self, place=place)
+
     def render(self, paint: Paint = plain) -> str:
         """With its text, the diagnostic is a headline, the line with a caret, notes and the remedy; else one line."""
         label = paint(f"{self.severity}[{self.code}]" if self.code else self.severity, self.severity)
@@ -136,7 +140,7 @@ class WmsError(Exception):
 
     def at(self, place: Place) -> Self:
         """The same error for whoever knows where it happened: its diagnostics without a place have this one."""
-        return self.of(d if d.place else replace(d, place=place) for d in self.diagnostics)
+        return self.of(d.at(place) for d in self.diagnostics)
 
     def __str__(self) -> str:
         return "\n".join(map(str, self.diagnostics))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from wmspec.diagnostics import WmsError
+from wmspec.diagnostics import StageError
+from wmspec.places import PrimPlace
 from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play
@@ -33,7 +34,7 @@ def execute(scene: Scene) -> Trace:
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:
-    """The scene in SAPIEN's words. Raises WmsError, with the prim path, for what SAPIEN doesn't have."""
+    """The scene in SAPIEN's words. Raises StageError, with the prim path, for what SAPIEN doesn't have."""
     validate(scene)
     require(INFO.lacks, scene)
     timeline = episode(scene, INFO.steps_per_second)
@@ -42,14 +43,16 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     over = {material for pair, bit in needed.items() if bit >= BITS for material in pair}
     if over:
         paths = [b.path for b, r in zip(scene.bodies, bodies, strict=True) if over & {p.material for p in r.pieces}]
-        raise WmsError(
-            f"{', '.join(paths)}: SAPIEN tells {BITS} pairs of touching materials apart, this scene has {len(needed)}; "
-            "give some bodies the same friction and restitution"
+        raise StageError(
+            f"SAPIEN tells {BITS} pairs of touching materials apart, this scene has {len(needed)}",
+            PrimPlace(", ".join(paths)),
+            "give some bodies the same friction and restitution",
         )
     if any(word >= 1 << BITS for word, _ in ignored(whole.apart, len(bodies))):
-        raise WmsError(
-            f"{scene.name}: SAPIEN tells {BITS} groups of bodies apart that pass through each other, this scene has "
-            "more; filter fewer pairs"
+        raise StageError(
+            f"SAPIEN tells {BITS} groups of bodies apart that pass through each other, this scene has more",
+            PrimPlace(scene.name),
+            "filter fewer pairs",
         )
     return whole, timeline
 

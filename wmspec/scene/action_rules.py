@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
+from wmspec.diagnostics import Diagnostic
+from wmspec.places import PrimPlace
 from wmspec.scene.model import (
     Action,
     Follow,
@@ -34,31 +36,31 @@ MOTIONS = {
 """What an action can be done to."""
 
 
-def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Joint]) -> Iterator[str]:
+def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Joint]) -> Iterator[Diagnostic]:
     """What is wrong with one action; `motions` of the bodies and `joints` by their names."""
     if isinstance(action, Steer):
         if action.joint not in joints or joints[action.joint].drive is None:
-            yield f"there is no joint '{action.joint}' with a drive; give the joint one"
+            yield Diagnostic(f"there is no joint '{action.joint}' with a drive", help="give the joint one")
     else:
         needed = MOTIONS[type(action)]
         if action.body not in motions:
-            yield f"there is no body '{action.body}'; there are {', '.join(motions)}"
+            yield Diagnostic(f"there is no body '{action.body}'", help=f"there are {', '.join(motions)}")
         elif motions[action.body] != needed:
-            yield f"it moves '{action.body}', which is {motions[action.body]}, expected a {needed} body"
+            yield Diagnostic(f"it moves '{action.body}', which is {motions[action.body]}, expected a {needed} body")
     if not (action.start >= 0 and all(np.isfinite(v).all() for v in _numbers(action))):
-        yield "its start is negative, or one of its numbers is not finite"
+        yield Diagnostic("its start is negative, or one of its numbers is not finite")
     elif isinstance(action, Follow):
         yield from _way(action)
     elif isinstance(action, Glide | Force) and action.stop < action.start:
-        yield f"it stops at {action.stop} s, before it starts at {action.start} s"
+        yield Diagnostic(f"it stops at {action.stop} s, before it starts at {action.start} s")
 
 
-def _way(action: Follow) -> Iterator[str]:
+def _way(action: Follow) -> Iterator[Diagnostic]:
     n = len(action.times)
     if n < 2 or action.points.shape != (n, 3) or (action.orientations is not None and len(action.orientations) != n):
-        yield f"it has {n} times, expected at least 2, and as many points and orientations"
+        yield Diagnostic(f"it has {n} times, expected at least 2, and as many points and orientations")
     elif action.times[0] != 0 or not (np.diff(action.times) > 0).all():
-        yield f"its times are {action.times.tolist()}, expected them to grow from 0"
+        yield Diagnostic(f"its times are {action.times.tolist()}, expected them to grow from 0")
 
 
 def _numbers(action: Action) -> list[ArrayLike]:
@@ -84,18 +86,29 @@ def _numbers(action: Action) -> list[ArrayLike]:
             return [action.start, action.target]
 
 
-def sequence(scene: Scene) -> Iterator[str]:
+def sequence(scene: Scene) -> Iterator[Diagnostic]:
     """What is wrong between the actions of a body."""
     for first, second in overlaps(scene.actions, scene.bodies):
-        yield f"action {second.name}: it starts while {first.name} still moves '{second.body}'; let one end first"
+        yield Diagnostic(
+            f"it starts while {first.name} still moves '{second.body}'",
+            PrimPlace(f"action {second.name}"),
+            "let one end first",
+        )
     releases = {action.body: action for action in scene.actions if isinstance(action, Release)}
     for action in scene.actions:
         if isinstance(action, Launch | Impulse | Force) and action.body in releases:
             release = releases[action.body]
             if action.start < release.start:
-                yield f"action {action.name}: '{action.body}' is held until {release.start} s; let it start then"
+                yield Diagnostic(
+                    f"'{action.body}' is held until {release.start} s",
+                    PrimPlace(f"action {action.name}"),
+                    "let it start then",
+                )
     for follow, here in astray(scene):
         yield (
-            f"action {follow.name}: its way begins at {follow.points[0]} m, but '{follow.body}' is at {here} m then, "
-            "or turned otherwise; begin it there, or teleport the body first"
+            Diagnostic(
+                f"its way begins at {follow.points[0]} m, but '{follow.body}' is at {here} m then, or turned otherwise",
+                PrimPlace(f"action {follow.name}"),
+                "begin it there, or teleport the body first",
+            )
         )

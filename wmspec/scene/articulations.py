@@ -11,7 +11,7 @@ from math import atan2, pi
 
 import numpy as np
 
-from wmspec.diagnostics import StageError, WmsError
+from wmspec.diagnostics import StageError
 from wmspec.places import PrimPlace
 from wmspec.scene.com_frame import mount
 from wmspec.scene.model import Body, Follow, Glide, Joint, Pose, Scene, Teleport
@@ -50,7 +50,7 @@ Tree = tuple[Link, ...]
 def trees(scene: Scene) -> tuple[Tree, ...]:
     """The jointed bodies, parents before children, in the order of each tree's root among the bodies.
 
-    A tree's root is what is jointed to the world, or else its first body. Raises WmsError, with the joint's path, for
+    A tree's root is what is jointed to the world, or else its first body. Raises StageError, with the joint's path, for
     loops and for joints that do not fit.
     """
     index = {body.name: i for i, body in enumerate(scene.bodies)}
@@ -59,9 +59,11 @@ def trees(scene: Scene) -> tuple[Tree, ...]:
     used: set[int] = set()
     found = [tuple(_grow(root, scene, links, seen, used)) for root in _roots(links) if root not in seen]
     for j in sorted(set(range(len(links))) - used):
-        raise WmsError(
-            f"{scene.joints[j].path}: it closes a loop of joints, or holds bodies to the world a second time, "
-            "which the engines here don't solve; deactivate it"
+        raise StageError(
+            "it closes a loop of joints, or holds bodies to the world a second time, "
+            "which the engines here don't solve",
+            PrimPlace(scene.joints[j].path),
+            "deactivate it",
         )
     return tuple(sorted(found, key=lambda tree: tree[0].body))
 

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from wmspec.diagnostics import WmsError
+from wmspec.diagnostics import Diagnostic, Report, StageError
+from wmspec.places import PrimPlace
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
 from wmspec.scene.model import Joint, Scene
@@ -36,10 +37,11 @@ class Lack:
 
 
 def require(lacks: Iterable[Lack], scene: Scene) -> None:
-    """Raise WmsError with the prim path of everything in a valid scene that an engine lacks."""
-    problems = [f"{path}: {what}; {lack.reason}" for lack in lacks for path, what in lack.capability.asked(scene)]
-    if problems:
-        raise WmsError("\n".join(problems))
+    """Raise StageError with the prim path of everything in a valid scene that an engine lacks."""
+    report = Report(StageError)
+    for lack in lacks:
+        report.include(Diagnostic(what, PrimPlace(path), lack.reason) for path, what in lack.capability.asked(scene))
+    report.stop_if_failed()
 
 
 def table(engines: Mapping[str, Iterable[Lack]]) -> list[tuple[str, dict[str, str]]]:

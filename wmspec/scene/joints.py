@@ -6,62 +6,77 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from wmspec.diagnostics import Diagnostic
+from wmspec.places import PrimPlace
 from wmspec.scene.articulations import jointed, moves, trees
 from wmspec.scene.model import Body, Drive, Joint, Launch, Release, Scene
 
 
-def problems(scene: Scene) -> Iterator[str]:
+def problems(scene: Scene) -> Iterator[Diagnostic]:
     """What no engine can do with the scene's joints. Raises WmsError for loops and for frames that don't fit."""
     bodies = {body.name: body for body in scene.bodies}
     for first, second in scene.filtered:
         if first not in bodies or second not in bodies:
-            yield f"the filtered pair {first}, {second} names no two bodies"
+            yield Diagnostic(f"the filtered pair {first}, {second} names no two bodies")
     found = [(joint, problem) for joint in scene.joints for problem in _joint(joint, bodies, moves(scene))]
-    yield from (f"{joint.path}: {problem}" for joint, problem in found)
+    yield from (problem.at(PrimPlace(joint.path)) for joint, problem in found)
     if not found:
         yield from _tied(scene)
 
 
-def _joint(joint: Joint, bodies: Mapping[str, Body], moving: frozenset[str]) -> Iterator[str]:
+def _joint(joint: Joint, bodies: Mapping[str, Body], moving: frozenset[str]) -> Iterator[Diagnostic]:
     ends = [name for name in (joint.first, joint.second) if name is not None]
     missing = [name for name in ends if name not in bodies]
     if missing or len(set(ends)) < len(ends):
-        yield f"it joins {joint.first} and {joint.second}, expected two bodies of the scene"
+        yield Diagnostic(f"it joins {joint.first} and {joint.second}, expected two bodies of the scene")
         return
     if not any(bodies[name].motion == "dynamic" for name in ends):
-        yield "it joins nothing that is dynamic; deactivate it"
+        yield Diagnostic("it joins nothing that is dynamic", help="deactivate it")
     if any(name in moving for name in ends):
-        yield "it joins a kinematic body that moves, which only some engines could; drive a joint to the world instead"
+        yield Diagnostic(
+            "it joins a kinematic body that moves, which only some engines could",
+            help="drive a joint to the world instead",
+        )
     frames = [joint.first_frame, joint.second_frame]
     if not all(np.isfinite(f.position).all() and abs(np.linalg.norm(f.orientation) - 1) < 1e-6 for f in frames):
-        yield "its frames are not finite, or not turned by unit quaternions"
+        yield Diagnostic("its frames are not finite, or not turned by unit quaternions")
     if joint.limits is not None and (joint.kind == "fixed" or not joint.limits[0] <= joint.limits[1]):
-        yield f"its limits are {joint.limits}, expected the lower one first, and none of a fixed joint"
+        yield Diagnostic(f"its limits are {joint.limits}, expected the lower one first, and none of a fixed joint")
     if joint.drive is not None:
         yield from _drive(joint, joint.drive)
 
 
-def _drive(joint: Joint, drive: Drive) -> Iterator[str]:
+def _drive(joint: Joint, drive: Drive) -> Iterator[Diagnostic]:
     if joint.kind not in ("hinge", "slider"):
-        yield f"a {joint.kind} joint has no one coordinate to drive; remove its drive"
+        yield Diagnostic(f"a {joint.kind} joint has no one coordinate to drive", help="remove its drive")
     if not (0 <= drive.stiffness < np.inf and 0 <= drive.damping < np.inf and drive.max_force >= 0):
-        yield "its drive has a negative or infinite stiffness or damping, or a negative greatest force"
+        yield Diagnostic("its drive has a negative or infinite stiffness or damping, or a negative greatest force")
     if not np.isfinite([drive.target, drive.velocity]).all():
-        yield "its drive's target is not finite"
+        yield Diagnostic("its drive's target is not finite")
 
 
-def _tied(scene: Scene) -> Iterator[str]:
+def _tied(scene: Scene) -> Iterator[Diagnostic]:
     """What can't be done with bodies that have joints."""
     tied = jointed(scene)
     for body in scene.bodies:
         if body.name in tied and (body.linear_velocity.any() or body.angular_velocity.any()):
-            yield f"{body.path}: a jointed body starts at rest; give it an impulse or a drive instead of a velocity"
+            yield Diagnostic(
+                "a jointed body starts at rest",
+                PrimPlace(body.path),
+                "give it an impulse or a drive instead of a velocity",
+            )
     for action in scene.actions:
         if isinstance(action, Launch) and action.body in tied:
-            yield f"action {action.name}: '{action.body}' has joints; give it an impulse instead of a launch"
+            yield Diagnostic(
+                f"'{action.body}' has joints",
+                PrimPlace(f"action {action.name}"),
+                "give it an impulse instead of a launch",
+            )
     releases = {a.body: a.start for a in scene.actions if isinstance(a, Release)}
     for tree in trees(scene):
         names = [scene.bodies[limb.body].name for limb in tree]
         held = [name for name in names if name in releases]
         if len(held) > 1:
-            yield f"{', '.join(held)} hang together by joints; release one of them, which lets go of all"
+            yield Diagnostic(
+                f"{', '.join(held)} hang together by joints", help="release one of them, which lets go of all"
+            )

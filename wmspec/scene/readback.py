@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wmspec.diagnostics import WmsError
+from wmspec.diagnostics import StageError
+from wmspec.places import PrimPlace
 
 
 def honoured(where: str, what: str, got: ArrayLike, expected: ArrayLike, *, tolerance: float = 1e-9) -> None:
-    """Raise WmsError unless the engine has the `expected` number(s), up to a relative `tolerance`."""
+    """Raise StageError unless the engine has the `expected` number(s), up to a relative `tolerance`."""
     have, want = np.asarray(got, float), np.asarray(expected, float)
     if have.shape != want.shape or not np.allclose(have, want, rtol=tolerance, atol=1e-12):
-        raise WmsError(f"{where}: {what} is {want.tolist()} in the scene, but the engine made it {have.tolist()}")
+        message = f"{what} is {want.tolist()} in the scene, but the engine made it {have.tolist()}"
+        raise StageError(message, PrimPlace(where))
