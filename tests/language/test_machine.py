@@ -1,5 +1,6 @@
 """The machine reads as Lark does, of whose tables it is made: the same words, and the same trees."""
 
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,9 @@ from lark import Tree as LarkTree
 from lark.exceptions import UnexpectedInput
 
 from tests.language.specs import SPECS, random_text
-from tests.language.trees import files, written
+from tests.language.trees import expressions, files, statements, written
 from wmspec.parse.machine import END, Machine, Tree
-from wmspec.parse.syntax import File
+from wmspec.parse.syntax import Expr, File, Statement
 from wmspec.parse.tables import grammar, lark_parser, tables
 from wmspec.parse.words import Token, read
 
@@ -70,6 +71,43 @@ def test_what_is_cut_short_or_mixed_up_is_refused_where_lark_refuses_it(text: st
     other = written(tree)
     for mixed in (text[: len(other)], text[: len(text) // 2] + other, other[: len(other) // 2]):
         assert ours(mixed) == theirs(mixed)
+
+
+# ---------------------------------------------------------------- keywords
+
+
+def pattern(name: str) -> str:
+    return str(next(t.pattern.value for t in lark().terminals if t.name == name))
+
+
+def test_the_grammar_says_of_every_keyword_that_it_is_no_unit() -> None:
+    keywords = {*tables().keywords, *re.findall(r"\w+(?=[|)])", pattern("SETTING"))}
+    (barred,) = re.findall(r"\(\?!\(([\w|]+)\)", pattern("LIST_UNIT"))
+    assert set(barred.split("|")) == keywords - {"true", "false"}
+    assert f"(?!({barred})" in pattern("QUANTITY")
+
+
+def words(text: str) -> list[Token]:
+    return [token for token in read(text) if token.type not in ("WHITE", "COMMENT")]
+
+
+@given(statements)
+def test_statements_begin_with_the_words_at_which_reading_goes_on(statement: Statement) -> None:
+    assert words(written(statement))[0].type in tables().starters
+
+
+@given(expressions)
+def test_values_end_with_the_words_that_make_a_minus_a_difference(value: Expr) -> None:
+    assert words(written(value))[-1].type in tables().value_ends
+
+
+def test_reading_can_go_on_at_all_statements_and_at_nothing_that_stands_in_one() -> None:
+    parser = lark().parse_interactive("", start="start")
+    assert parser.accepts() - {"$END", "LONG_STRING"} == tables().starters & parser.accepts()
+    assert not tables().starters & {"NAME", "AT", "BY", "IN", "PART", "STATE", "ORDER", "WITHOUT", "RBRACE"}
+
+
+# ---------------------------------------------------------------- places, and what is kept
 
 
 def test_words_have_their_places() -> None:

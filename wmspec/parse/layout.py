@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 from wmspec.parse import syntax as s
+from wmspec.parse.tables import tables
 from wmspec.parse.words import Token
 from wmspec.places import Span
 
@@ -15,14 +16,6 @@ INDENT = 2
 
 _TIGHT_BEFORE = {"COMMA", "COLON", "DOT", "RPAR", "RSQB", "LIST_UNIT"}
 _TIGHT_AFTER = {"LPAR", "LSQB", "DOT"}
-_SOFT = {
-    "SETTING", "AT", "LIGHT", "CAMERA", "WORLD", "OPTIONS", "ANSWER", "MARGIN", "DISTINCT", "STATE", "ORDER",
-    "DESIGN", "TOLERANCE", "TEMPLATE", "PART", "JOINT", "ROBOT", "OBJECTS", "WITHIN", "DIFFERENCE", "STABLE", "OF",
-    "VARIANT", "PARAMETER", "ONLY"
-}  # fmt: skip
-_ATOMS = {"NAME", "NUMBER", "QUANTITY", "STRING", "TRUE", "FALSE", "RPAR", "RSQB", "LIST_UNIT"}
-#: What a value may end with: a `-` after it is a difference, after anything else it is a sign.
-_VALUE_ENDS = _ATOMS | _SOFT | {"REPEAT", "HORIZON"}
 
 Part = s.Statement | s.Task | s.Variant | s.Clause | s.Counterfactual
 
@@ -71,7 +64,7 @@ class Layout:
         if here.start in self._headings:
             return " "
         signs = before.type == "MINUS" and (
-            i < 2 or self._tokens[i - 2].type not in _VALUE_ENDS or before.start in self.cells
+            i < 2 or self._tokens[i - 2].type not in tables().value_ends or before.start in self.cells
         )
         calls = here.type in ("LPAR", "LSQB") and before.type in ("NAME", "RPAR")
         return "" if here.type in _TIGHT_BEFORE or before.type in _TIGHT_AFTER or signs or calls else " "

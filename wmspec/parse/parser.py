@@ -7,8 +7,9 @@ import re
 from wmspec.diagnostics import Report
 from wmspec.parse.build import build_expression, build_file
 from wmspec.parse.machine import END, Machine, Tree
-from wmspec.parse.recover import STARTERS, recover
+from wmspec.parse.recover import recover
 from wmspec.parse.syntax import Expr, File
+from wmspec.parse.tables import tables
 from wmspec.parse.words import Token, read
 from wmspec.places import Source, Span
 
@@ -91,7 +92,7 @@ def _complain(source: Source, tokens: list[Token], i: int, wanted: set[str], rep
     if token.type == END:
         span = _span(source, tokens[i - 1]) if i else span
         message = "the file ends too early"
-    if "RBRACE" in wanted and (token.type == END or token.type in STARTERS):
+    if "RBRACE" in wanted and (token.type == END or token.type in tables().starters):
         hint = "is a `}` missing before this?"
     report.add("WMS101", message, span, hint)
 

@@ -6,15 +6,8 @@ Nothing is copied or tried twice, so that it takes time in proportion to the wor
 from __future__ import annotations
 
 from wmspec.parse.machine import END, Machine
+from wmspec.parse.tables import tables
 from wmspec.parse.words import Token
-
-#: Words that begin a statement or clause: after a mistake, reading goes on at the next of them.
-STARTERS = frozenset({
-    "TASK", "USE", "FACTOR", "NUISANCE", "LET", "REQUIRE", "REPEAT", "DESIGN", "TOLERANCE", "TEMPLATE", "OBJECT",
-    "OBJECTS", "CAMERA", "LIGHT", "JOINT", "ROBOT", "WORLD", "ACTION", "HORIZON", "OBSERVE", "QUESTION", "SETTING",
-    "OPTIONS", "ANSWER", "MARGIN", "ENSURE", "DISTINCT", "WITHIN", "DIFFERENCE", "STABLE", "COUNTERFACTUAL",
-    "VARIANT", "PARAMETER"
-})  # fmt: skip
 
 
 def recover(machine: Machine, tokens: list[Token], i: int) -> int:
@@ -22,13 +15,13 @@ def recover(machine: Machine, tokens: list[Token], i: int) -> int:
 
     Returns the index of the token to go on with; past the end if nothing fits.
     """
-    stuck = i
+    stuck, starters = i, tables().starters
     while i < len(tokens):
-        if (i > stuck or tokens[i].type in STARTERS) and _boundary(tokens, i) and machine.unwind(tokens[i].type):
+        if (i > stuck or tokens[i].type in starters) and _boundary(tokens, i) and machine.unwind(tokens[i].type):
             return i
         i += 1
     return i
 
 
 def _boundary(tokens: list[Token], i: int) -> bool:
-    return tokens[i].type in STARTERS or tokens[i].type in ("RBRACE", END) or tokens[i + 1].type == "COLON"
+    return tokens[i].type in tables().starters or tokens[i].type in ("RBRACE", END) or tokens[i + 1].type == "COLON"

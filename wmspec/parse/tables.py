@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from lark import Lark
 
 STARTS = ("start", "expr")
+#: The rules of what reading can go on with after a mistake.
+STATEMENTS = ("task", "use", "variant", "_statement", "_clause")
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,7 @@ class Tables:
 
     `pattern` matches one word, in the group of its type; `keywords` are the types of what is otherwise a name. In a
     state, what comes next leads to the state of that number, or, if it is negative, completes the rule `~number`.
+    `starters` are the types of words that begin a statement or clause, `value_ends` of those that end a value.
     """
 
     pattern: str
@@ -54,6 +57,8 @@ class Tables:
     states: tuple[dict[str, int], ...]
     first: dict[str, int]
     last: dict[str, int]
+    starters: frozenset[str]
+    value_ends: frozenset[str]
 
 
 @cache
@@ -129,7 +134,23 @@ def _made(lark: Lark) -> Tables:
         states=tuple({str(name): action(*what) for name, what in actions.items()} for actions in table.values()),
         first={start: number[way.start_state] for start, way in ways.items()},
         last={start: number[way.end_state] for start, way in ways.items()},
+        starters=frozenset().union(*(_at_the_edge(lark, part, 0) for part in STATEMENTS)),
+        value_ends=_at_the_edge(lark, "expr", -1),
     )
+
+
+def _at_the_edge(lark: Lark, origin: str, edge: int) -> frozenset[str]:
+    """The types of the words with which what a rule makes can begin (`edge` 0) or end (-1). No rule makes nothing."""
+    words, origins, waiting = set[str](), {origin}, [origin]
+    while waiting:
+        one = waiting.pop()
+        for symbol in (rule.expansion[edge] for rule in lark.rules if rule.origin.name == one):
+            if symbol.is_term:
+                words.add(str(symbol.name))
+            elif symbol.name not in origins:
+                origins.add(symbol.name)
+                waiting.append(symbol.name)
+    return frozenset(words)
 
 
 def _words(lark: Lark) -> tuple[str, dict[str, str]]:
