@@ -28,6 +28,7 @@ COMMANDS = (
     "view",
     "audit",
     "evaluate",
+    "report",
     "doctor",
 )
 

@@ -85,6 +85,10 @@ class DatasetReader:
         """The paths of a task's shards in the folder."""
         return tuple(path for path in self.manifest["shards"] if path.startswith(f"data/{task}/"))
 
+    def columns(self, task: str) -> tuple[str, ...]:
+        """The names of a task's columns; none if it has no rows. Raises WmsError if a shard cannot be read."""
+        return tuple(n for path in self.shards(task)[:1] for n in _opened(self.folder / path).schema_arrow.names)
+
     def units(self, task: str) -> dict[str, str]:
         """The SI unit of every column that has one. Raises WmsError if a shard cannot be read."""
         return {

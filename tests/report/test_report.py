@@ -1,0 +1,183 @@
+"""The report as a user makes it: the command, its files, its page in a real browser, and what it says to bad input."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from click.testing import CliRunner, Result
+
+from tests.gallery.conftest import browser, opened  # noqa: F401  a fixture
+from tests.report.conftest import Made
+from tests.report.made import Rater, answers, write
+from wmspec.cli import main
+from wmspec.report.figures.all import figures
+from wmspec.report.write import write as write_report
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, ["report", *map(str, arguments)])
+
+
+@pytest.fixture(scope="session")
+def folder(made: Made, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("report")
+    write_report(made.report, place)
+    return place
+
+
+def test_the_command_writes_everything(made: Made, tmp_path: Path) -> None:
+    few = made.rows[::9]
+    results = write(
+        tmp_path / "results" / "few.parquet", answers(few, Rater("a", lambda row: 0.8), Rater("b", lambda r: 0.4))
+    )
+    done = run(results.parent, "--dataset", made.folder, "-o", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    assert "Perception: a is right most often, in " in done.output
+    there = {str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*") if p.is_file()}
+    assert {
+        "report.html",
+        "report.json",
+        "figures/averages.svg",
+        "tables/perception.csv",
+        "tables/perception.tex",
+    } <= there
+    said = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert {line["system"] for table in said["tables"] for line in table["lines"]} == {"a", "b"}
+
+
+def test_without_the_dataset_what_needs_none_is_told(made: Made, tmp_path: Path) -> None:
+    results = write(tmp_path / "few.parquet", answers(made.rows[::9], Rater("a", lambda row: 0.8)))
+    done = run(results, "-o", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    assert "Without --dataset" in done.output
+    assert not (tmp_path / "out" / "tables" / "entanglement.csv").exists()
+
+
+def test_the_same_results_give_the_same_bytes(made: Made, folder: Path, tmp_path: Path) -> None:
+    write_report(made.report, tmp_path)
+    files = [p.relative_to(folder) for p in sorted(folder.rglob("*")) if p.is_file()]
+    assert len(files) > 30
+    for name in files:
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes(), name
+    assert not re.search(r"20\d\d-\d\d-\d\d", (folder / "figures" / "averages.svg").read_text())
+
+
+def test_results_in_another_order_give_the_same_report(made: Made, tmp_path: Path) -> None:
+    table = answers(made.rows[::9], Rater("a", lambda row: 0.8), Rater("b", lambda row: 0.5, permutations=2))
+    for name, rows in (("one", table), ("two", table.sample(frac=1, random_state=1))):
+        done = run(write(tmp_path / name / "r.parquet", rows), "--dataset", made.folder, "-o", tmp_path / f"{name}.out")
+        assert done.exit_code == 0
+    assert (tmp_path / "one.out/report.json").read_bytes() == (tmp_path / "two.out/report.json").read_bytes()
+
+
+def test_every_figure_says_how_it_is_read(made: Made) -> None:
+    drawn = [figure for section in figures(made.report).values() for figure in section]
+    assert {f.name for f in drawn} == {
+        "averages", "dimensions", "comparisons", "pairs", "positions", "flips", "mistakes", "filtered", "curves",
+        "entanglement", "entanglement_models", "items", "short_form",
+    }  # fmt: skip
+    assert all(len(figure.reading) > 40 for figure in drawn)
+
+
+def test_csv_tables_hold_what_the_json_holds(made: Made, folder: Path) -> None:
+    table = pd.read_csv(folder / "tables" / "perception.csv")
+    (average,) = table[(table["system"] == "ideal") & table["task"].isna() & table["dimension"].isna()]["accuracy"]
+    line = next(x for x in made.report.tables[0].lines if x.system == "ideal")
+    assert average == pytest.approx(line.average.value)
+
+
+def test_latex_tables_are_whole_and_escaped(folder: Path) -> None:
+    for path in (folder / "tables").glob("*.tex"):
+        said = path.read_text()
+        assert said.count(r"\begin{tabular}") == said.count(r"\end{tabular}") == 1
+        widths = {row.count(" & ") for row in said.splitlines() if row.endswith(r"\\") and "multicolumn" not in row}
+        assert len(widths) == 1, path.name
+        assert not re.search(r"(?<!\\)[%#]", said), path.name
+
+
+# ---------------------------------------------------------------- the page
+
+
+@pytest.fixture
+def page(browser: Any, folder: Path) -> Iterator[Any]:  # noqa: F811
+    yield from opened(browser, folder / "report.html")
+
+
+def test_the_page_opens_and_shows_every_figure(page: Any, made: Made) -> None:
+    shown = page.eval_on_selector_all("figure img", "all => all.map(i => i.complete && i.naturalWidth > 100)")
+    assert len(shown) == 13
+    assert all(shown)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 1280
+    cells = page.eval_on_selector_all("tr.people td.average", "all => all.map(c => parseFloat(c.innerText))")
+    people = [line.average.value for t in made.report.tables for line in t.lines if line.system == "people"]
+    assert cells == pytest.approx([round(100 * value, 1) for value in people], abs=0.051)
+
+
+def test_links_of_the_page_lead_to_files(folder: Path) -> None:
+    class Links(HTMLParser):
+        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+            href = dict(attrs).get("href")
+            if href and not href.startswith("#"):
+                found.append(href)
+
+    found: list[str] = []
+    Links().feed((folder / "report.html").read_text())
+    assert len(found) > 20
+    assert [href for href in found if not (folder / href).is_file()] == []
+
+
+def test_names_of_models_cannot_write_into_the_page(made: Made, tmp_path: Path) -> None:
+    evil = answers(made.rows[::20], Rater("<script>alert(1)</script>", lambda row: 0.5))
+    done = run(write(tmp_path / "r.parquet", evil), "--dataset", made.folder, "-o", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    assert "<script>" not in (tmp_path / "out" / "report.html").read_text()
+
+
+# ---------------------------------------------------------------- bad input
+
+
+def test_bad_input_is_told_with_a_remedy(made: Made, tmp_path: Path) -> None:
+    broken = tmp_path / "broken.parquet"
+    broken.write_bytes(b"PAR1 but no more")
+    other = tmp_path / "other.parquet"
+    pq.write_table(pa.table({"id": ["a"]}), other)
+    (tmp_path / "empty").mkdir()
+    shard = next((made.folder / "data").rglob("*.parquet"))
+    for given, said in (
+        (tmp_path / "none.parquet", "is not there"),
+        (broken, "cannot be read"),
+        (other, "lacks the columns"),
+        (shard, "a dataset goes to --dataset"),
+        (tmp_path / "empty", "holds no results"),
+    ):
+        done = run(given)
+        assert (done.exit_code, said in done.output) == (2, True), done.output
+
+
+def test_results_of_another_dataset_are_refused(made: Made, tmp_path: Path) -> None:
+    table = answers(made.rows[:3], Rater("a", lambda row: 1.0)).assign(id=["race/999999/q0/mujoco", "x", "y"])
+    done = run(write(tmp_path / "r.parquet", table), "--dataset", made.folder)
+    assert done.exit_code == 2
+    assert "3 questions answered are not in" in done.output
+
+
+def test_two_replies_to_one_request_are_refused_and_the_same_twice_is_not(made: Made, tmp_path: Path) -> None:
+    table = answers(made.rows[:60], Rater("a", lambda row: 1.0))
+    write(tmp_path / "same" / "1.parquet", table)
+    write(tmp_path / "same" / "2.parquet", table)
+    done = run(tmp_path / "same", "-o", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    assert json.loads((tmp_path / "out" / "report.json").read_text())["accounts"][0]["replies"] == 60
+    write(tmp_path / "same" / "3.parquet", answers(made.rows[:60], Rater("a", lambda row: 0.0)))
+    done = run(tmp_path / "same", "-o", tmp_path / "out")
+    assert done.exit_code == 2
+    assert "two different replies" in done.output

@@ -1,0 +1,278 @@
+"""Every analysis finds what was put into the raters, and not what was not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.report.conftest import LAPSE, STEEP, THRESHOLD, Made, seer
+from tests.report.made import Rater, answers
+from wmspec.report.choices import change
+from wmspec.report.compare import comparisons
+from wmspec.report.curves import curves, strength
+from wmspec.report.entanglement import dimension, spread
+from wmspec.report.filtered import EVERYONES, ITS_OWN
+from wmspec.report.intervals import means, rng
+from wmspec.report.items import item_rest, response, sample
+from wmspec.report.questions import Questions
+from wmspec.report.replies import replies
+
+# ---------------------------------------------------------------- intervals
+
+
+def test_intervals_hold_what_is_true_as_often_as_they_say() -> None:
+    """80 questions in 40 clusters, alike within each: 95 % of 300 intervals hold the mean, 87 % if clusters were
+
+    ignored.
+    """
+    covered = {True: 0, False: 0}
+    for trial in range(300):
+        random = rng("coverage", trial)
+        easy = np.repeat(random.beta(2, 1, 40), 4)
+        right = (random.random(160) < easy).astype(float)[:, None]
+        for together, cluster in ((True, np.repeat(np.arange(40), 4)), (False, np.arange(160))):
+            (estimate,), _ = means(right, cluster, trial)
+            assert estimate.low is not None
+            assert estimate.high is not None
+            covered[together] += estimate.low <= 2 / 3 <= estimate.high
+    assert 0.91 < covered[True] / 300 < 0.98
+    assert covered[False] < covered[True] - 10
+
+
+def test_intervals_do_not_move_when_another_system_or_task_is_added() -> None:
+    values = (rng("x").random((200, 3)) < 0.5).astype(float)
+    cluster = np.arange(200) // 4
+    assert means(values, cluster, "task")[0][:2] == means(values[:, :2], cluster, "task")[0]
+
+
+def test_too_few_clusters_have_no_interval() -> None:
+    (estimate,), _ = means(np.array([[1.0], [0.0], [1.0]]), [0, 0, 1], "few")
+    assert (estimate.value, estimate.low, estimate.questions) == (pytest.approx(2 / 3), None, 3)
+
+
+# ---------------------------------------------------------------- comparisons
+
+
+def test_a_better_system_is_better_and_equal_ones_are_not(made: Made) -> None:
+    same = [Rater("one", lambda row: 0.7), Rater("two", lambda row: 0.7), Rater("worse", lambda row: 0.6)]
+    found = {(c.first, c.second): c for c in comparisons(replies(answers(made.rows, *same))) if c.kind == "perception"}
+    better, luck = found["one", "worse"], found["one", "two"]
+    assert better.difference.value == pytest.approx(0.1, abs=0.03)
+    assert better.corrected is not None
+    assert better.corrected < 0.001
+    assert luck.corrected is not None
+    assert luck.corrected > 0.05
+    assert luck.p is not None
+    assert luck.corrected >= luck.p
+    gap = better.first_only - better.second_only
+    assert gap / better.difference.questions == pytest.approx(better.difference.value)
+
+
+# ---------------------------------------------------------------- choices
+
+
+def test_who_takes_the_first_option_is_seen_by_place_and_by_permutation(made: Made) -> None:
+    places = {p.place: p for p in made.report.positions if (p.system, p.options) == ("first", 4)}
+    assert places[0].accuracy.value == 1.0
+    assert places[2].accuracy.value == pytest.approx(0.4, abs=0.06)
+    assert places[0].chosen > 0.6
+    flips = {f.system: f for f in made.report.flips if not f.task}
+    assert set(flips) == {"first", "sure"}
+    assert flips["sure"].flips.value == 0
+    # The same only if it knows twice, or guesses once where the truth is first: never twice, the options having moved
+    # on.
+    assert flips["first"].flips.value > 0.4
+    assert flips["first"].always < flips["first"].accuracy < flips["sure"].always == 1.0
+
+
+def test_pairs_count_only_if_both_are_right(made: Made) -> None:
+    found = {(p.task, p.system): p for p in made.report.pairs}
+    for task in ("race", "tally", "roll"):
+        ideal = found[task, "ideal"]
+        assert ideal.both.value == pytest.approx(0.8**2, abs=0.06)
+        assert ideal.single == pytest.approx(0.8, abs=0.04)
+        assert found[task, "sure"].both.value == 1.0
+    assert found["race", "first"].chance == pytest.approx(1 / 4)
+    assert found["roll", "first"].chance == pytest.approx(1 / 16)
+
+
+def test_pairs_of_a_prediction_are_those_whose_outcomes_were_made_by_what_differs(made: Made) -> None:
+    """Only `pace` changes what the counterfactuals change: another colour makes no pair. 4 paces are 6 pairs."""
+    assert {p.both.questions for p in made.report.pairs if p.task == "roll" and p.system == "ideal"} == {3 * 40 * 6}
+
+
+def test_wrong_predictions_are_told_by_what_was_otherwise_in_them(made: Made) -> None:
+    chosen = {(m.system, m.changed): m for m in made.report.mistaken}
+    assert chosen["confused", "action"].chosen > 0.95
+    assert chosen["ideal", "action"].chosen == pytest.approx(2 / 3, abs=0.12)
+    for mistake in made.report.mistaken:
+        assert mistake.offered == pytest.approx({"action": 2 / 3, "state": 1 / 3}[mistake.changed])
+
+
+@pytest.mark.parametrize(
+    ("said", "what"),
+    [
+        ("action push.speed: 1 m/s -> 2 m/s", "action"),
+        ("without push", "action"),
+        ("order push, pull", "action"),
+        ("state ball.size: 1 cm -> 2 cm", "state"),
+        ("action push.speed: 1 -> 2; state ball.size: 1 -> 2", "both"),
+        ("weather: sun -> rain", "other"),
+        (None, ""),
+    ],
+)
+def test_what_a_change_changes(said: str | None, what: str) -> None:
+    assert change(said) == what
+
+
+# ---------------------------------------------------------------- entanglement
+
+
+def test_entanglement_is_found_where_it_is_and_not_where_it_is_not(made: Made) -> None:
+    found = {(e.system, e.task, e.factor): e for e in made.report.entanglement}
+    for task in ("race", "tally"):
+        red = found["entangled", task, "color"]
+        assert red.dimension == "colour"
+        assert not red.asked
+        # One of four levels at half the others' accuracy: |1 - p/p̄| are 3/7, 1/7, 1/7, 1/7.
+        assert red.value == pytest.approx(3 / 14, abs=0.05)
+        assert red.p < 0.01
+        assert red.value > 3 * red.bound
+        ideal = found["ideal", task, "color"]
+        assert ideal.value < 0.06
+        assert ideal.p > 0.01
+    shapes = found["entangled", "race", "form"]
+    assert shapes.dimension == "shape"
+    assert shapes.p > 0.01
+
+
+def test_what_a_question_is_about_is_not_called_entangled(made: Made) -> None:
+    asked = {(e.task, e.question, e.factor) for e in made.report.entanglement if e.asked}
+    assert asked == {("race", "", "ratio"), ("race", "", "faster"), ("roll", "", "pace"), ("tally", "", "n")}
+
+
+def test_sre_is_the_papers_formula() -> None:
+    codes, scores = np.array([0, 0, 1, 1, 2, 2]), np.array([[1, 1, 1, 0, 0, 0]], dtype=float).T
+    assert spread(codes, scores)[0] == pytest.approx((1 + 0 + 1) / 3)
+    assert np.isnan(spread(codes, np.zeros((6, 1))))[0]
+
+
+@pytest.mark.parametrize(
+    ("factor", "levels", "which"),
+    [
+        ("hue", ["red", "blue"], "colour"),
+        ("thing", ["cube", "sphere"], "shape"),
+        ("stuff", ["wood", "metal"], "material"),
+        ("far_shape", ["arch", "crate"], "shape"),
+        ("ball_size", ["0.1", "0.2"], "size"),
+        ("far_way", ["left", "right"], "position"),
+        ("faster", ["upper", "lower"], ""),
+    ],
+)
+def test_factors_are_of_the_papers_dimensions(factor: str, levels: list[str], which: str) -> None:
+    import pandas as pd
+
+    assert dimension(factor, pd.Series(levels)) == which
+
+
+# ---------------------------------------------------------------- curves
+
+
+def test_a_known_threshold_is_found_within_its_interval(made: Made) -> None:
+    curve = next(c for c in made.report.curves if (c.system, c.task) == ("seer", "race"))
+    assert curve.scale == "log"
+    assert curve.chance == pytest.approx(0.5)
+    assert curve.low is not None
+    assert curve.high is not None
+    assert curve.low < THRESHOLD < curve.high
+    assert curve.high / curve.low < 1.3
+    truth = 0.5 + (0.5 - LAPSE) / (1 + np.exp(-STEEP * (np.log2([1.25, 2.5]) - np.log2(THRESHOLD))))
+    assert curve.at(np.array([1.25, 2.5])) == pytest.approx(truth, abs=0.05)
+    people = next(c for c in made.report.curves if (c.system, c.task) == ("people", "race"))
+    assert people.high is not None
+    assert people.high < curve.low
+
+
+def test_who_does_not_hang_on_the_difference_has_no_threshold(made: Made) -> None:
+    flat = [c for c in made.report.curves if c.system in ("ideal", "random")]
+    assert len(flat) == 4
+    assert all(c.threshold is None and c.flat is not None and c.flat > 0.05 for c in flat)
+
+
+def test_thresholds_are_covered_as_often_as_they_say(made: Made) -> None:
+    race = [row for row in made.rows if row["task"] == "race" and row["block"] < 12]
+    raters = [Rater(f"r{i}", seer(1.7)) for i in range(40)]
+    found = curves(replies(answers(race, *raters), Questions.read(made.folder)))
+    held = [c.low is not None and c.high is not None and c.low < 1.7 < c.high for c in found]
+    assert len(held) == 40
+    assert sum(held) >= 34
+
+
+def test_a_ratio_counts_from_one_and_no_difference_not_at_all() -> None:
+    assert strength("speed(a) / speed(b)", np.array([2.0, 0.5]))[0] == pytest.approx([2, 2])
+    assert np.isnan(strength("speed(a) / speed(b)", np.array([1.0, 0.0]))[0]).all()
+    assert strength("onset(a) - onset(b)", np.array([-3.0, 3.0]))[0] == pytest.approx([3, 3])
+    assert np.isnan(strength("onset(a) - onset(b)", np.array([0.0]))[0]).all()
+
+
+# ---------------------------------------------------------------- filtered prediction
+
+
+def test_a_known_gain_is_found_and_none_where_there_is_none(made: Made) -> None:
+    found = {(f.system, f.by): f for f in made.report.filtered}
+    gain = found["foresees", ITS_OWN]
+    # 85 % where it perceives, 25 % where not: 65 % of all; two thirds are left.
+    assert gain.kept == pytest.approx(2 / 3)
+    assert gain.everything.value == pytest.approx(0.65, abs=0.05)
+    assert gain.perceived.value == pytest.approx(0.85, abs=0.05)
+    assert gain.gain.low is not None
+    assert gain.gain.high is not None
+    assert 0.1 < gain.gain.low < 0.2 < gain.gain.high < 0.3
+    none = found["ideal", ITS_OWN].gain
+    assert none.low is not None
+    assert none.high is not None
+    assert none.low < 0 < none.high
+    assert found["sure", ITS_OWN].kept == 1.0
+    assert found["ideal", EVERYONES].kept < 0.2
+
+
+# ---------------------------------------------------------------- items
+
+
+def test_difficulty_and_ability_are_recovered() -> None:
+    random = rng("items")
+    theta, b = random.normal(0, 1, 15), random.normal(0, 1, 600)
+    guess = np.full(600, 0.25)
+    p = 0.25 + 0.75 / (1 + np.exp(-1.3 * (theta - b[:, None])))
+    ability, difficulty = response((random.random((600, 15)) < p).astype(float), guess)
+    assert np.corrcoef(ability, theta)[0, 1] > 0.97
+    assert np.corrcoef(difficulty, b)[0, 1] > 0.7
+
+
+def test_wrong_labels_are_among_the_suspects() -> None:
+    random = rng("labels")
+    theta, b = random.normal(0, 1.2, 15), random.normal(0, 1, 500)
+    right = (random.random((500, 15)) < 1 / (1 + np.exp(-1.5 * (theta - b[:, None])))).astype(float)
+    right[:10] = 1 - right[:10]
+    worst = np.argsort(np.nan_to_num(item_rest(right)))[:20]
+    assert np.isin(np.arange(10), worst).sum() >= 6
+
+
+def test_a_short_form_is_better_than_a_random_one_of_unequal_tasks(made: Made) -> None:
+    items = made.report.items
+    assert items is not None
+    errors = {f.size: f for f in items.forms}
+    assert errors[200].error < errors[10].error
+    assert sum(f.error < f.at_random for f in items.forms) >= len(items.forms) / 2
+    assert sum(n for _, n in items.short) in errors
+
+
+def test_a_sample_takes_one_of_every_piece_of_equal_weight() -> None:
+    taken = sample(np.arange(100), np.ones(100), 10, np.full(10, 0.45))
+    assert list(taken) == list(range(4, 100, 10))
+
+
+def test_too_few_systems_have_no_items(made: Made) -> None:
+    from wmspec.report.items import items
+
+    assert items(replies(answers(made.rows[:200], Rater("a", lambda row: 0.5), Rater("b", lambda row: 0.7)))) is None

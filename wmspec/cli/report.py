@@ -1,0 +1,54 @@
+"""`wmspec report`: what came of evaluating models and people."""
+
+from __future__ import annotations
+
+import os
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from wmspec.api.progress import progress_bar
+from wmspec.cli.common import json_option, make_folder
+from wmspec.diagnostics import WmsError
+
+
+@click.command("report")
+@click.argument("results", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--dataset",
+    type=click.Path(path_type=Path),
+    help="The dataset that was evaluated: for analyses of factors, differences, pairs and counterfactuals.",
+)
+@click.option(
+    "--output",
+    "-o",
+    type=click.Path(path_type=Path),
+    default=Path("report"),
+    show_default=True,
+    help="The folder for report.html, report.json, figures and tables.",
+)
+@json_option
+def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path, as_json: bool) -> None:
+    """Tell what results say: tables, intervals, comparisons, curves, entanglement, difficulty.
+
+    RESULTS are files of `wmspec evaluate` and `wmspec study collect`, or folders of them.
+    """
+    # Before NumPy starts: the same sums must come out on any number of cores.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    lacking = [name for name in ("pandas", "matplotlib", "statsmodels", "jinja2") if find_spec(name) is None]
+    if lacking:
+        raise WmsError(f"a report needs {', '.join(lacking)}; install it with: pip install 'wmspec[report]'")
+    from wmspec.report.page import summary, warnings
+    from wmspec.report.report import STEPS, report
+    from wmspec.report.write import text, write
+
+    with progress_bar(STEPS, "analysing", "analyses") as progress:
+        made = report(list(results), dataset, progress)
+    page = write(made, make_folder(output))
+    if as_json:
+        click.echo(text(made), nl=False)
+        return
+    for sentence in (*summary(made), *warnings(made)):
+        click.echo(sentence)
+    click.echo(page)

@@ -1,0 +1,1 @@
+"""Results of models and people, as one page, figures, tables and JSON."""
