@@ -5,12 +5,14 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/motion/speed_tabletop.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: help setup browser demo test test-all check format oracles agreement clean
+.PHONY: help setup browser demo quick test test-all check format oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
 	@echo "make demo      two tasks in every engine, and a picture of what came out"
-	@echo "make test      style, types, architecture, dependencies, quick tests"
+	@echo "make quick     the language, the stage, physics in one engine: a minute on two cores, for every change"
+	@echo "make check     style, types, architecture, dependencies"
+	@echo "make test      that and all tests but the slow ones"
 	@echo "make test-all  the same with the slow tests"
 	@echo "make format    rewrite the sources in the house style"
 	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
@@ -34,6 +36,9 @@ check: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
+
+quick: setup
+	$(BIN)/pytest -n auto --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 
 test: check browser
 	$(BIN)/pytest -n auto

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import settings
 
 from tests.engines import ENGINES
+from wmspec.execute.backends import default
 
 # Time limits belong in benchmarks: a loaded machine must not fail a law. In CI the same examples are tried every time.
 settings.register_profile("wmspec", deadline=None, derandomize=bool(os.environ.get("CI")))
@@ -17,7 +18,9 @@ settings.load_profile("wmspec")
 
 HERE = Path(__file__).parent
 NEEDS = {
-    "crosscheck": ("engine",),
+    "api": ("engine", "pixels"),
+    "ask": ("engine",),
+    "crosscheck": ("engine", "pixels"),
     "doctor": ("engine", "pixels"),
     "endtoend": ("engine", "pixels"),
     "package": ("build",),
@@ -29,7 +32,8 @@ NEEDS = {
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--engine", choices=ENGINES, help="Of tests that run in one engine after another, only this one.")
+    told = "Of the tests that run in one engine after another, those in the first that is installed."
+    parser.addoption("--one-engine", action="store_true", help=told)
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -39,10 +43,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(need)
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker("browser")
-    if only := config.getoption("--engine"):
-        left_out = [item for item in items if _engines(item) - {only}]
-        config.hook.pytest_deselected(items=left_out)
-        items[:] = [item for item in items if not _engines(item) - {only}]
+    if config.getoption("--one-engine"):
+        one = {default()}
+        config.hook.pytest_deselected(items=[item for item in items if _engines(item) - one])
+        items[:] = [item for item in items if not _engines(item) - one]
 
 
 def _engines(item: pytest.Item) -> set[str]:
