@@ -1,6 +1,6 @@
 """How much memory drawing keeps: thousands of frames of one renderer, hundreds of renderers.
 
-python benchmarks/memory.py [--engines mujoco,pybullet,sapien] [--frames 5000] [--rebuilds 500]
+python benchmarks/memory.py [--engines A,B,...] [--frames 5000] [--rebuilds 500]
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wmspec.execute.backends import backend
+from wmspec.execute.backends import backend, names
 from wmspec.scene.camera import look_at
 from wmspec.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
 from wmspec.scene.transform import identity
@@ -26,7 +26,7 @@ UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--engines", default="mujoco,pybullet,sapien")
+    parser.add_argument("--engines", default=",".join(names()))
     parser.add_argument("--frames", type=int, default=5000)
     parser.add_argument("--rebuilds", type=int, default=500)
     chosen = parser.parse_args()

@@ -77,7 +77,7 @@ def test_a_trial_that_takes_too_long_is_stopped(monkeypatch: pytest.MonkeyPatch)
 def test_a_crash_is_a_finding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "crashes.py").write_text("import os\nos.abort()\n")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    assert doctor._try("crashes", patience=60) == (False, "crashed (SIGABRT)")
+    assert doctor._try("crashes", patience=600) == (False, "crashed (SIGABRT)")
 
 
 def test_an_engine_that_is_not_installed(tmp_path: Path) -> None:

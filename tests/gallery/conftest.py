@@ -13,6 +13,7 @@ from tests.dataset.made import make, plan
 from wmspec.gallery.gallery import folder
 from wmspec.write.reader import DatasetReader
 
+PATIENCE = 600_000.0  # ms: what ends a test that hangs, and no test of how busy the machine is
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
@@ -37,7 +38,7 @@ def browser() -> Iterator[Any]:
     if found is None:
         pytest.skip("there is no Chromium here; on Debian: sudo apt-get install chromium")
     with playwright.sync_playwright() as started:
-        chromium = started.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        chromium = started.chromium.launch(executable_path=found, args=["--no-sandbox"], timeout=PATIENCE)
         yield chromium
         chromium.close()
 
@@ -50,6 +51,7 @@ def page(browser: Any, gallery: Path) -> Iterator[Any]:
 def opened(browser: Any, path: Path, **how: Any) -> Iterator[Any]:
     """A page that must not complain, nor load anything that is not beside it."""
     context = browser.new_context(viewport={"width": 1280, "height": 1000}, **how)
+    context.set_default_timeout(PATIENCE)
     tab = context.new_page()
     complaints: list[str] = []
     tab.on("pageerror", lambda error: complaints.append(str(error)))
