@@ -57,6 +57,12 @@ class Diagnostic:
         """The same for whoever knows where it is: with this place, unless it has one."""
         return self if self.place else replace(self, place=place)
 
+    def named_at(self, place: Place) -> Diagnostic:
+        """The same where the text stands that names the file: where it is in that is told in the sentence."""
+        return replace(
+            self, message=self.message if self.place is None else f"{self.place}: {self.message}", place=place
+        )
+
     def render(self, paint: Paint = plain) -> str:
         """With its text, the diagnostic is a headline, the line with a caret, notes and the remedy; else one line."""
         label = paint(f"{self.severity}[{self.code}]" if self.code else self.severity, self.severity)

@@ -10,13 +10,13 @@ from wmspec.check.files import is_asset, there
 from wmspec.check.substitute import Substitute, TooLarge
 from wmspec.check.typed import Failed
 from wmspec.check.vocabulary import ASSETS, PROPERTIES
-from wmspec.diagnostics import Note, suggestion
+from wmspec.diagnostics import Diagnostic, Note, suggestion
 from wmspec.parse import syntax as s
 from wmspec.parse.load import located
 
 if TYPE_CHECKING:  # most specs have no assets, and checking those should not wait for what reads them
     from wmspec.importers.blocks import Blocks
-    from wmspec.importers.model import Fault, Refused
+    from wmspec.importers.model import Refused
     from wmspec.importers.tree import Tree
 
 #: What an asset has from its links, each its own.
@@ -73,17 +73,16 @@ class Assets:
         if isinstance(found, Refused):
             self._report(mattering(found, {p.name.id: p.properties for p in block.parts}, whole), named)
         said = self._said(block, found, named)
-        if faults := mattering(found, said, whole):
-            self._report(faults, named)
+        if mistakes := mattering(found, said, whole):
+            self._report(mistakes, named)
         bare = s.Block("object", block.name, self._own(block), block.span)
         return Blocks(bare, found, said, Writer(named.span))
 
     def _own(self, block: s.Block) -> tuple[s.Property, ...]:
         return tuple(p for p in block.properties if p.name.id not in _OF_LINKS)
 
-    def _report(self, faults: tuple[Fault, ...], named: s.Text) -> NoReturn:
-        for fault in faults:
-            self.check.report.add("WMS210", f"{fault.where}: {fault.message}", named.span, fault.help)
+    def _report(self, mistakes: tuple[Diagnostic, ...], named: s.Text) -> NoReturn:
+        self.check.report.include(mistake.named_at(named.span) for mistake in mistakes)
         raise Failed
 
     # ------------------------------------------------------------ what the spec says of links and joints

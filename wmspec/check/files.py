@@ -73,8 +73,7 @@ def _mesh(check: Expressions, text: s.Text, folder: Path, file: str, prim: str) 
 
     found = mesh(folder / file, folder, file, prim)
     if isinstance(found, tuple):
-        for fault in found:
-            check.report.add("WMS210", f"{fault.where}: {fault.message}", text.span, fault.help)
+        check.report.include(mistake.named_at(text.span) for mistake in found)
         raise Failed
 
 

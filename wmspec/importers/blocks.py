@@ -8,8 +8,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from wmspec.check.property_schema import LOOKS
+from wmspec.diagnostics import Diagnostic
 from wmspec.importers import model
-from wmspec.importers.model import MOST_FAULTS, Fault, Form, Joint, Link, MeshFile, Refused, Shape
+from wmspec.importers.model import MOST_FAULTS, Form, Joint, Link, MeshFile, Refused, Shape
 from wmspec.importers.tree import Placed, Tree
 from wmspec.importers.turns import angles, clean
 from wmspec.importers.write import Writer
@@ -35,14 +36,14 @@ def plain(name: str) -> str:
     return made if not made[:1].isdigit() else f"_{made}"
 
 
-def mattering(of: Tree | Refused, said: Said, whole: Collection[str]) -> tuple[Fault, ...]:
-    """The first faults that matter, with what a spec says of links and of the `whole`, each once."""
-    found = dict.fromkeys(of.faults if isinstance(of, Refused) else ())
+def mattering(of: Tree | Refused, said: Said, whole: Collection[str]) -> tuple[Diagnostic, ...]:
+    """The first mistakes that matter, with what a spec says of links and of the `whole`, each once."""
+    mistakes = dict.fromkeys(of.diagnostics if isinstance(of, Refused) else ())
     for link in of.links if isinstance(of, Refused) else (placed.link for placed in of.links):
         own = {p.name.id for p in said.get(plain(link.name), ())}
-        doubts = (doubt for shape in link.shapes for doubt in (*shape.look.doubts, *shape.doubts))
-        found |= {doubt.fault: None for doubt in doubts if not {*own, *whole}.intersection(doubt.unless)}
-    return tuple(found)[:MOST_FAULTS]
+        conditional = (c for shape in link.shapes for c in (*shape.look.conditional, *shape.conditional))
+        mistakes |= {c.diagnostic: None for c in conditional if not {*own, *whole}.intersection(c.unless)}
+    return tuple(mistakes)[:MOST_FAULTS]
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from xml.parsers import expat
 
 from wmspec.diagnostics import suggestion
 from wmspec.importers.model import Broken, Faults
+from wmspec.places import FilePlace
 
 #: The largest file (bytes), the most elements in it and the deepest nesting: what people write is far below.
 MOST_BYTES, MOST_ELEMENTS, MOST_DEPTH = 4_000_000, 20_000, 100
@@ -28,10 +29,10 @@ class Element:
     children: list[Element] = field(default_factory=list)
 
     @property
-    def where(self) -> str:
+    def where(self) -> FilePlace:
         """The file, the line, and what the element is called there."""
         name = self.attributes.get("name", "")
-        return f"{self.file}:{self.line}: `{self.tag}{' ' + name[:60] if name else ''}`"
+        return FilePlace(self.file, self.line, f"`{self.tag}{' ' + name[:60] if name else ''}`")
 
     def all(self, tag: str) -> list[Element]:
         """The children of a tag."""
@@ -112,9 +113,9 @@ def read(path: Path, shown: str, faults: Faults) -> Element:
         with path.open("rb") as file:
             content = file.read(MOST_BYTES + 1)
     except OSError as error:
-        raise faults.stop(shown, f"cannot be read: {error.strerror}", "make it readable") from None
+        raise faults.stop(FilePlace(shown), f"cannot be read: {error.strerror}", "make it readable") from None
     if len(content) > MOST_BYTES:
-        raise faults.stop(shown, f"is larger than {MOST_BYTES // 1_000_000} MB", "is this the right file?")
+        raise faults.stop(FilePlace(shown), f"is larger than {MOST_BYTES // 1_000_000} MB", "is this the right file?")
     return _Builder(shown, faults).read(content)
 
 
@@ -155,4 +156,4 @@ class _Builder:
         raise self._stop("has a document type, in which entities could be declared", "remove the line `<!DOCTYPE`")
 
     def _stop(self, message: str, help: str) -> Broken:
-        return self._faults.stop(f"{self._shown}:{self._parser.CurrentLineNumber}", message, help)
+        return self._faults.stop(FilePlace(self._shown, self._parser.CurrentLineNumber), message, help)

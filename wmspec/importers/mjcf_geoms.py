@@ -8,7 +8,7 @@ import numpy as np
 
 from wmspec.importers.markup import Element
 from wmspec.importers.mjcf_defaults import Defaults
-from wmspec.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, doubts
+from wmspec.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, conditional
 from wmspec.scene.inertia import inertia, principal
 from wmspec.scene.model import Inertia, Pose
 from wmspec.scene.transform import multiply, quaternion
@@ -122,7 +122,7 @@ class Geoms:
         """The colour of a geom, and what is wrong with it."""
         with self.faults.apart() as found:
             color = self._color(e)
-        return Look(color, doubts=doubts(found, LOOKS))
+        return Look(color, conditional=conditional(found, LOOKS))
 
     def _color(self, e: Element) -> Color | None:
         """The colour of a geom: its own, its material's, or none."""

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from wmspec.diagnostics import Diagnostic
+from wmspec.places import FilePlace
 from wmspec.scene.model import Array, Inertia, Pose
 from wmspec.shapes import Box, Capsule, Cone, Cylinder, Sphere
 
@@ -21,70 +23,64 @@ LOOKS = ("color", "material", "image")
 #: More than that is taken for a mistake, and would take long.
 MOST_LINKS, MOST_SHAPES, MOST_FAULTS = 500, 2000, 10
 
-
-@dataclass(frozen=True)
-class Fault:
-    """One thing that is wrong with an asset: where (`cabinet.urdf:12: joint hinge`), what, and what to do."""
-
-    where: str
-    message: str
-    help: str
+#: The code of all that is wrong with an asset.
+ASSET = "WMS210"
 
 
 @dataclass(frozen=True)
-class Doubt:
-    """A fault that does not matter if the spec says one of these properties of the link, or of the whole asset."""
+class Conditional:
+    """A mistake that does not matter if the spec says one of these properties of the link, or of the whole asset."""
 
-    fault: Fault
+    diagnostic: Diagnostic
     unless: tuple[str, ...]
 
 
-def doubts(found: Iterable[Fault], unless: tuple[str, ...]) -> tuple[Doubt, ...]:
-    """Faults as doubts, with this remedy too."""
-    return tuple(Doubt(replace(f, help=f"{f.help}, or say `{unless[0]}` in the spec"), unless) for f in found)
+def conditional(mistakes: Iterable[Diagnostic], unless: tuple[str, ...]) -> tuple[Conditional, ...]:
+    """Mistakes that the spec can make good, with this remedy too."""
+    return tuple(Conditional(replace(d, help=f"{d.help}, or say `{unless[0]}` in the spec"), unless) for d in mistakes)
 
 
 class Broken(Exception):
-    """An asset that cannot be read any further; its fault is the last one."""
+    """An asset that cannot be read any further; the last mistake says why."""
 
 
 @dataclass
 class Faults:
     """All that is wrong with one asset."""
 
-    found: list[Fault] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
 
-    def add(self, where: str, message: str, help: str) -> None:
+    def add(self, where: FilePlace, message: str, help: str) -> None:
         """Take note of a fault. Raises Broken when there are so many that more would help nobody."""
-        self.found.append(Fault(where, message, help))
-        if len(self.found) >= MOST_FAULTS:
+        self.diagnostics.append(Diagnostic(message, where, help, ASSET))
+        if len(self.diagnostics) >= MOST_FAULTS:
             raise Broken
 
-    def stop(self, where: str, message: str, help: str) -> Broken:
+    def stop(self, where: FilePlace, message: str, help: str) -> Broken:
         """A fault after which nothing can be read; raise what this returns."""
-        self.found.append(Fault(where, message, help))
+        self.diagnostics.append(Diagnostic(message, where, help, ASSET))
         return Broken()
 
     @contextmanager
-    def apart(self) -> Iterator[list[Fault]]:
-        """What is found meanwhile, which is kept apart from all else."""
-        whole, self.found = self.found, []
-        found = self.found
+    def apart(self) -> Iterator[list[Diagnostic]]:
+        """What is wrong meanwhile, which is kept apart from all else."""
+        whole, self.diagnostics = self.diagnostics, []
+        apart = self.diagnostics
         try:
-            yield found
+            yield apart
         except Broken:
-            whole += found
+            whole += apart
             raise
         finally:
-            self.found = whole
+            self.diagnostics = whole
 
 
 @dataclass(frozen=True)
 class Look:
     """How a shape looks: a colour (sRGB), a picture on it, seen from the spec's folder, or both; how glossy it is.
 
-    What is None or empty is not said. The picture is laid out once, or `repeats` times on a metre. `doubts` are what
-    cannot be honoured.
+    What is None or empty is not said. The picture is laid out once, or `repeats` times on a metre. `conditional` is
+    what cannot be honoured.
     """
 
     color: Color | None = None
@@ -92,7 +88,7 @@ class Look:
     repeats: tuple[float, float] | None = None
     roughness: float | None = None
     metallic: float | None = None
-    doubts: tuple[Doubt, ...] = ()
+    conditional: tuple[Conditional, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -117,7 +113,7 @@ class Shape:
     solid: bool = True
     drawn: bool = True
     rubs: tuple[float, float] | None = None
-    doubts: tuple[Doubt, ...] = ()
+    conditional: tuple[Conditional, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -130,7 +126,7 @@ class Link:
     """
 
     name: str
-    where: str
+    where: FilePlace
     shapes: tuple[Shape, ...] = ()
     mass: Inertia | None = None
     said: dict[str, float] = field(default_factory=dict)
@@ -142,9 +138,9 @@ class Link:
 
 @dataclass(frozen=True)
 class Refused:
-    """What is wrong with an asset, and those of its links of which there may be doubts besides."""
+    """What is wrong with an asset, and those of its links of which there may be conditional mistakes besides."""
 
-    faults: tuple[Fault, ...]
+    diagnostics: tuple[Diagnostic, ...]
     links: tuple[Link, ...]
 
 
@@ -158,7 +154,7 @@ class Joint:
     """
 
     name: str
-    where: str
+    where: FilePlace
     kind: Literal["hinge", "slider", "ball", "fixed", "free"]
     parent: str
     child: str

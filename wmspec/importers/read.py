@@ -13,6 +13,7 @@ from wmspec.importers.mjcf import mjcf
 from wmspec.importers.model import Asset, Broken, Faults, Refused
 from wmspec.importers.tree import Tree, tree
 from wmspec.importers.urdf import urdf
+from wmspec.places import FilePlace
 
 
 def read(folder: Path, name: str) -> Tree | Refused:
@@ -21,9 +22,9 @@ def read(folder: Path, name: str) -> Tree | Refused:
     asset = Asset({}, {})
     with suppress(Broken):
         asset = _asset(folder, name, faults)
-        if not faults.found:
-            made = tree(asset, name, faults)
-    return Refused(tuple(faults.found), tuple(asset.links.values())) if faults.found else made
+        if not faults.diagnostics:
+            made = tree(asset, FilePlace(name), faults)
+    return Refused(tuple(faults.diagnostics), tuple(asset.links.values())) if faults.diagnostics else made
 
 
 def _asset(folder: Path, name: str, faults: Faults) -> Asset:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wmspec.importers.model import Asset, Faults, Joint, Link
+from wmspec.places import FilePlace
 from wmspec.scene.model import Inertia, Pose
 from wmspec.scene.transform import apply, compose, identity, multiply, rotate
 
@@ -35,7 +36,7 @@ class Tree:
     held: bool
 
 
-def tree(asset: Asset, where: str, faults: Faults) -> Tree:
+def tree(asset: Asset, where: FilePlace, faults: Faults) -> Tree:
     """The links in their places. Raises Broken if they are no tree; other faults are taken note of."""
     root = _root(asset, where, faults)
     below: dict[str, list[Joint]] = {}
@@ -47,7 +48,7 @@ def tree(asset: Asset, where: str, faults: Faults) -> Tree:
     return Tree(tuple(walk.links), tuple(walk.joints), walk.held)
 
 
-def _root(asset: Asset, where: str, faults: Faults) -> str:
+def _root(asset: Asset, where: FilePlace, faults: Faults) -> str:
     """The one link that nothing holds."""
     if not asset.links:
         raise faults.stop(where, "has no links", "is this the right file?")
@@ -177,7 +178,7 @@ def _solid(walk: _Walk, faults: Faults) -> None:
             faults.add(link.where, what, "correct `inertia`, or remove `inertial` to have it by density")
 
 
-def names(found: Tree) -> Iterator[tuple[str, str]]:
+def names(found: Tree) -> Iterator[tuple[str, FilePlace]]:
     """The links and joints by name, each with where it stands."""
     yield from ((placed.link.name, placed.link.where) for placed in found.links)
     yield from ((joint.name, joint.where) for joint in found.joints)

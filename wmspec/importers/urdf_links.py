@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.importers.markup import Element, Reader
-from wmspec.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, doubts
+from wmspec.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, conditional
 from wmspec.importers.turns import posed
 from wmspec.scene.inertia import principal
 from wmspec.scene.model import Inertia, Pose
@@ -103,7 +103,7 @@ class Links:
         with self.read.faults.apart() as found:
             material = self.read.only(e, "material")
             color = self._color(self._meant(material)) if material is not None else None
-        return Look(color, doubts=doubts(found, LOOKS))
+        return Look(color, conditional=conditional(found, LOOKS))
 
     def _meant(self, material: Element) -> Element:
         """What says how a `material` looks: itself, or the one that first said so under its name."""

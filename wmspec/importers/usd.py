@@ -12,23 +12,23 @@ from pathlib import Path
 from pxr import Usd
 
 from wmspec.check.vocabulary import COLLISIONS, FILES
-from wmspec.diagnostics import Report, StageError
+from wmspec.diagnostics import Diagnostic, Report, StageError
 from wmspec.importers.model import (
     LOOKS,
     MOST_LINKS,
     MOST_SHAPES,
     Asset,
-    Doubt,
-    Fault,
+    Conditional,
     Faults,
     Link,
     Look,
     MeshFile,
     Shape,
-    doubts,
+    conditional,
 )
 from wmspec.importers.usd_file import REST, bounded, note, stage_of
 from wmspec.importers.usd_tree import Stage
+from wmspec.places import FilePlace
 from wmspec.scene.model import Body, Motion
 from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Sphere
 from wmspec.shapes import Shape as Solid
@@ -73,7 +73,7 @@ class _Usd:
         """The base, the rigid bodies and the joints between them; or all of it as one, without any physics."""
         self._sized()
         if not any(_physical(owner) for owner in self.owners):
-            whole = Link("base", self.shown, tuple(self._bare()))
+            whole = Link("base", FilePlace(self.shown), tuple(self._bare()))
             note(self.problems.diagnostics, self.shown, self.faults, self.folder)
             return Asset({whole.name: whole}, {})
         bodies, shapes = self._bodies()
@@ -84,15 +84,15 @@ class _Usd:
             apart = filtered(self.stage, self.found.filters, groups, self.found.owners, bodies, held)
         note(self.problems.diagnostics, self.shown, self.faults, self.folder)
         found = Stage(bodies, shapes, apart, self.shown)
-        return Asset(found.links, {}) if self.faults.found else found.asset(tuple(held.values()), self.faults)
+        return Asset(found.links, {}) if self.faults.diagnostics else found.asset(tuple(held.values()), self.faults)
 
     def _sized(self) -> None:
         """Complain about nothing, and about too much."""
         if not (self.owners or self.problems.failed):
-            raise self.faults.stop(self.shown, "has no geometry", "is this the right file?")
+            raise self.faults.stop(FilePlace(self.shown), "has no geometry", "is this the right file?")
         if len(self.owners) > MOST_LINKS + MOST_SHAPES or sum(len(o.pieces) for o in self.owners) > MOST_SHAPES:
             what = f"has more than {MOST_LINKS} rigid bodies or {MOST_SHAPES} shapes"
-            raise self.faults.stop(self.shown, what, "make it simpler")
+            raise self.faults.stop(FilePlace(self.shown), what, "make it simpler")
 
     # ------------------------------------------------------------ bodies
 
@@ -125,7 +125,7 @@ class _Usd:
             try:
                 mass = body_inertia(owner.prim, place, colliders, self.world)
             except StageError:
-                if not any(shape.doubts for shape in found):
+                if not any(shape.conditional for shape in found):
                     raise
         return body(owner, name, place.pose, (), mass, self.world), tuple(found)
 
@@ -172,7 +172,7 @@ class _Usd:
             refuse(prim, reason, "make them equal, or author one")
         return found.dynamic, found.restitution
 
-    def _touched(self, prim: Usd.Prim, shape: Solid, motion: Motion) -> tuple[str, tuple[Doubt, ...]]:
+    def _touched(self, prim: Usd.Prim, shape: Solid, motion: Motion) -> tuple[str, tuple[Conditional, ...]]:
         """How a mesh is touched, as a word of the language, and why it cannot be as its file says."""
         if not isinstance(shape, Mesh):  # it says which shape it is
             return "hull" if shape.convex else "pieces", ()
@@ -181,7 +181,7 @@ class _Usd:
         except StageError as error:
             if meshes.is_flat(shape):
                 raise
-            return "hull", doubts(self._told(error), ("collision",))
+            return "hull", conditional(self._told(error), ("collision",))
 
     def _look(self, prim: Usd.Prim) -> Look:
         """How a geometry or subset looks, and what of it cannot be honoured."""
@@ -191,7 +191,7 @@ class _Usd:
                 return Look()
             image = self._picture(prim, found.texture) if found.texture else ""
         except StageError as error:
-            return Look(doubts=doubts(self._told(error), LOOKS))
+            return Look(conditional=conditional(self._told(error), LOOKS))
         color = None if image and found.color == (1, 1, 1) else found.color
         return Look(color, image, found.repeats, found.roughness, found.metallic)
 
@@ -205,10 +205,10 @@ class _Usd:
             refuse(prim, f"`{path.name[:80]}` is no picture that can be read", f"make it {', '.join(FILES['image'])}")
         return path.resolve().relative_to(self.folder).as_posix()
 
-    def _told(self, error: StageError) -> list[Fault]:
+    def _told(self, error: StageError) -> list[Diagnostic]:
         faults = Faults()
         note(error.diagnostics, self.shown, faults, self.folder)
-        return faults.found
+        return faults.diagnostics
 
 
 def _physical(owner: Owner) -> bool:

@@ -10,7 +10,8 @@ from pathlib import Path
 from pxr import Sdf, Usd, UsdUtils
 
 from wmspec.diagnostics import Diagnostic, Report, StageError, suggestion
-from wmspec.importers.model import Broken, Fault, Faults
+from wmspec.importers.model import Broken, Faults
+from wmspec.places import FilePlace
 from wmspec.shapes import Mesh
 from wmspec.usd import meshes
 from wmspec.usd.files import opened
@@ -35,14 +36,16 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
     try:
         found = path.stat()
         if found.st_size > MOST_BYTES:
-            raise faults.stop(shown, f"is larger than {MOST_BYTES // 1_000_000} MB", "is this the right file?")
+            raise faults.stop(
+                FilePlace(shown), f"is larger than {MOST_BYTES // 1_000_000} MB", "is this the right file?"
+            )
         stage = _stage(str(path), found.st_mtime_ns, found.st_size)
         _whole(stage, folder, shown, faults)
         yield stage
     except Broken:
         raise
     except Exception as error:  # noqa: BLE001  what others wrote may be of any type
-        raise faults.stop(shown, f"cannot be read: {error}", "mend it, or export it again") from None
+        raise faults.stop(FilePlace(shown), f"cannot be read: {error}", "mend it, or export it again") from None
     finally:
         del quiet
 
@@ -58,16 +61,16 @@ def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) ->
     problems = Report(StageError)
     incomplete(stage, problems)
     note(problems.diagnostics, shown, faults, folder)
-    if faults.found:
+    if faults.diagnostics:
         raise Broken
     for layer in stage.GetUsedLayers():
         beside = folder is None or layer.anonymous or Path(layer.realPath).resolve().is_relative_to(folder.resolve())
         if not beside:
             what = f"uses `{Path(layer.identifier).name}`, which is not below the spec's folder"
-            raise faults.stop(shown, what, "put it beside the asset")
+            raise faults.stop(FilePlace(shown), what, "put it beside the asset")
     every = Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies())
     if any(count > MOST_PRIMS for count, _ in enumerate(every)):
-        raise faults.stop(shown, f"has more than {MOST_PRIMS:,} prims", "make it simpler")
+        raise faults.stop(FilePlace(shown), f"has more than {MOST_PRIMS:,} prims", "make it simpler")
 
 
 def note(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Path | None = None) -> None:
@@ -75,7 +78,7 @@ def note(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Pat
     home = f"{folder.resolve()}/" if folder is not None else ""
     for problem in problems:
         reason = problem.message.replace(home, "") if home else problem.message
-        faults.add(f"{shown}: `{problem.place}`", reason[:300], problem.help)
+        faults.add(FilePlace(shown, element=f"`{problem.place}`"), reason[:300], problem.help)
 
 
 def bounded(prim: Usd.Prim) -> None:
@@ -84,7 +87,7 @@ def bounded(prim: Usd.Prim) -> None:
         refuse(prim, f"it has more than {MOST_POINTS:,} points or corners", "make it simpler")
 
 
-def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple[Fault, ...]:
+def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple[Diagnostic, ...]:
     """The mesh at a prim of a USD file, or the polygons of a GeomSubset; or else all that is wrong with it.
 
     It is seen from the prim's rigid frame: what the transforms to it scale, mirror or skew is in its points. `shown` is
@@ -105,7 +108,7 @@ def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple
                 note(problems.diagnostics, shown, faults)
     except Broken:
         pass
-    return tuple(faults.found) or made or ()
+    return tuple(faults.diagnostics) or made or ()
 
 
 def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: World) -> Mesh:
@@ -124,4 +127,4 @@ def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: World) -> Mesh:
 def _none(stage: Usd.Stage, shown: str, prim: str, faults: Faults) -> None:
     every = Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies())
     known = [str(p.GetPath()) for p in every if p.GetTypeName() == "Mesh"]
-    faults.add(shown, f"there is no mesh `{prim[:80]}`", suggestion(prim, known) or "it has no meshes")
+    faults.add(FilePlace(shown), f"there is no mesh `{prim[:80]}`", suggestion(prim, known) or "it has no meshes")

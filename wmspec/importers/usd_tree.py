@@ -17,6 +17,7 @@ from wmspec.importers.model import MOST_LINKS, Asset, Faults, Joint, Link, Shape
 from wmspec.importers.tree import WORLD
 from wmspec.importers.turns import X
 from wmspec.importers.usd_file import note
+from wmspec.places import FilePlace
 from wmspec.scene import model
 from wmspec.scene.articulations import coordinate, relative
 from wmspec.scene.model import Body, Pose
@@ -39,7 +40,7 @@ class Stage:
     def __init__(
         self, bodies: Mapping[str, Body], shapes: Mapping[str, tuple[Shape, ...]], apart: Sequence[Pair], shown: str
     ) -> None:
-        self._shown = shown
+        self._shown, self._file = shown, FilePlace(shown)
         self._bodies = {body.name: body for body in bodies.values()}
         passing = {name for pair in apart for name in pair}
         own = [body for body in bodies.values() if body.motion != "static" or body.name in passing]
@@ -49,7 +50,7 @@ class Stage:
         named = {body.name: names.give(plain(body.name)) for body in own}
         self._names = names
         merged = [body for body in bodies.values() if body.name not in named]
-        self._base = Link(names.give("base", "stand", "ground"), shown, _still(merged, shapes))
+        self._base = Link(names.give("base", "stand", "ground"), self._file, _still(merged, shapes))
         self._root = self._base.name if self._base.shapes else WORLD
         self._link = {body.name: named.get(body.name, self._root) for body in bodies.values()}
         passes = {a: tuple(self._link[y] for x, y in apart if x == a) for a, _ in apart}
@@ -65,21 +66,21 @@ class Stage:
             middle = identity() if body.inertia is None else Pose(body.inertia.center, identity().orientation)
             shapes = (Shape(Sphere(_POINT), middle, solid=False, drawn=False),)
         velocity, spin = (v if v.any() else None for v in (body.linear_velocity, body.angular_velocity))
-        where = f"{self._shown}: `{body.path}`"
+        where = FilePlace(self._shown, element=f"`{body.path}`")
         return Link(name, where, shapes, body.inertia, said, body.motion != "dynamic", velocity, spin, passes)
 
     def asset(self, held: Sequence[model.Joint], faults: Faults) -> Asset:
         """All links and the joints between them; those that do not fit go to the faults."""
         if len(self.links) > MOST_LINKS:
-            raise faults.stop(self._shown, f"has more than {MOST_LINKS} rigid bodies", "make it simpler")
+            raise faults.stop(self._file, f"has more than {MOST_LINKS} rigid bodies", "make it simpler")
         links, made = dict(self.links), dict[str, Joint]()
         if self._base.shapes:
             shapes, said = _rubbing(self._base.shapes)
             links = {self._base.name: replace(self._base, shapes=shapes, said=said), **links}
-            made[""] = Joint("", self._shown, "fixed", WORLD, self._base.name, identity(), np.zeros(3), X)
+            made[""] = Joint("", self._file, "fixed", WORLD, self._base.name, identity(), np.zeros(3), X)
         for joint in self._led(held, faults):
             made[joint.name] = joint
-        return Asset({WORLD: Link(WORLD, self._shown), **links}, made)
+        return Asset({WORLD: Link(WORLD, self._file), **links}, made)
 
     def _end(self, body: str | None) -> str:
         return self._root if body is None else self._link[body]
@@ -137,7 +138,7 @@ class Stage:
         drive = joint.drive or model.Drive(0.0, 0.0)
         return Joint(
             self._names.give(plain(joint.name)),
-            f"{self._shown}: `{joint.path}`",
+            FilePlace(self._shown, element=f"`{joint.path}`"),
             joint.kind,
             parent,
             child,

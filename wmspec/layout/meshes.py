@@ -102,7 +102,7 @@ def _of_stage(path: str) -> Mesh:
     name, prim = parted(path)
     found = mesh(located(name), None, name, prim)
     if isinstance(found, tuple):
-        raise ImpossibleValue("; ".join(f"{fault.where}: {fault.message}" for fault in found))
+        raise ImpossibleValue("; ".join(f"{mistake.place}: {mistake.message}" for mistake in found))
     return found
 
 
