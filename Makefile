@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/motion/speed_tabletop.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: help setup browser demo quick test test-all check format oracles agreement clean
+.PHONY: help setup browser demo quick test test-all check format docs oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -15,6 +15,7 @@ help:
 	@echo "make test      that and all tests but the slow ones"
 	@echo "make test-all  the same with the slow tests"
 	@echo "make format    rewrite the sources in the house style"
+	@echo "make docs      the documentation as a site, in out/site"
 	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
 	@echo "make agreement 200 instances of every task in every engine, into docs/crosscheck.md"
 	@echo "make clean     remove what was made, except .venv"
@@ -49,6 +50,10 @@ test-all: check browser
 format: setup
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+docs: setup
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "The site: $(CURDIR)/out/site/index.html"
 
 oracles: setup
 	$(BIN)/python -m tools.oracles

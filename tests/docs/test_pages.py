@@ -1,0 +1,55 @@
+"""What the pages for contributors say is so: sessions run, files exist, snippets are those of the tests."""
+
+from __future__ import annotations
+
+import doctest
+import re
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from tests.engines import installed
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "docs/architecture.md", ROOT / "docs/contributing.md", *sorted((ROOT / "docs/decisions").glob("*.md"))]
+RECIPES = ROOT / "tests/recipes"
+CONTRIBUTING = (ROOT / "docs/contributing.md").read_text()
+#: Files that a recipe makes.
+MADE = {"wmspec/shapes/prism.py", "wmspec/ask/kinds/names.py"}
+
+
+@pytest.mark.engine
+def test_the_walk_of_a_spec_is_a_session_that_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    installed("mujoco")
+    monkeypatch.chdir(ROOT)
+    failed, tried = doctest.testfile(str(ROOT / "docs/architecture.md"), module_relative=False)
+    assert tried > 20
+    assert failed == 0
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_file_that_is_named_exists(page: Path) -> None:
+    named = set(re.findall(r"`((?:wmspec|backends|tests|tools|docs|specs)/[\w./{},-]*)`", page.read_text())) - MADE
+    missing = [name for name in named if "{" not in name and not (ROOT / name).exists()]
+    assert not missing
+
+
+@pytest.mark.parametrize("recipe", re.findall(r"^### (.*)$", CONTRIBUTING, re.MULTILINE))
+def test_every_recipe_has_a_test_that_carries_it_out(recipe: str) -> None:
+    section = CONTRIBUTING.partition(f"### {recipe}\n")[2].partition("\n### ")[0]
+    (test,) = re.findall(r"Test: `(tests/recipes/test_\w+\.py)`", section)
+    assert (ROOT / test).is_file()
+
+
+def test_every_test_of_a_recipe_has_its_recipe() -> None:
+    assert all(f"`tests/recipes/{test.name}`" in CONTRIBUTING for test in RECIPES.glob("test_*.py"))
+
+
+def test_the_snippets_are_those_of_the_tests() -> None:
+    code = "\n".join(path.read_text() for path in RECIPES.glob("*.py"))
+    snippets = re.findall(r"^    ```python\n(.*?)^    ```$", CONTRIBUTING, re.MULTILINE | re.DOTALL)
+    assert len(snippets) == 4
+    for snippet in map(textwrap.dedent, snippets):
+        row = re.match(r'"\w+": (.*),\n$', snippet, re.DOTALL)
+        assert (f"ROW = {row[1]}" if row else snippet) in code

@@ -1,0 +1,43 @@
+"""What the site shows of the code: the commands, and a page for every diagnostic. MkDocs calls it, see `mkdocs.yml`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import click
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+from wmspec.cli import main
+from wmspec.parse.codes import CODES
+from wmspec.parse.pages import page
+
+WIDTH = 80  # characters of a line of help
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the pages."""
+    made = {"commands": "\n".join(commands()), "diagnostics/index": "\n".join(diagnostics())}
+    made |= {f"diagnostics/{code}": page(code).markdown for code in CODES}
+    for name, text in made.items():
+        files.append(File.generated(config, f"{name}.md", content=text + "\n"))
+    return files
+
+
+def commands() -> Iterator[str]:
+    """Every command as its `--help` tells it."""
+    yield "# Commands\n\nAs `wmspec COMMAND --help` tells them. Most are functions of [the API](api.md) too."
+    whole = click.Context(main, info_name="wmspec", max_content_width=WIDTH, terminal_width=WIDTH)
+    for name in main.list_commands(whole):
+        command = main.get_command(whole, name)
+        assert command is not None
+        context = click.Context(command, whole, name, max_content_width=WIDTH, terminal_width=WIDTH)
+        yield f"\n## wmspec {name}\n\n```text\n{command.get_help(context)}\n```"
+
+
+def diagnostics() -> Iterator[str]:
+    """Every code, with the page that explains it."""
+    yield "# Diagnostics\n"
+    yield "What `wmspec check` tells, and how to mend it; `wmspec explain CODE` shows the same pages.\n"
+    yield "| code | meaning |\n|---|---|"
+    yield from (f"| [{code}]({code}.md) | {meaning} |" for code, meaning in CODES.items())
