@@ -13,12 +13,12 @@ Array = NDArray[np.float64]
 
 def turned(body: Body, a: Array, b: Array) -> Array:
     """The visible angle (T,) in radians between two orientations (T, 4) of a body."""
-    shapes = [g.shape for g in body.geoms]
-    symmetry = shapes[0].symmetry if len(shapes) == 1 else "none"
+    seen = [g for g in body.geoms if g.visible]
+    symmetry = seen[0].shape.symmetry if len(seen) == 1 else "none"
     if symmetry == "ball":
         return np.zeros(len(a))
     if symmetry == "axis":
-        axis = rotate(body.geoms[0].pose.orientation, np.array([0.0, 0.0, 1.0]))
+        axis = rotate(seen[0].pose.orientation, np.array([0.0, 0.0, 1.0]))
         return _between(rotate(a, axis), rotate(b, axis))
     return 2 * _between(a, b * np.where((a * b).sum(axis=1, keepdims=True) < 0, -1.0, 1.0))
 

@@ -82,4 +82,5 @@ def _shape(values: Values, owner: str) -> Shape:
     try:
         return kind.said(words)
     except UnfitError as error:
-        raise ImpossibleValue(f"the {word} `{owner}` {error}", values.place(owner)) from None
+        place = values.place(owner, error.name) if error.name in words else values.place(owner)
+        raise ImpossibleValue(f"the {word} `{owner}` {error}", place) from None

@@ -67,7 +67,9 @@ def _bodies(values: Values) -> Iterator[_Body]:
         if any(_in_pieces(values, part) for part in (name, *values.parts(name))):
             continue
         made, pose = pieces(values, name), values.pose(name)
-        placed = tuple(Piece(piece.solid, pose.then(piece.pose)) for piece in made)
+        placed = tuple(
+            Piece(convex, pose.then(piece.pose).then(at)) for piece in made for convex, at in piece.solid.pieces()
+        )
         yield _Body(name, values.property(name, "fixed"), placed, *bounds(made, pose))
 
 

@@ -8,10 +8,15 @@ from wmspec.shapes.box import Cube
 from wmspec.shapes.capsule import Capsule as Capsule
 from wmspec.shapes.cone import Cone as Cone
 from wmspec.shapes.cylinder import Cylinder as Cylinder
+from wmspec.shapes.extrude import Extrude as Extrude
+from wmspec.shapes.lathe import Lathe as Lathe
 from wmspec.shapes.mesh import Mesh as Mesh
 from wmspec.shapes.plane import Plane as Plane
+from wmspec.shapes.rounded import RoundedBox as RoundedBox
 from wmspec.shapes.shape import Shape as Shape
 from wmspec.shapes.sphere import Sphere as Sphere
+from wmspec.shapes.torus import Torus as Torus
+from wmspec.shapes.tube import Tube as Tube
 from wmspec.shapes.wedge import Wedge as Wedge
 
 #: The word for a shape in the language -> the shape.
@@ -24,6 +29,11 @@ SHAPES: dict[str, type[Shape]] = {
     "capsule": Capsule,
     "wedge": Wedge,
     "plane": Plane,
+    "rounded_box": RoundedBox,
+    "tube": Tube,
+    "torus": Torus,
+    "lathe": Lathe,
+    "extrude": Extrude,
 }
 
 

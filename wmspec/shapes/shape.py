@@ -32,7 +32,14 @@ AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), UP)
 
 
 class UnfitError(ValueError):
-    """Sizes that make no such shape. The text goes on after its name, such as `is not higher than it is wide`."""
+    """Sizes that make no such shape. The text goes on after its name, such as `is not higher than it is wide`.
+
+    `name` is the property that is wrong, if it is one.
+    """
+
+    def __init__(self, reason: str, name: str = "") -> None:
+        super().__init__(reason)
+        self.name = name
 
 
 @dataclass(frozen=True)
