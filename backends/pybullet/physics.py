@@ -13,6 +13,7 @@ from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
 from .about import INFO
+from .margin import within_margins
 from .world import World
 
 with silence():
@@ -39,7 +40,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     validate(scene)
     require(INFO.lacks, scene)
     timeline = episode(scene, INFO.steps_per_second)
-    return assembly(scene, timeline), timeline
+    return within_margins(assembly(scene, timeline)), timeline
 
 
 def verify(world: World, scene: Scene, timeline: Episode) -> None:

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.shapes.shape import AXES, Flat, Gprim, Prim, Shape, Tensor, across_and_up
+from wmspec.shapes.rounded import RoundedBox, edges
+from wmspec.shapes.shape import AXES, Flat, Gprim, Prim, Shape, Tensor
 from wmspec.space import Vector, times
 
 if TYPE_CHECKING:
@@ -20,11 +21,14 @@ class Box(Shape):
     half: Vector
 
     lengths = frozenset({1, 3})
+    properties = RoundedBox.properties
     prims: ClassVar[tuple[str, ...]] = ("Cube",)
 
     @classmethod
     def said(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is its three edges, or all of them."""
+        if "round" in words:
+            return RoundedBox.said(words)
         x, y, z = edges(words)
         return Box((x / 2, y / 2, z / 2))
 
@@ -83,15 +87,6 @@ class Cube(Box):
 
     lengths = frozenset({1})
     prims = ()
-
-
-def edges(words: Mapping[str, Any]) -> Vector:
-    """The three edges (m) that a `size` says."""
-    if isinstance(words["size"], tuple):
-        x, y, z = words["size"]
-        return (x, y, z)
-    across, up = across_and_up(words)
-    return (across, across, up)
 
 
 def around(x: float, y: float) -> tuple[Flat, ...]:

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.shapes.box import edges
-from wmspec.shapes.shape import Parameter, Shape, Tensor, UnfitError
+from wmspec.shapes.shape import Parameter, Shape, Tensor, UnfitError, across_and_up
 from wmspec.space import Vector
 
 if TYPE_CHECKING:
@@ -123,3 +122,12 @@ class RoundedBox(Shape):
         second = flat * r**3 / 3 + bent * pi * r**4 / 16 + pi * 2 * r**5 / 15
         middle = (flat + bent * r + pi * r**2) * 2 * a**3 / 3
         return middle + 2 * (a**2 * zeroth + 2 * a * first + second)
+
+
+def edges(words: Mapping[str, Any]) -> Vector:
+    """The three edges (m) that a `size` says."""
+    if isinstance(words["size"], tuple):
+        x, y, z = words["size"]
+        return (x, y, z)
+    across, up = across_and_up(words)
+    return (across, across, up)

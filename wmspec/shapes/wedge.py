@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from wmspec.shapes.box import around, edges
+from wmspec.shapes.box import around
 from wmspec.shapes.polygons import Polygons
+from wmspec.shapes.rounded import edges
 from wmspec.shapes.shape import Flat, Shape, Tensor
 from wmspec.space import Vector, unit
 
