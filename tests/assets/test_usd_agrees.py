@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Usd
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pxr import Gf, Usd, UsdGeom
 
-from tests.assets.specs import HERE, scene, spec, tensor
+from tests.assets.specs import HERE, checked, scene, spec, tensor
 from tests.engines import ENGINES, installed
 from tests.language.specs import ROOT, task_of
 from tests.stage.stages import HEADER, lines
@@ -229,7 +231,7 @@ def pairs(found: Scene, wanted: Scene) -> Iterator[tuple[str, str]]:
 
 def frame(one: Body, other: Body) -> float:
     """How far two bodies are apart; those of one name are nearest."""
-    named = 0 if one.name.removeprefix("a_").rstrip("_0123456789") == other.name.rstrip("_0123456789") else 1e-9
+    named = 0 if one.name == f"a_{other.name}" else 1e-9
     return float(np.abs(apply(one.pose, middle(one)) - apply(other.pose, middle(other))).max()) + named
 
 
@@ -296,10 +298,14 @@ def _alike(wanted: Joint, found: Scene, of: Scene, names: dict[str, str]) -> Non
         bodies = {body.name: body for body in scene_.bodies}
         start = relative(bodies, one.first, one.second, one.first_frame, one.second_frame)
         at = compose(bodies[one.second].pose, one.second_frame)
-        places.append((coordinate(one, start) if one.kind != "fixed" else 0.0, at.position))
+        axis = rotate(at.orientation, np.array([1.0, 0, 0]))
+        places.append((coordinate(one, start) if one.kind != "fixed" else 0.0, at.position, axis))
     if joint.kind != "fixed":
         np.testing.assert_allclose(places[0][1], places[1][1], atol=1e-5)
         assert places[0][0] == pytest.approx(places[1][0], abs=1e-5)
+    if joint.kind in ("hinge", "slider"):  # turned round with its ends
+        way = 1 if names.get(wanted.second) == joint.second else -1
+        np.testing.assert_allclose(places[0][2], way * places[1][2], atol=1e-5)
 
 
 def run(engine: str, found: Scene, wanted: Scene, names: dict[str, str], seconds: float, hit: float) -> None:
@@ -368,3 +374,91 @@ def test_a_stage_moves_the_same_in_a_spec(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize("name", STAGES)
 def test_a_stage_moves_the_same_in_a_spec_and_every_engine(tmp_path: Path, engine: str, name: str) -> None:
     run(engine, *both(written(tmp_path, STAGES[name]), tmp_path), 0.4, 3e-2)
+
+
+#: What a stage may have and a spec may not, and what is said about it.
+BEYOND = {
+    "a spec cannot say the limits of a ball joint": ball("a", (0.5, 0, 1))
+    + joined("Spherical", "hook", "", "a", ((0, 0, 1), (-0.5, 0, 0)), "float physics:coneAngle0Limit = 30"),
+    "`friction` must be at most 5": rubber("glue", 6) + ball("a", (0, 0, 1), bound("glue")),
+    "`damping` must be at most 100": ball("a", (0, 0, 1), "float physxRigidBody:linearDamping = 200"),
+}
+
+
+@pytest.mark.parametrize("message", BEYOND)
+def test_what_a_spec_may_not_have_of_a_stage_is_told(tmp_path: Path, message: str) -> None:
+    read(Usd.Stage.Open(str(written(tmp_path, BEYOND[message]))))
+    (tmp_path / "spec.wms").write_text('task t : custom { object a { file: "stage.usda"  at: (0, 0, 0) } }')
+    told = checked(tmp_path / "spec.wms")[1].diagnostics
+    assert any(message in d.message for d in told), told
+
+
+# ---------------------------------------------------------------- any tree of bodies
+
+_NUMBER = st.integers(-20, 20).map(lambda n: n / 10)
+_PLACE = st.tuples(_NUMBER, _NUMBER, _NUMBER)
+_TURN = st.tuples(*[st.sampled_from([0, 30, -75, 90, 140])] * 3)
+_SHAPES = {
+    "Cube": "double size = 0.2",
+    "Sphere": "double radius = 0.1",
+    "Cylinder": "double radius = 0.1 double height = 0.4",
+    "Cone": "double radius = 0.1 double height = 0.4",
+    "Capsule": "double radius = 0.1 double height = 0.3",
+}
+_KINDS = ("Revolute", "Prismatic", "Spherical", "Fixed")
+
+
+@st.composite
+def trees(draw: st.DrawFn) -> str:
+    """A stage of some bodies, each free or held by the world or one before it, in whichever order the joint says it."""
+    text = ""
+    made = Usd.Stage.CreateInMemory()
+    poses: list[Gf.Matrix4d] = []
+    for i in range(draw(st.integers(1, 4))):
+        x, y, z = draw(_PLACE)
+        at = (x, y, z + 5 * i)  # no two in one place
+        turn, kind = draw(_TURN), draw(st.sampled_from(sorted(_SHAPES)))
+        more = draw(st.sampled_from(["", "float physics:mass = 2", "float physics:density = 50"]))
+        axis = "" if kind in ("Cube", "Sphere") else f'uniform token axis = "{draw(st.sampled_from("XYZ"))}"'
+        text += f"""def {kind} "b{i}" {RIGID.format(', "PhysicsMassAPI"')} {{ {_SHAPES[kind]} {more} {axis}
+            double3 xformOp:translate = {at} float3 xformOp:rotateXYZ = {turn}
+            uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateXYZ"] }}"""
+        api = UsdGeom.XformCommonAPI(UsdGeom.Xform.Define(made, f"/b{i}"))
+        api.SetTranslate(at)
+        api.SetRotate(turn)
+        poses.append(UsdGeom.XformCache().GetLocalToWorldTransform(api.GetPrim()))
+        held = draw(st.sampled_from([None, "", *(f"b{j}" for j in range(i))]))
+        if held is not None:
+            joint = draw(st.sampled_from(_KINDS if held else _KINDS[:3]))  # what is fixed to the world is the world
+            text += _held(draw, joint, held, i, poses)
+    return text
+
+
+def _held(draw: st.DrawFn, kind: str, held: str, i: int, poses: list[Gf.Matrix4d]) -> str:
+    """A joint at a place in the world, turned somehow, whose ends meet there."""
+    spot, turn = Gf.Vec3d(*draw(_PLACE)), Gf.Rotation(Gf.Vec3d(1, 2, draw(st.integers(-3, 3))), 40 * i)
+    ends = [(held, poses[int(held[1:])] if held else Gf.Matrix4d(1)), (f"b{i}", poses[i])]
+    if draw(st.booleans()):
+        ends.reverse()
+    axis, twist = draw(st.sampled_from("XYZ")), draw(st.sampled_from([0, -15, 5])) if kind == "Revolute" else 0
+    along = Gf.Rotation(Gf.Vec3d(*("XYZ"[k] == axis for k in range(3))), twist)
+    said = f'uniform token physics:axis = "{axis}"' if kind != "Fixed" else ""
+    for number, (name, pose) in enumerate(ends):
+        back = pose.GetInverse()
+        at, q = (
+            back.Transform(spot),
+            ((along if number else Gf.Rotation(Gf.Vec3d(1, 0, 0), 0)) * turn * back.ExtractRotation()).GetQuat(),
+        )
+        said += f" rel physics:body{number} = </World/{name}>" if name else ""
+        said += f" point3f physics:localPos{number} = {tuple(at)}"
+        said += f" quatf physics:localRot{number} = ({q.GetReal()}, {', '.join(map(str, q.GetImaginary()))})"
+    if kind in ("Revolute", "Prismatic") and draw(st.booleans()):
+        said += " float physics:lowerLimit = -20 float physics:upperLimit = 10"
+    return f'def Physics{kind}Joint "j{i}" {{ {said} }}'
+
+
+@settings(max_examples=40, deadline=None)
+@given(text=trees())
+def test_any_tree_of_bodies_is_the_same_in_a_spec(tmp_path_factory: pytest.TempPathFactory, text: str) -> None:
+    folder = tmp_path_factory.mktemp("tree")
+    agree(*both(written(folder, text), folder))

@@ -224,7 +224,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "restitution": Slot((A_NUMBER,), "bounciness; a touching pair has the geometric mean", "0.1", least=0, most=1),
         "damping": Slot((Quantity(NUMBER / TIME),), "share of its speed that the air takes, per time", "0 Hz", least=0, most=100),
         "spin_damping": Slot((Quantity(NUMBER / TIME),), "share of its turning that the air takes, per time; as `damping` if left out", optional=True, least=0, most=100),
-        "velocity": Slot((Vector(SPEED, 3),), "how fast it goes at the start, along the axes of the world", optional=True, least=-100, most=100),
+        "velocity": Slot((Vector(SPEED, 3),), "how fast it goes at the start, along the axes of the world", optional=True),
         "spin": Slot((Vector(ANGULAR_SPEED, 3),), "how fast it turns at the start, about the axes of the world", optional=True),
         "passes": Slot((List(OBJECT),), "the objects that it passes through", optional=True),
         "on": Slot((OBJECT,), "what it rests on; `on: table at (x, y)` says where, from its middle", optional=True),

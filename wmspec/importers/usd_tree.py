@@ -17,7 +17,7 @@ from wmspec.importers.model import MOST_LINKS, Asset, Faults, Joint, Link, Shape
 from wmspec.importers.tree import WORLD
 from wmspec.importers.turns import X
 from wmspec.importers.usd_file import note
-from wmspec.places import FilePlace
+from wmspec.places import FilePlace, PrimPlace
 from wmspec.scene import model
 from wmspec.scene.articulations import coordinate, relative
 from wmspec.scene.model import Body, Pose
@@ -119,13 +119,16 @@ class Stage:
     def _joint(self, joint: model.Joint, turned: bool) -> Joint:
         """A joint whose parent is its first end, or its second if it is `turned`: its coordinate stays the same.
 
-        Raises StageError if it does not fit.
+        Raises StageError if it does not fit, or if it is a ball joint with limits.
         """
         ends = ((joint.first, joint.first_frame), (joint.second, joint.second_frame))
         if turned:  # the axis is turned round with the two ends
             ends = tuple((body, compose(frame, _OVER)) for body, frame in reversed(ends))  # type: ignore[assignment]
         (upper, above), (lower, below) = ends
         assert lower is not None
+        if joint.kind == "ball" and joint.limits:
+            reason, remedy = "a spec cannot say the limits of a ball joint", "author cone angles of -1, or use hinges"
+            raise StageError(reason, PrimPlace(joint.path), remedy)
         start = coordinate(joint, relative(self._bodies, upper, lower, above, below))
         parent, child = self._end(upper), self._end(lower)
         if upper is not None and parent == self._root:  # the frame of the base is that of the stage

@@ -18,6 +18,9 @@ from wmspec.space import HERE, Pose, Vector, about, times, turn, unit
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
 
+#: A joint may start so far (rad, m) beyond a limit.
+_ROUNDING = 1e-9
+
 
 def base(values: Values, owner: str) -> str | None:
     """The base of the asset that an object is a link of, itself if it is that; None if it is of no asset."""
@@ -75,7 +78,7 @@ def _moved(values: Values, joint: Thing) -> Pose:
     if joint.model not in ("hinge", "slider"):
         return HERE
     start: float = values.property(joint.name, "start") if values.has(joint.name, "start") else 0.0
-    _within_limits(values, joint, start)
+    within_limits(values, joint, start)
     axis: Vector = unit(values.property(joint.name, "axis"))
     if joint.model == "slider":
         return Pose(times(start, axis))
@@ -84,14 +87,15 @@ def _moved(values: Values, joint: Thing) -> Pose:
     return there.then(Pose(times(-1.0, middle)))
 
 
-def _within_limits(values: Values, thing: Thing, start: float) -> None:
+def within_limits(values: Values, thing: Thing, start: float, help: str = "") -> None:
+    """Raise ImpossibleValue, with a remedy, if a hinge or slider starts beyond its limits."""
     joint, model = thing.name, thing.model
     for end, sign in (("low", 1.0), ("high", -1.0)):
-        if values.has(joint, end) and sign * (start - values.property(joint, end)) < 0:
+        if values.has(joint, end) and sign * (start - values.property(joint, end)) < -_ROUNDING:
             limit = values.property(joint, end)
             place = values.place(joint, "start" if values.has(joint, "start") else end)
             raise ImpossibleValue(
-                f"`{joint}` starts at {told(start, model)}, beyond its limit of {told(limit, model)}", place
+                f"`{joint}` starts at {told(start, model)}, beyond its limit of {told(limit, model)}", place, help
             )
 
 

@@ -151,13 +151,9 @@ def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
     limits = {p: values.property(name, p) for p in ("low", "high") if values.has(name, p)}
     if limits.get("low", -math.inf) > limits.get("high", math.inf):
         raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.place(name, "low"))
-    for side, beyond in (("low", limits.get("low", 0.0) > 1e-9), ("high", limits.get("high", 0.0) < -1e-9)):
-        if beyond and not joint.of:  # a joint of an asset may start elsewhere, which is looked at there
-            raise ImpossibleValue(
-                f"`{name}` starts at 0, beyond its limit of {assets.told(limits[side], joint.model)}",
-                values.place(name, side),
-                "limits are counted from how its objects are placed, so 0 is between them",
-            )
+    if not joint.of:  # a joint of an asset may start elsewhere, which is looked at there
+        help = "limits are counted from how its objects are placed, so 0 is between them"
+        assets.within_limits(values, joint, 0.0, help)
     for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):
         if side in limits:
             prim.set(f"physics:{attribute}", "float", limits[side] * scale, f"{name}.{side}")
