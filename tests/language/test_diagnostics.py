@@ -1,6 +1,8 @@
 """The one kind of diagnostic: it crosses process borders whole, is told once, and says where."""
 
+import ast
 import pickle
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -118,3 +120,57 @@ def test_an_error_at_a_place_keeps_the_places_that_it_has() -> None:
     known, here = Location.of(Span(SOURCE, 0, 4)), PrimPlace("/World")
     both = SpecError.of([Diagnostic("a"), Diagnostic("b", known)])
     assert [d.place for d in both.at(here).diagnostics] == [here, known]
+
+
+# ---------------------------------------------------------------- over the whole code
+
+ROOT = Path(__file__).parents[2]
+CODE = [*sorted((ROOT / "wmspec").rglob("*.py")), *sorted((ROOT / "backends").rglob("*.py"))]
+PARSING = {"startswith", "endswith", "partition", "rpartition", "split", "splitlines", "match", "search", "fullmatch"}
+
+
+def breaks(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Errors that write a place into their text, and texts of errors that are taken apart: the line and what."""
+    ours = {error.__name__ for error in subclasses(WmsError)} | {"Diagnostic", "Breach"}
+    for node in ast.walk(tree):
+        match node:
+            case ast.Call(func=ast.Name(id=name), args=[ast.JoinedStr(values=[ast.FormattedValue(), second, *_]), *_]):
+                if name in ours and isinstance(second, ast.Constant) and str(second.value).startswith(": "):
+                    yield node.lineno, f"{name} begins with a place"
+            case ast.ExceptHandler(type=ast.expr() as caught, name=str(name)) if names(caught) & ours:
+                for inner in ast.walk(node):
+                    if isinstance(inner, ast.Call) and isinstance(inner.func, ast.Attribute):
+                        taken = [inner.func.value, *inner.args]
+                        if inner.func.attr in PARSING and any(told_by(part, name) for part in taken):
+                            yield inner.lineno, f"{inner.func.attr} of the text of an error"
+
+
+def names(node: ast.AST) -> set[str]:
+    return {inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name)}
+
+
+def told_by(node: ast.AST, name: str) -> bool:
+    """Whether this is the text of the error of that name."""
+    match node:
+        case ast.Call(func=ast.Name(id="str"), args=[ast.Name(id=of)]):
+            return of == name
+        case ast.JoinedStr():
+            return name in names(node)
+    return False
+
+
+def test_places_are_values_and_no_text_of_an_error_is_read_back() -> None:
+    broken = {str(path.relative_to(ROOT)): list(breaks(ast.parse(path.read_text()))) for path in CODE}
+    assert not {file: breach for file, breach in broken.items() if breach}
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        'raise WmsError(f"{place}: no")',
+        'try: f()\nexcept WmsError as e: g(str(e).startswith("error["))',
+        'try: f()\nexcept (OSError, StageError) as e: re.match("a:", str(e))',
+    ],
+)
+def test_code_that_would_is_found(code: str) -> None:
+    assert list(breaks(ast.parse(code)))

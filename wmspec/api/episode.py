@@ -15,9 +15,10 @@ from pxr import Usd, UsdUtils
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.api.drawing import Drawing, renderer_of
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.diagnostics import StageError, WmsError, suggestion
 from wmspec.execute import archive
 from wmspec.execute.trace_cache import TraceCache
+from wmspec.places import FilePlace
 from wmspec.scene.camera import find
 from wmspec.scene.model import Contact, Frame, Scene, Shot, Trace
 from wmspec.usd import read
@@ -149,14 +150,14 @@ class Episode:
         """
         path = Path(path)
         if path.suffix.lower() not in film.WRITERS:
-            raise WmsError(f"{path}: a film is a file that ends in {' or '.join(film.WRITERS)}")
+            raise WmsError(f"a film is a file that ends in {' or '.join(film.WRITERS)}", FilePlace(str(path)))
         camera = camera or self.views()[0][0]
         moments = (i / rate for i in range(int(self.time[-1] * rate + 1e-9) + 1))
         pictures = (self.picture(camera, moment, overlay=overlay, **drawing) for moment in moments)
         try:
             film.WRITERS[path.suffix.lower()](pictures, rate, path)
         except OSError as error:
-            raise WmsError(f"{path}: cannot be written: {error.strerror or error}") from None
+            raise WmsError(f"cannot be written: {error.strerror or error}", FilePlace(str(path))) from None
         return path
 
     def save(self, path: str | PathLike[str]) -> None:
@@ -175,12 +176,12 @@ def open_stage(path: str | PathLike[str]) -> Usd.Stage:
     """A USD stage from anywhere. Raises WmsError if there is no such file, or if USD cannot open it."""
     path = Path(path)
     if not path.is_file():
-        raise WmsError(f"{path}: there is no such file")
+        raise WmsError("there is no such file", FilePlace(str(path)))
     quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us, here and by the reader
     try:
         return opened(path, str(path))
     except WmsError as error:
-        raise WmsError(f"{path}: not a stage that USD can open: {error}") from None
+        raise WmsError(f"not a stage that USD can open: {error}", FilePlace(str(path))) from None
     finally:
         del quiet
 
@@ -189,13 +190,14 @@ def run(stage: Usd.Stage | str | PathLike[str], engine: str, duration: float | N
     """Execute a stage, or the stage in a file, in an engine; for a `duration` (s) other than its own, if it is given.
 
     Raises:
-        StageError: the stage holds what cannot be executed; its `problems` are all of it.
+        StageError: the stage holds what cannot be executed; its `diagnostics` are all of it.
         WmsError: it says nothing of how long it lasts, there is no such engine, or the engine gives up on it.
     """
     opened = open_stage(stage) if isinstance(stage, str | PathLike) else stage
     if duration is None and read(opened).duration <= 0:
         name = stage if isinstance(stage, str | PathLike) else opened.GetRootLayer().identifier
-        raise WmsError(f"{name}: the stage does not say how long it lasts; add for instance `--for 2s` (`duration=2`)")
+        remedy = "add for instance `--for 2s` (`duration=2`)"
+        raise StageError("the stage does not say how long it lasts", FilePlace(str(name)), remedy)
     return execute(opened, engine, duration)
 
 

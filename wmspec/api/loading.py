@@ -13,7 +13,7 @@ from wmspec.check.task import check_program
 from wmspec.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.parse.load import Program, load_source
 from wmspec.parse.load import load as load_program
-from wmspec.places import Source
+from wmspec.places import FilePlace, Source
 
 PathOrText = str | PathLike[str]
 
@@ -94,7 +94,7 @@ def spec_files(paths: Iterable[Path]) -> list[Path]:
         if path.is_dir():
             below = sorted(path.rglob("*.wms"))
             if not below:
-                raise WmsError(f"{path}: there is no .wms file in this folder")
+                raise WmsError("there is no .wms file in this folder", FilePlace(str(path)))
             files += below
         else:
             files.append(path)

@@ -97,8 +97,8 @@ class Assets:
             taken = found.get(plain(name))
             if taken is not None or plain(name) in PROPERTIES["object"]:
                 whose = f"`{taken}`" if taken is not None else "a property of objects"
-                message = f"{where}: its name cannot be told from {whose} in a spec"
-                self.check.fail("WMS210", message, named.span, "rename one of them in the file")
+                message = f"its name cannot be told from {whose} in a spec"
+                self._report((Diagnostic(message, where, "rename one of them in the file", "WMS210"),), named)
             found[plain(name)] = name
         return found
 

@@ -175,7 +175,7 @@ def _thing(name: str, of: Sort, properties: dict[str, Any], *, model: str = "", 
     whose = f"the {of.kind} `{name}`"
     for key in properties:
         if reason := unfit(of, key):
-            raise WmsError(f"{whose}: {reason}")
+            raise WmsError(f"of {whose}: {reason}")
     filled = _filled(slots(of), properties, whose)
     kind = cast(ir.ThingKind, of.kind)
     return ir.Thing(kind=kind, name=name, model=model, set=set, properties=filled, place=HERE)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from wmspec.diagnostics import Paint, Part, WmsError, plain
+from wmspec.places import FilePlace
 
 if TYPE_CHECKING:
     from wmspec.api import Instance
@@ -101,7 +102,7 @@ def make_folder(path: Path) -> Path:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise WmsError(f"{path}: cannot be made a folder: {error.strerror}") from None
+        raise WmsError(f"cannot be made a folder: {error.strerror}", FilePlace(str(path))) from None
     return path
 
 
@@ -110,5 +111,5 @@ def write_text(path: Path, text: str) -> Path:
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise WmsError(f"{path}: cannot be written: {error.strerror}") from None
+        raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None
     return path

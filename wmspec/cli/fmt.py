@@ -12,7 +12,7 @@ import click
 
 from wmspec.cli.common import paint
 from wmspec.diagnostics import WmsError
-from wmspec.places import Source
+from wmspec.places import FilePlace, Source
 
 
 @click.command("fmt")
@@ -79,4 +79,4 @@ def _replace(path: Path, text: str) -> None:
     except OSError as error:
         if name:
             Path(name).unlink(missing_ok=True)
-        raise WmsError(f"{path}: cannot be written: {error.strerror}") from None
+        raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None

@@ -12,6 +12,7 @@ import click
 from wmspec.cli.common import instance_of, instance_option, look_options, make_folder, parse_size, seed_option
 from wmspec.cli.run import STAGES
 from wmspec.diagnostics import WmsError
+from wmspec.places import FilePlace
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -104,7 +105,7 @@ def _written(pictures: _Pictures, output: Path, name: str, rate: float, many: bo
     suffix = output.suffix.lower()
     if suffix not in (*FILMS, ".png"):
         if suffix and not output.is_dir():
-            raise WmsError(f"{output}: expected a folder, or a file that ends in .png, .gif or .mp4")
+            raise WmsError("expected a folder, or a file that ends in .png, .gif or .mp4", FilePlace(str(output)))
         yield from _stills(pictures, make_folder(output), name)
         return
     path = output.with_stem(f"{output.stem}-{episode.engine}") if many else output
@@ -127,5 +128,5 @@ def _saved(picture: Image, path: Path) -> Path:
     try:
         picture.save(path)
     except OSError as error:
-        raise WmsError(f"{path}: cannot be written: {error.strerror or error}") from None
+        raise WmsError(f"cannot be written: {error.strerror or error}", FilePlace(str(path))) from None
     return path

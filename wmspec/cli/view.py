@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from wmspec.diagnostics import WmsError
+from wmspec.places import FilePlace
 
 #: How many instances of each task are shown on a sheet, in a page and in a folder, if nothing is said.
 PER_TASK = {".png": 3, ".html": 20, "": 50}
@@ -34,7 +35,9 @@ def view_command(dataset: Path, output: Path, per_task: int | None) -> None:
     """
     kind = output.suffix.lower()
     if kind not in PER_TASK:
-        raise WmsError(f"{output}: what to write? a page is a .html file, a sheet a .png file, a folder has no suffix")
+        raise WmsError(
+            "what to write? a page is a .html file, a sheet a .png file, a folder has no suffix", FilePlace(str(output))
+        )
     count = per_task or PER_TASK[kind]
     if kind == ".png":
         _sheet(dataset, output, count)
@@ -58,4 +61,4 @@ def _sheet(dataset: Path, output: Path, per_task: int) -> None:
     try:
         picture.save(output)
     except OSError as error:
-        raise WmsError(f"{output}: cannot be written: {error.strerror or error}") from None
+        raise WmsError(f"cannot be written: {error.strerror or error}", FilePlace(str(output))) from None

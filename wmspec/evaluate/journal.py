@@ -16,6 +16,7 @@ from typing import Any
 
 from wmspec.diagnostics import WmsError
 from wmspec.evaluate.model import Reply
+from wmspec.places import FilePlace
 from wmspec.write.files import explained
 
 Key = tuple[str, int, int]
@@ -101,7 +102,7 @@ def _loaded(line: bytes, path: Path) -> dict[str, Any]:
     except ValueError:
         value = None
     if not isinstance(value, dict):
-        raise WmsError(f"{path}: not a journal of `wmspec evaluate`; choose another -o, or move it away")
+        raise WmsError("not a journal of `wmspec evaluate`", FilePlace(str(path)), "choose another -o, or move it away")
     return value
 
 

@@ -19,6 +19,7 @@ from wmspec.evaluate.journal import Key, Replies
 from wmspec.evaluate.model import Outcome, Reply
 from wmspec.evaluate.question import Question
 from wmspec.evaluate.request import Ask
+from wmspec.places import FilePlace
 from wmspec.write.files import explained
 
 Row = dict[str, Any]
@@ -190,7 +191,9 @@ def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
     except (OSError, pa.ArrowException, KeyError, ValueError):
         raise WmsError(f"{path} holds no results; they are made with `wmspec evaluate DATASET -o {path}`") from None
     if not set(SCHEMA.names) <= set(table.column_names) or not isinstance(about, dict):
-        raise WmsError(f"{path}: results of another version of wmspec; evaluate again, into another file")
+        raise WmsError(
+            "results of another version of wmspec", FilePlace(str(path)), "evaluate again, into another file"
+        )
     return table.to_pylist(), about
 
 

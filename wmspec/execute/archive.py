@@ -11,6 +11,7 @@ from pxr import Sdf, Tf, Usd
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.diagnostics import WmsError
+from wmspec.places import FilePlace
 from wmspec.scene.model import Contact, Trace
 
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
@@ -32,7 +33,7 @@ def save(stage: Usd.Stage, trace: Trace, path: Path) -> None:
                 **{name: getattr(trace, name) for name in ARRAYS},
             )
     except OSError as error:
-        raise WmsError(f"{path}: cannot be written: {error.strerror}") from None
+        raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None
 
 
 def load(path: Path) -> tuple[Usd.Stage, Trace]:
@@ -50,7 +51,9 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
             contacts=tuple(Contact(*pair, *times) for pair, times in contacts),
         )
     except FileNotFoundError:
-        raise WmsError(f"{path}: there is no such file") from None
+        raise WmsError("there is no such file", FilePlace(str(path))) from None
     except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, Tf.ErrorException):
-        raise WmsError(f"{path}: not a trace of wmspec; `wmspec run SPEC -o trace.npz` writes one") from None
+        raise WmsError(
+            "not a trace of wmspec", FilePlace(str(path)), "`wmspec run SPEC -o trace.npz` writes one"
+        ) from None
     return Usd.Stage.Open(layer), trace

@@ -13,7 +13,7 @@ from typing import TypeVar
 from wmspec.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
 from wmspec.parse.parser import parse
 from wmspec.parse.syntax import File, Name, Statement, Task, Use, Variant
-from wmspec.places import Location, Place, Source, Span
+from wmspec.places import FilePlace, Location, Place, Source, Span
 from wmspec.resources import resource
 
 P = TypeVar("P", Place, Place | None)
@@ -51,12 +51,16 @@ def read_source(path: Path) -> Source:
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
-        raise WmsError(f"{path}: not UTF-8 text (byte {error.start}); a .wms file is plain UTF-8 text") from None
+        raise WmsError(
+            f"not UTF-8 text (byte {error.start})", FilePlace(str(path)), "a .wms file is plain UTF-8 text"
+        ) from None
     except OSError as error:
-        raise WmsError(f"{path}: cannot be read: {error.strerror}") from None
+        raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path))) from None
     if len(text) > MAX_CHARACTERS:
         raise WmsError(
-            f"{path}: longer than {MAX_CHARACTERS:,} characters; a spec is written by hand: is this the right file?"
+            f"longer than {MAX_CHARACTERS:,} characters",
+            FilePlace(str(path)),
+            "a spec is written by hand: is this the right file?",
         )
     return Source(shown(path), text)
 

@@ -13,6 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.diagnostics import WmsError, suggestion
+from wmspec.places import FilePlace
 from wmspec.report.questions import Questions
 
 #: What a row of results has at least; `docs/evaluate.md` says what each column holds.
@@ -152,7 +153,9 @@ def _file(path: Path) -> pd.DataFrame:
         raise WmsError(f"{path} is not there; give a file or a folder that `wmspec evaluate` wrote") from None
     except (OSError, pa.ArrowException) as error:
         said = str(error).splitlines()[0]
-        raise WmsError(f"{path}: cannot be read ({said}); evaluate again, what was answered is kept") from None
+        raise WmsError(
+            f"cannot be read ({said})", FilePlace(str(path)), "evaluate again, what was answered is kept"
+        ) from None
 
 
 def _once(table: pd.DataFrame) -> pd.DataFrame:

@@ -12,6 +12,7 @@ from wmspec.check.ir import Counterfactual
 from wmspec.design.describe import told
 from wmspec.design.design import Design, Instance
 from wmspec.diagnostics import WmsError
+from wmspec.places import FilePlace
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document
 from wmspec.stage.layers import base_layer, override_layer
@@ -72,5 +73,5 @@ def _write(path: Path, content: bytes) -> Path:
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(content)
     except OSError as error:
-        raise WmsError(f"{path}: cannot be written: {error.strerror}") from None
+        raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None
     return path

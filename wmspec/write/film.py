@@ -10,6 +10,7 @@ import numpy as np
 from PIL import Image
 
 from wmspec.diagnostics import WmsError
+from wmspec.places import FilePlace
 
 Picture = Image.Image
 
@@ -31,7 +32,9 @@ def mp4(pictures: Iterable[Picture], rate: float, path: Path) -> None:
         import imageio_ffmpeg
     except ImportError:
         raise WmsError(
-            f"{path}: MP4 needs imageio-ffmpeg; install it with `pip install 'wmspec[video]'`, or write a .gif"
+            "MP4 needs imageio-ffmpeg",
+            FilePlace(str(path)),
+            "install it with `pip install 'wmspec[video]'`, or write a .gif",
         ) from None
     shown = [np.asarray(picture.convert("RGB")) for picture in pictures]
     height, width, _ = shown[0].shape

@@ -12,6 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.diagnostics import WmsError
+from wmspec.places import FilePlace
 from wmspec.write import files
 from wmspec.write.rows import Row
 
@@ -151,4 +152,4 @@ def _opened(path: Path) -> pq.ParquetFile:
 
 def _unreadable(path: Path, error: Exception) -> WmsError:
     reason = str(error).splitlines()[0]
-    return WmsError(f"{path}: cannot be read ({reason}); {MENDED}")
+    return WmsError(f"cannot be read ({reason})", FilePlace(str(path)), MENDED)
