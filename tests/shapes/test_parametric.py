@@ -18,7 +18,7 @@ from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.geometry import pieces
 from wmspec.layout.values import Values
 from wmspec.scene.model import Scene
-from wmspec.shapes import SHAPES, Box, Cone, Cylinder, Extrude, Lathe, RoundedBox, Shape, Sphere, Torus, Tube
+from wmspec.shapes import SHAPES, Box, Cone, Cylinder, Extrude, Lathe, RoundedBox, Shape, Sphere, Sweep, Torus, Tube
 from wmspec.shapes.facets import tessellate
 from wmspec.shapes.outline import Outline, convex, sound
 from wmspec.shapes.shape import UnfitError
@@ -28,6 +28,7 @@ from wmspec.usd import read
 
 lengths = st.floats(0.01, 1)
 CUP = ((0.0, 0.003), (0.04, 0.0), (0.04, 0.095), (0.036, 0.095), (0.036, 0.005), (0.0, 0.005))
+HANDLE = ((0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (0.07, 0.03, 0.0), (0.02, 0.05, 0.0), (0.02, 0.05, 0.06))
 STAIRS = ((0.0, 0.0), (0.09, 0.0), (0.09, 0.03), (0.06, 0.03), (0.06, 0.06), (0.0, 0.06))
 
 
@@ -137,12 +138,23 @@ def test_convex_pieces_cover_an_outline(outline: Outline) -> None:
         assert all((b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) >= -1e-9 for a, b, c in corners)
 
 
+@given(st.lists(st.tuples(lengths, lengths, lengths), min_size=2, max_size=5))
+def test_a_sweep_weighs_its_section_along_its_path(along: list[tuple[float, float, float]]) -> None:
+    try:
+        shape = Sweep.said({"size": 1.0, "along": along, "thickness": 0.02})
+    except UnfitError:
+        return
+    assert_weighs(shape, meshed(shape), 1e-6)
+    assert sum(piece.volume for piece, _ in shape.pieces()) == pytest.approx(shape.volume, rel=1e-6)
+
+
 EXAMPLES: list[tuple[str, dict[str, Any]]] = [
     ("rounded_box", {"size": (0.09, 0.06, 0.04), "round": 0.012}),
     ("tube", {"radius": 0.03, "height": 0.08, "thickness": 0.004}),
     ("torus", {"size": 0.12, "thickness": 0.02}),
     ("lathe", {"profile": CUP}),
     ("extrude", {"outline": STAIRS, "depth": 0.06}),
+    ("sweep", {"along": HANDLE, "thickness": 0.01}),
 ]
 
 
@@ -205,6 +217,9 @@ def test_they_rest_and_hold_what_falls_into_them(engine: str) -> None:
         ("extrude", {"outline": ((0.0, 0.0), (0.1, 0.0), (0.05, 0.0))}, "crosses or touches itself"),
         ("tube", {"thickness": 0.05}, "is filled by its own wall"),
         ("torus", {"thickness": 0.05}, "has no hole"),
+        ("sweep", {}, "needs two points or more along its path"),
+        ("sweep", {"along": ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.0, 0.0))}, "bends too sharply"),
+        ("sweep", {"along": ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.01, 0.0)), "thickness": 0.05}, "too sharply"),
         ("rounded_box", {"round": 0.05}, "is thinner than its round edges"),
     ],
 )

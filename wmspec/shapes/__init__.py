@@ -15,6 +15,7 @@ from wmspec.shapes.plane import Plane as Plane
 from wmspec.shapes.rounded import RoundedBox as RoundedBox
 from wmspec.shapes.shape import Shape as Shape
 from wmspec.shapes.sphere import Sphere as Sphere
+from wmspec.shapes.sweep import Sweep as Sweep
 from wmspec.shapes.torus import Torus as Torus
 from wmspec.shapes.tube import Tube as Tube
 from wmspec.shapes.wedge import Wedge as Wedge
@@ -34,6 +35,7 @@ SHAPES: dict[str, type[Shape]] = {
     "torus": Torus,
     "lathe": Lathe,
     "extrude": Extrude,
+    "sweep": Sweep,
 }
 
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from wmspec.shapes.lathe import Lathe
 from wmspec.shapes.shape import Parameter, Shape, UnfitError, across_and_up
 
-THICKNESS = Parameter("length", "of the wall of a tube or of the ring of a torus", above=0)
+THICKNESS = Parameter("length", "of the wall of a tube, of the ring of a torus, of a sweep", above=0)
 
 
 @dataclass(frozen=True)
