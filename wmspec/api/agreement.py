@@ -115,11 +115,11 @@ def crosscheck(
     engines = chosen(backend)
     if len(engines) < 2:
         raise WmsError(f"a crosscheck needs two engines, and there is only {engines[0]}; try `wmspec doctor`")
-    found = gathered(tasks, seed, tell)
-    specs = [task.spec for task in found]
+    gathered_tasks = gathered(tasks, seed, tell)
+    specs = [task.spec for task in gathered_tasks]
     limits = tuple((s.name, tolerances(tolerance, s.tolerances)) for s in specs)
-    job = Job(tuple((s.name, to_json(s)) for s in specs), found[0].seed, engines, limits)
-    with progress(sum(min(sample, len(task)) for task in found), "crosschecking") as advance:
+    job = Job(tuple((s.name, to_json(s)) for s in specs), gathered_tasks[0].seed, engines, limits)
+    with progress(sum(min(sample, len(task)) for task in gathered_tasks), "crosschecking") as advance:
         return Agreement(job, sweep(specs, sample, job, effort(workers, timeout, engines), advance), strict)
 
 

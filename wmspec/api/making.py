@@ -99,20 +99,20 @@ def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan
     per_task, full = choices.get("per_task"), choices.get("full", False)
     if full and per_task:
         raise WmsError("`full` makes all instances and `per_task` some of them; give one of the two")
-    found = gathered(tasks, choices.get("seed", 0), tell, choices.get("dimensions", ()))
+    chosen_tasks = gathered(tasks, choices.get("seed", 0), tell, choices.get("dimensions", ()))
     engines = chosen(backend) if renderer else drawing(chosen(backend), look)
     drawers = drawing(chosen(renderer), look) if renderer else engines
     if renderer and len(drawers) > 1:
         raise WmsError("one engine draws; name it as `renderer`, or leave it out so that each draws for itself")
-    for task in found:
+    for task in chosen_tasks:
         if not task.questions:
             raise WmsError(f"the task `{task.name}` has no question, so there is nothing to generate")
     return Plan(
-        texts=texts(found),
-        tasks=tuple(PlannedTask(t.spec, indices(t, per_task, full, choices.get("part", (1, 1)))) for t in found),
+        texts=texts(chosen_tasks),
+        tasks=tuple(PlannedTask(t.spec, indices(t, per_task, full, choices.get("part", (1, 1)))) for t in chosen_tasks),
         engines=engines,
         size=pixels(choices.get("size", 256)),
-        seed=found[0].seed,
+        seed=chosen_tasks[0].seed,
         consensus=choices.get("consensus", "all"),
         look=look,
         samples=samples_of(look, choices.get("samples")),
@@ -124,13 +124,13 @@ def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan
 def texts(tasks: Sequence[Task]) -> dict[str, str]:
     """The specs and what they use, by file name, with as much of the path as tells two files apart."""
     programs = {task.path.resolve() if task.path else Path(task.file): task.program for task in tasks}
-    found: dict[str, str] = {}
+    read: dict[str, str] = {}
     for path in sorted(programs):
         program = programs[path]
         parts = next(n for n in range(1, 99) if [p.parts[-n:] for p in programs].count(path.parts[-n:]) == 1)
-        found["/".join(path.parts[-parts:])] = program.source.text
-        found |= {file.span.source.name: file.span.source.text for file in program.libraries.values()}
-    return found
+        read["/".join(path.parts[-parts:])] = program.source.text
+        read |= {file.span.source.name: file.span.source.text for file in program.libraries.values()}
+    return read
 
 
 def indices(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:

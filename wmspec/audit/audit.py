@@ -37,56 +37,56 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
     WmsError if there is no finished dataset in the folder, or if a file of it may not be read.
     """
     dataset = DatasetReader.open(folder)
-    found = _Gathered(whole(dataset))
-    damaged = {finding.task for finding in found.findings if finding.verdict == "fails"}
+    gathered = _Gathered(whole(dataset))
+    damaged = {finding.task for finding in gathered.findings if finding.verdict == "fails"}
     for task in dataset.tasks:
         counted = counts(dataset, task)
-        found.counts.append(counted)
+        gathered.counts.append(counted)
         if task not in damaged:
-            _task(dataset, counted, most, found)
+            _task(dataset, counted, most, gathered)
         progress(task, 1)
-    tests, probed = balance.corrected(found.tests), probes.intervals(found.probes)
-    found.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
-    said = {key: dataset.manifest.get(key) for key in ("rows", "engines", "size", "seed", "consensus", "versions")}
+    tests, probed = balance.corrected(gathered.tests), probes.intervals(gathered.probes)
+    gathered.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
+    made = {key: dataset.manifest.get(key) for key in ("rows", "engines", "size", "seed", "consensus", "versions")}
     return Audit(
         dataset=folder.resolve().name,
-        findings=tuple(sorted(found.findings, key=lambda f: (_ORDER.index(f.verdict), f.task, f.check))),
-        counts=tuple(found.counts),
+        findings=tuple(sorted(gathered.findings, key=lambda f: (_ORDER.index(f.verdict), f.task, f.check))),
+        counts=tuple(gathered.counts),
         tests=tuple(tests),
         probes=tuple(probed),
-        likeness=tuple(found.likeness),
-        spreads=tuple(found.spreads),
-        about=said | {"pictures of at most": most},
+        likeness=tuple(gathered.likeness),
+        spreads=tuple(gathered.spreads),
+        about=made | {"pictures of at most": most},
     )
 
 
-def _task(dataset: DatasetReader, said: Counts, most: int, found: _Gathered) -> None:
-    parts = list(units(dataset, said.task, most))
-    found.findings += accounted(dataset, said, parts)
+def _task(dataset: DatasetReader, counted: Counts, most: int, gathered: _Gathered) -> None:
+    parts = list(units(dataset, counted.task, most))
+    gathered.findings += accounted(dataset, counted, parts)
     for unit in parts:
-        _unit(unit, found)
+        _unit(unit, gathered)
 
 
-def _unit(unit: Unit, found: _Gathered) -> None:
-    found.findings += duplicates(unit)
+def _unit(unit: Unit, gathered: _Gathered) -> None:
+    gathered.findings += duplicates(unit)
     alike = likeness(unit)
-    found.findings.append(judge(unit, alike))
-    found.likeness += [alike] if alike else []
-    found.tests += balance.tests(unit)
+    gathered.findings.append(judge(unit, alike))
+    gathered.likeness += [alike] if alike else []
+    gathered.tests += balance.tests(unit)
     probed = probes.probes(unit)
     if not probed and not unit.open:
         few = f"{len(unit.once):,} instances are too few to look for shortcuts"
-        found.findings.append(Finding("shortcut", unit.name, "unclear", few))
-    found.probes += probed
-    found.spreads += _spreads(unit)
+        gathered.findings.append(Finding("shortcut", unit.name, "unclear", few))
+    gathered.probes += probed
+    gathered.spreads += _spreads(unit)
 
 
 def _spreads(unit: Unit) -> list[Spread]:
     """How the stimulus differences are spread, where rows have them."""
     values: dict[tuple[str, str], list[float]] = {}
-    for said in (case.row.get("difference") for case in unit.once):
-        if said is not None:
-            values.setdefault((said["name"], said["unit"]), []).append(said["value"])
+    for difference in (case.row.get("difference") for case in unit.once):
+        if difference is not None:
+            values.setdefault((difference["name"], difference["unit"]), []).append(difference["value"])
     return [
         Spread(unit.name, name, unit_, tuple(float(q) for q in np.quantile(seen, QUANTILES)))
         for (name, unit_), seen in values.items()

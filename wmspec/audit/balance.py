@@ -39,21 +39,21 @@ def tests(unit: Unit) -> list[Test]:
     """All tests of a unit's questions, one row for each instance."""
     first = unit.once[0]
     factors, nuisances = first.varied("factor"), first.varied("nuisance")
-    found = []
+    made = []
     if not first.pictured:
-        found += [_tested(unit, ANSWER, n, True) for n in nuisances]
-        found += [_tested(unit, ANSWER, f, False) for f in factors]
+        made += [_tested(unit, ANSWER, n, True) for n in nuisances]
+        made += [_tested(unit, ANSWER, f, False) for f in factors]
     if not first.open:
-        found += [_uniform(unit, PLACE), *(_tested(unit, PLACE, n, True) for n in (*factors, *nuisances))]
+        made += [_uniform(unit, PLACE), *(_tested(unit, PLACE, n, True) for n in (*factors, *nuisances))]
     if not first.open and not first.pictured:
-        found += [_uniform(unit, ANSWER), _tested(unit, PLACE, ANSWER, True)]
-    return found
+        made += [_uniform(unit, ANSWER), _tested(unit, PLACE, ANSWER, True)]
+    return made
 
 
-def corrected(found: Sequence[Test]) -> list[Test]:
+def corrected(tested: Sequence[Test]) -> list[Test]:
     """The tests with their probabilities corrected for the number of those judged."""
-    judged = iter(holm([t.p for t in found if t.judged]))
-    return [replace(t, corrected=next(judged) if t.judged else t.p) for t in found]
+    judged = iter(holm([t.p for t in tested if t.judged]))
+    return [replace(t, corrected=next(judged) if t.judged else t.p) for t in tested]
 
 
 def judge(test: Test) -> Finding:
@@ -61,10 +61,10 @@ def judge(test: Test) -> Finding:
     asked = sum(map(sum, test.counts))
     what = f"{test.first} and {test.second} are independent" if test.second else f"the {test.first} is uniform"
     wrong = f"{test.first} goes with {test.second}" if test.second else f"the {test.first} is not uniform"
-    said = f"({test.method}, p = {test.corrected:.2g}, strength {test.strength:.2f}, {asked:,} questions)"
+    how = f"({test.method}, p = {test.corrected:.2g}, strength {test.strength:.2f}, {asked:,} questions)"
     if test.corrected < SURE and test.strength >= STRONG:
-        return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {said}")
-    return Finding("balance", test.task, "holds" if test.judged else "told", f"{what}, as far as can be told {said}")
+        return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {how}")
+    return Finding("balance", test.task, "holds" if test.judged else "told", f"{what}, as far as can be told {how}")
 
 
 def _tested(unit: Unit, first: str, second: str, judged: bool) -> Test:
@@ -120,13 +120,13 @@ def _binned(values: Sequence[Any]) -> list[str]:
         return [f"{v:.4g}" if isinstance(v, float) else str(v) for v in values]
     edges = np.quantile(numbers, [0.25, 0.5, 0.75])
     bounds = [min(numbers), *edges, max(numbers)]
-    said = [f"{a:.3g} to {b:.3g}" for a, b in pairwise(bounds)]
-    return [said[int(np.searchsorted(edges, v))] for v in values]
+    ranges = [f"{a:.3g} to {b:.3g}" for a, b in pairwise(bounds)]
+    return [ranges[int(np.searchsorted(edges, v))] for v in values]
 
 
-def _order(said: str) -> tuple[float, str]:
+def _order(range_: str) -> tuple[float, str]:
     """Numbers by size, then words."""
     try:
-        return float(said.partition(" to ")[0]), ""
+        return float(range_.partition(" to ")[0]), ""
     except ValueError:
-        return float("inf"), said
+        return float("inf"), range_

@@ -36,23 +36,23 @@ class Pair:
 
 def duplicates(unit: Unit) -> list[Finding]:
     """What there is to say about a unit's questions: contrary pairs fail, others are told."""
-    found = [*_exact(unit.cases)]
-    known = {(p.first, p.second) for p in found}
-    found += [p for p in _near(unit.first_engine) if (p.first, p.second) not in known]
-    contrary, same = [p for p in found if p.contrary], [p for p in found if not p.contrary]
-    said = []
+    pairs = [*_exact(unit.cases)]
+    known = {(p.first, p.second) for p in pairs}
+    pairs += [p for p in _near(unit.first_engine) if (p.first, p.second) not in known]
+    contrary, same = [p for p in pairs if p.contrary], [p for p in pairs if not p.contrary]
+    findings = []
     if contrary:
         what = f"{_count(contrary)} ask the same and have different answers, such as {_named(contrary)}"
-        said.append(Finding("duplicates", unit.name, "fails", what))
+        findings.append(Finding("duplicates", unit.name, "fails", what))
     if same:
         exact = sum(p.exact for p in same)
         what = f"{_count(same)} ask the same and have the same answer ({exact:,} to the byte), such as {_named(same)}"
-        said.append(Finding("duplicates", unit.name, "told", what))
-    if not found:
+        findings.append(Finding("duplicates", unit.name, "told", what))
+    if not pairs:
         seen = len(unit.first_engine)
         what = f"none among {len(unit.cases):,} rows to the byte, none among {seen:,} instances to the eye"
-        said.append(Finding("duplicates", unit.name, "holds", what))
-    return said
+        findings.append(Finding("duplicates", unit.name, "holds", what))
+    return findings
 
 
 def _count(pairs: Sequence[Pair]) -> str:

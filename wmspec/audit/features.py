@@ -112,14 +112,14 @@ def _among(seen: Sequence[Array]) -> Array:
     return np.concatenate([x, away, apart[:, None], np.pad(rank, ((0, 0), (0, max(0, 8 - len(x)))))[:, :8]], axis=1)
 
 
-def _ranks(said: Sequence[str]) -> Array:
+def _ranks(texts: Sequence[str]) -> Array:
     """The rank of an option by its number and by its length, if it has one."""
-    numbers = [float(m[0]) if (m := re.search(r"-?\d+(?:\.\d+)?", s)) else 0.0 for s in said]
-    n = len(said)
-    found = np.zeros((n, 9))
-    found[np.arange(n), np.minimum(np.argsort(np.argsort(numbers, kind="stable")), 7)] = len(set(numbers)) > 1
-    found[:, 8] = [len(s) for s in said]
-    return found
+    numbers = [float(m[0]) if (m := re.search(r"-?\d+(?:\.\d+)?", s)) else 0.0 for s in texts]
+    n = len(texts)
+    ranks = np.zeros((n, 9))
+    ranks[np.arange(n), np.minimum(np.argsort(np.argsort(numbers, kind="stable")), 7)] = len(set(numbers)) > 1
+    ranks[:, 8] = [len(s) for s in texts]
+    return ranks
 
 
 def _words_of(cases: Sequence[Case]) -> Array:
@@ -135,9 +135,9 @@ def _said(text: str) -> list[str]:
     return _WORD.findall(text.lower())
 
 
-def _bag(said: Sequence[Iterable[str]]) -> Array:
+def _bag(words: Sequence[Iterable[str]]) -> Array:
     """Which of the most frequent words each text has: (texts, words), at least one column wide."""
-    sets = [set(s) for s in said]
+    sets = [set(s) for s in words]
     count = Counter(word for s in sets for word in s)
     known = sorted(count, key=lambda w: (-count[w], w))[:MOST_WORDS]
     return np.array([[float(w in s) for w in known] or [0.0] for s in sets])

@@ -11,14 +11,14 @@ from wmspec.audit.model import Counts, Probe, Spread, Test
 WIDTH, WORDS, LINE = 720, 210, 24
 
 
-def probes(found: Sequence[Probe], slack: float) -> str:
+def probes(judged: Sequence[Probe], slack: float) -> str:
     """Accuracies with their intervals; chance is a line, and what is tolerated above it a band."""
-    chance = found[0].chance
+    chance = judged[0].chance
     parts = [
-        _rect("band", _x(chance), 0, (WIDTH - WORDS - 60) * slack, LINE * len(found)),
-        _line("chance", _x(chance), 0, _x(chance), LINE * len(found)),
+        _rect("band", _x(chance), 0, (WIDTH - WORDS - 60) * slack, LINE * len(judged)),
+        _line("chance", _x(chance), 0, _x(chance), LINE * len(judged)),
     ]
-    for i, probe in enumerate(found):
+    for i, probe in enumerate(judged):
         y = LINE * i + LINE / 2
         kind = _kind(probe, slack)
         parts += [
@@ -27,9 +27,9 @@ def probes(found: Sequence[Probe], slack: float) -> str:
             f'<circle class="dot {kind}" cx="{_x(probe.accuracy):.1f}" cy="{y:.1f}" r="4.5"/>',
             _text(f"{probe.accuracy:.0%}", WIDTH - 4, y, "end"),
         ]
-    parts += [_text(f"{v:.0%}", _x(v), LINE * len(found) + 12, "middle", "tick") for v in (0, 0.25, 0.5, 0.75, 1)]
-    said = "; ".join(f"{p.sees}: {p.accuracy:.0%} ({p.low:.0%} to {p.high:.0%})" for p in found)
-    return _figure(f"What small classifiers get right; chance is {chance:.0%}. {said}", parts, LINE * len(found) + 24)
+    parts += [_text(f"{v:.0%}", _x(v), LINE * len(judged) + 12, "middle", "tick") for v in (0, 0.25, 0.5, 0.75, 1)]
+    each = "; ".join(f"{p.sees}: {p.accuracy:.0%} ({p.low:.0%} to {p.high:.0%})" for p in judged)
+    return _figure(f"What small classifiers get right; chance is {chance:.0%}. {each}", parts, LINE * len(judged) + 24)
 
 
 def _x(share: float) -> float:
@@ -42,11 +42,11 @@ def _kind(probe: Probe, slack: float) -> str:
     return "fails" if probe.low > probe.chance + slack else "holds"
 
 
-def rejected(found: Sequence[Counts]) -> str:
+def rejected(counts: Sequence[Counts]) -> str:
     """Of every task's questions, the share that was kept and the shares that were rejected, by reason."""
-    reasons = sorted({reason for c in found for reason in c.rejected})
+    reasons = sorted({reason for c in counts for reason in c.rejected})
     parts = []
-    for i, count in enumerate(found):
+    for i, count in enumerate(counts):
         y, left = LINE * i, float(WORDS)
         parts.append(_text(count.task, WORDS - 12, y + LINE / 2, "end"))
         shares = [("kept", count.kept), *((r, count.rejected.get(r, 0)) for r in reasons)]
@@ -56,7 +56,7 @@ def rejected(found: Sequence[Counts]) -> str:
             parts.append(_rect(kind, left, y + 4, wide, LINE - 8, f"{count.task}: {number:,} {name}"))
             left += wide
         parts.append(_text(f"{count.kept / max(1, count.asked):.0%}", WIDTH - 4, y + LINE / 2, "end"))
-    return _figure("The share of questions kept, and rejected by reason", parts, LINE * len(found)) + _legend(reasons)
+    return _figure("The share of questions kept, and rejected by reason", parts, LINE * len(counts)) + _legend(reasons)
 
 
 def _legend(reasons: Sequence[str]) -> str:
@@ -81,10 +81,10 @@ def shares(test: Test) -> str:
     return _figure(f"How often each {test.first} occurs", parts, LINE * len(counts))
 
 
-def spread(found: Spread) -> str:
+def spread(values: Spread) -> str:
     """A quantity's least, quarter, middle, three quarters and most."""
-    low, quarter, middle, three, high = found.quantiles
-    unit = found.unit
+    low, quarter, middle, three, high = values.quantiles
+    unit = values.unit
     span = high - low or 1.0
     y = LINE / 2
 
@@ -92,30 +92,30 @@ def spread(found: Spread) -> str:
         return WORDS + (WIDTH - WORDS - 60) * (value - low) / span
 
     parts = [
-        _text(found.name, WORDS - 12, y, "end"),
+        _text(values.name, WORDS - 12, y, "end"),
         _line("whisker holds", at(low), y, at(high), y),
         _rect("kept", at(quarter), 5, max(1.0, at(three) - at(quarter)), LINE - 10),
         _line("chance", at(middle), 2, at(middle), LINE - 2),
         _text(f"{low:.3g}", at(low), LINE + 8, "start", "tick"),
         _text(f"{high:.3g} {unit}", at(high), LINE + 8, "end", "tick"),
     ]
-    return _figure(f"{found.name}: {low:.3g} to {high:.3g}, middle {middle:.3g} {unit}", parts, LINE + 18)
+    return _figure(f"{values.name}: {low:.3g} to {high:.3g}, middle {middle:.3g} {unit}", parts, LINE + 18)
 
 
 # ---------------------------------------------------------------- pieces
 
 
-def _figure(said: str, parts: Iterable[str], height: float) -> str:
-    return f'<svg viewBox="0 0 {WIDTH} {height:.0f}" role="img" aria-label="{escape(said)}">{"".join(parts)}</svg>'
+def _figure(title: str, parts: Iterable[str], height: float) -> str:
+    return f'<svg viewBox="0 0 {WIDTH} {height:.0f}" role="img" aria-label="{escape(title)}">{"".join(parts)}</svg>'
 
 
-def _text(said: str, x: float, y: float, anchor: str, kind: str = "label") -> str:
-    shown = said if len(said) <= 30 else f"{said[:29]}…"
+def _text(text: str, x: float, y: float, anchor: str, kind: str = "label") -> str:
+    shown = text if len(text) <= 30 else f"{text[:29]}…"
     return f'<text class="{kind}" x="{x:.1f}" y="{y:.1f}" dy=".35em" text-anchor="{anchor}">{escape(shown)}</text>'
 
 
-def _rect(kind: str, x: float, y: float, wide: float, high: float, said: str = "") -> str:
-    title = f"<title>{escape(said)}</title>" if said else ""
+def _rect(kind: str, x: float, y: float, wide: float, high: float, meaning: str = "") -> str:
+    title = f"<title>{escape(meaning)}</title>" if meaning else ""
     return f'<rect class="{kind}" x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{high:.1f}">{title}</rect>'
 
 

@@ -31,14 +31,14 @@ def likeness(unit: Unit) -> Likeness | None:
     return Likeness(unit.name, quantiles, medians, min(closest, key=lambda name: closest[name]))
 
 
-def judge(unit: Unit, found: Likeness | None) -> Finding:
+def judge(unit: Unit, likeness: Likeness | None) -> Finding:
     """Fails where a question has two options that are the same, or look it."""
     same = [c.row["id"] for c in unit.cases if len(set(c.options or c.row["option_text"] or ())) < c.count]
     if same:
         what = f"{len(same):,} questions have the same option twice, such as {', '.join(same[:MOST_NAMED])}"
         return Finding("options", unit.name, "fails", what)
-    if found is None:
+    if likeness is None:
         return Finding("options", unit.name, "holds", "no question has the same words twice")
-    least, _, middle, _, _ = found.quantiles
-    said = f"the closest two differ in {middle:.1%} of the picture (median), {least:.2%} at least ({found.closest})"
-    return Finding("options", unit.name, "fails" if least < ALIKE else "holds", said)
+    least, _, middle, _, _ = likeness.quantiles
+    what = f"the closest two differ in {middle:.1%} of the picture (median), {least:.2%} at least ({likeness.closest})"
+    return Finding("options", unit.name, "fails" if least < ALIKE else "holds", what)

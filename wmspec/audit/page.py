@@ -15,57 +15,57 @@ from wmspec.audit.probes import CONFIDENCE, ROOM, SLACK
 WORDS: dict[Verdict, str] = {"fails": "fails", "unclear": "too few to tell", "told": "to judge", "holds": "holds"}
 
 
-def page(found: Audit) -> str:
+def page(audit: Audit) -> str:
     """The page: HTML with its style and figures inside, the same for the same findings."""
     style = (files("wmspec.audit") / "page.css").read_text(encoding="utf-8")
-    tasks = list(dict.fromkeys([c.task for c in found.counts] + [t.task for t in found.tests]))
-    body = [_head(found), _findings(found.findings), _counts(found), *(_task(found, task) for task in tasks), _rules()]
+    tasks = list(dict.fromkeys([c.task for c in audit.counts] + [t.task for t in audit.tests]))
+    body = [_head(audit), _findings(audit.findings), _counts(audit), *(_task(audit, task) for task in tasks), _rules()]
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>Audit of {escape(found.dataset)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
+        f"<title>Audit of {escape(audit.dataset)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
         f"<main>\n{chr(10).join(filter(None, body))}\n</main>\n</body>\n</html>\n"
     )
 
 
-def verdict(found: Audit) -> str:
+def verdict(audit: Audit) -> str:
     """The outcome in a sentence."""
-    count = {v: sum(f.verdict == v for f in found.findings) for v in WORDS}
+    count = {v: sum(f.verdict == v for f in audit.findings) for v in WORDS}
     if count["fails"]:
-        return f"{count['fails']:,} of {len(found.findings):,} checks fail."
+        return f"{count['fails']:,} of {len(audit.findings):,} checks fail."
     unclear = f"; for {count['unclear']:,} there are too few questions to tell" if count["unclear"] else ""
-    return f"Nothing fails in {len(found.findings):,} checks{unclear}."
+    return f"Nothing fails in {len(audit.findings):,} checks{unclear}."
 
 
-def _head(found: Audit) -> str:
-    about = found.about
+def _head(audit: Audit) -> str:
+    about = audit.about
     versions = ", ".join(f"{name} {number}" for name, number in (about.get("versions") or {}).items())
-    said = f"{about['rows']:,} questions in {', '.join(about['engines'])}, seed {about['seed']} ({versions})"
+    summary = f"{about['rows']:,} questions in {', '.join(about['engines'])}, seed {about['seed']} ({versions})"
     seen = f"The pictures of at most {about['pictures of at most']:,} instances of each task were looked at."
-    kind = "holds" if found.passed else "fails"
+    kind = "holds" if audit.passed else "fails"
     return (
-        f"<h1>Audit of {escape(found.dataset)}</h1>\n"
-        f'<p class="about">{escape(said)}. {seen}</p>\n<p class="verdict {kind}">{verdict(found)}</p>'
+        f"<h1>Audit of {escape(audit.dataset)}</h1>\n"
+        f'<p class="about">{escape(summary)}. {seen}</p>\n<p class="verdict {kind}">{verdict(audit)}</p>'
     )
 
 
 # ---------------------------------------------------------------- findings
 
 
-def _findings(found: Sequence[Finding]) -> str:
-    loud = [f for f in found if f.verdict in ("fails", "unclear")]
-    quiet = [f for f in found if f not in loud]
+def _findings(findings: Sequence[Finding]) -> str:
+    loud = [f for f in findings if f.verdict in ("fails", "unclear")]
+    quiet = [f for f in findings if f not in loud]
     shown = _finding_table(loud) if loud else ""
     return (
         f"<h2>Findings</h2>\n{shown}\n<details><summary>{len(quiet):,} more</summary>{_finding_table(quiet)}</details>"
     )
 
 
-def _finding_table(found: Iterable[Finding]) -> str:
+def _finding_table(findings: Iterable[Finding]) -> str:
     rows = [
         f'<td class="mark {f.verdict}">{WORDS[f.verdict]}</td><td>{escape(f.check)}</td>'
         f"<td>{escape(f.task)}</td><td>{escape(f.what)}</td>"
-        for f in found
+        for f in findings
     ]
     return _table(["", "check", "task", "what was seen"], rows)
 
@@ -77,35 +77,35 @@ def _table(head: Sequence[str], rows: Iterable[str], numbers: Sequence[str] = ()
     return f'<div class="scroll"><table><thead><tr>{top}</tr></thead>\n<tbody>{body}</tbody></table></div>'
 
 
-def _counts(found: Audit) -> str:
+def _counts(audit: Audit) -> str:
     rows = [
         f"<td>{escape(c.task)}</td><td>{escape(c.dimension)}</td>"
         + "".join(_number(f"{n:,}") for n in (c.instances, c.asked, c.kept, c.asked - c.kept))
-        for c in found.counts
+        for c in audit.counts
     ]
     numbers = ["instances", "asked", "kept", "rejected"]
     table = _table(["task", "dimension", *numbers], rows, numbers)
-    return f"<h2>Counts</h2>\n{table}\n{figures.rejected(found.counts) if found.counts else ''}"
+    return f"<h2>Counts</h2>\n{table}\n{figures.rejected(audit.counts) if audit.counts else ''}"
 
 
-def _number(said: str) -> str:
-    return f'<td class="number">{said}</td>'
+def _number(number: str) -> str:
+    return f'<td class="number">{number}</td>'
 
 
 # ---------------------------------------------------------------- a task
 
 
-def _task(found: Audit, task: str) -> str:
-    probes = [p for p in found.probes if p.task == task]
-    tests = [t for t in found.tests if t.task == task]
+def _task(audit: Audit, task: str) -> str:
+    probes = [p for p in audit.probes if p.task == task]
+    tests = [t for t in audit.tests if t.task == task]
     if not tests:
         return ""
     parts = [f"<h2>{escape(task)}</h2>", "<h3>Shortcuts</h3>"]
     parts.append(figures.probes(probes, SLACK) if probes else '<p class="note">Too few questions to look for any.</p>')
     parts += [f"<h3>Each {t.first}</h3>{figures.shares(t)}" for t in tests if not t.second]
     parts.append(f"<h3>What goes with what</h3>{_tests([t for t in tests if t.second])}")
-    parts += [_likeness(like) for like in found.likeness if like.task == task]
-    spreads = [figures.spread(s) for s in found.spreads if s.task == task]
+    parts += [_likeness(like) for like in audit.likeness if like.task == task]
+    spreads = [figures.spread(s) for s in audit.spreads if s.task == task]
     return "\n".join([*parts, *(["<h3>Stimulus difference</h3>", *spreads] if spreads else [])])
 
 

@@ -50,11 +50,11 @@ def probes(unit: Unit) -> list[Probe]:
     owner = np.repeat(np.arange(len(cases)), [c.count for c in cases])
     truth = np.concatenate([np.arange(c.count) == c.row["answer"] for c in cases])
     chance = float(np.mean([1 / c.count for c in cases]))
-    found = []
+    made = []
     for name, see, judged, why in _kinds(cases[0]):
         right = held_out(see(cases), owner, truth, groups)
-        found.append(Probe(unit.name, name, len(cases), float(right.sum()), chance, judged, why))
-    return found
+        made.append(Probe(unit.name, name, len(cases), float(right.sum()), chance, judged, why))
+    return made
 
 
 def _kinds(case: Case) -> Iterator[tuple[str, See, bool, str]]:
@@ -69,9 +69,9 @@ def _kinds(case: Case) -> Iterator[tuple[str, See, bool, str]]:
     if case.pictured:
         yield "the options' colours", features.colours, *blind
     for which, name in {0: "the first picture", shown - 1: "the last picture"}.items() if shown else ():
-        said = "the picture" if shown == 1 else name
-        yield said, features.pixels(which), *one
-        yield f"{said}'s colours", features.tones(which), *one
+        seen_as = "the picture" if shown == 1 else name
+        yield seen_as, features.pixels(which), *one
+        yield f"{seen_as}'s colours", features.tones(which), *one
 
 
 def _alike(cases: Sequence[Case]) -> list[Case]:
@@ -92,24 +92,24 @@ def _groups(unit: Unit, cases: Sequence[Case]) -> list[str]:
     return ["/".join(f"{n}={v}" for n, v in c.varied("factor").items() if n != decides) or c.row["id"] for c in cases]
 
 
-def intervals(found: Sequence[Probe]) -> list[Probe]:
+def intervals(made: Sequence[Probe]) -> list[Probe]:
     """The probes with their intervals, as wide as the number of those judged asks for (Bonferroni)."""
-    confidence = 1 - (1 - CONFIDENCE) / max(1, sum(p.judged for p in found))
+    confidence = 1 - (1 - CONFIDENCE) / max(1, sum(p.judged for p in made))
     return [
-        replace(p, low=low, high=high) for p in found for low, high in [clopper_pearson(p.right, p.asked, confidence)]
+        replace(p, low=low, high=high) for p in made for low, high in [clopper_pearson(p.right, p.asked, confidence)]
     ]
 
 
 def judge(probe: Probe) -> Finding:
     """What a probe says about its task."""
-    said = (
+    result = (
         f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.asked:,} answered "
         f"({probe.low:.0%} to {probe.high:.0%}; chance {probe.chance:.0%})"
     )
     if not probe.judged:
-        return Finding("shortcut", probe.task, "told", f"{said}; {probe.why}")
+        return Finding("shortcut", probe.task, "told", f"{result}; {probe.why}")
     if probe.low > probe.chance + SLACK:
-        return Finding("shortcut", probe.task, "fails", f"{said}; {probe.why}")
+        return Finding("shortcut", probe.task, "fails", f"{result}; {probe.why}")
     if probe.high > probe.chance + ROOM:
-        return Finding("shortcut", probe.task, "unclear", f"{said}; too few questions to tell")
-    return Finding("shortcut", probe.task, "holds", said)
+        return Finding("shortcut", probe.task, "unclear", f"{result}; too few questions to tell")
+    return Finding("shortcut", probe.task, "holds", result)

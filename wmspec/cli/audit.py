@@ -42,32 +42,32 @@ def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictur
     from wmspec.write.reader import DatasetReader
 
     with progress_bar(len(DatasetReader.open(dataset).tasks), "auditing", "tasks") as progress:
-        found = audit(dataset, pictures_of, progress)
-    said = json.dumps({"passed": found.passed, **asdict(found)}, indent=1, ensure_ascii=False) + "\n"
+        result = audit(dataset, pictures_of, progress)
+    record = json.dumps({"passed": result.passed, **asdict(result)}, indent=1, ensure_ascii=False) + "\n"
     if output is not None:
         folder = make_folder(output)
-        write_text(folder / "audit.json", said)
-        written = write_text(folder / "audit.html", page(found))
+        write_text(folder / "audit.json", record)
+        written = write_text(folder / "audit.html", page(result))
     if as_json:
-        click.echo(said, nl=False)
+        click.echo(record, nl=False)
     else:
-        _tell(found)
+        _tell(result)
         if output is not None:
             click.echo(written)
-    ctx.exit(0 if found.passed else 1)
+    ctx.exit(0 if result.passed else 1)
 
 
-def _tell(found: Audit) -> None:
+def _tell(result: Audit) -> None:
     """What matters, for a terminal: what fails, and how much else there is to read."""
     from wmspec.audit.page import WORDS, verdict
 
     quiet: dict[Verdict, str] = {"unclear": "yellow", "told": "blue", "holds": "green"}
-    for finding in found.findings:
+    for finding in result.findings:
         if finding.verdict == "fails":
             where = f" {finding.task}" if finding.task else ""
             click.echo(f"{click.style(WORDS['fails'], fg='red')}: {finding.check}{where}: {finding.what}")
-    counted = Counter(finding.verdict for finding in found.findings)
+    counted = Counter(finding.verdict for finding in result.findings)
     for kind, color in quiet.items():
         if counted[kind]:
             click.echo(f"{click.style(WORDS[kind], fg=color)}: {counted[kind]:,}")
-    click.echo(verdict(found))
+    click.echo(verdict(result))

@@ -28,8 +28,8 @@ def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
     with progress_bar(total, "trying") as progress:
         costs = estimate(plan, effort, TRIED, progress)
     if as_json:
-        said = [asdict(c) | {"hours": c.hours(effort.workers), "bytes": c.bytes} for c in costs]
-        click.echo(json.dumps({"workers": effort.workers, "tasks": said}, indent=2))
+        rows = [asdict(c) | {"hours": c.hours(effort.workers), "bytes": c.bytes} for c in costs]
+        click.echo(json.dumps({"workers": effort.workers, "tasks": rows}, indent=2))
     else:
         _print(costs, effort.workers)
         click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")

@@ -46,10 +46,10 @@ def view_command(dataset: Path, output: Path, per_task: int | None) -> None:
     from wmspec.gallery.gallery import folder, page
     from wmspec.write.reader import DatasetReader
 
-    found = DatasetReader.open(dataset)
-    shown = (page if kind == ".html" else folder)(found, count, output)
+    opened = DatasetReader.open(dataset)
+    shown = (page if kind == ".html" else folder)(opened, count, output)
     where = output if kind == ".html" else output / "index.html"
-    some = any(task["instances"] > count for task in found.manifest["tasks"].values())
+    some = any(task["instances"] > count for task in opened.manifest["tasks"].values())
     which = f" of {count} instances of each task (--per-task)" if some else ""
     click.echo(f"{where}: {shown:,} questions{which}; open it in a browser")
 

@@ -54,18 +54,18 @@ def _write(dataset: DatasetReader, per_task: int, path: Path, put: Put) -> int:
     dataset.intact()
     with explained(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        said = about(dataset) | {"questions": list(records(dataset, per_task, put))}
-        path.write_text(html(said), encoding="utf-8")
-    return len(said["questions"])
+        content = about(dataset) | {"questions": list(records(dataset, per_task, put))}
+        path.write_text(html(content), encoding="utf-8")
+    return len(content["questions"])
 
 
-def html(said: dict[str, object]) -> str:
+def html(content: dict[str, object]) -> str:
     """The page: its template with style, data and script. No text of the data can end the element that it is in."""
-    data = json.dumps(said, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+    data = json.dumps(content, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
     parts = {"style": _part("page.css"), "script": _part("page.js"), "data": data}
     whole = _part("page.html")
-    for name, content in parts.items():
-        whole = whole.replace(f"{{{{ {name} }}}}", content)
+    for name, part in parts.items():
+        whole = whole.replace(f"{{{{ {name} }}}}", part)
     return whole
 
 

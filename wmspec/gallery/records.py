@@ -18,14 +18,14 @@ Put = Callable[[str, bytes], str]
 
 def about(dataset: DatasetReader) -> Record:
     """What the page says of the dataset and of its tasks."""
-    said = dataset.manifest
+    manifest = dataset.manifest
     return {
         "name": dataset.folder.resolve().name,
         "engines": list(dataset.engines),
-        "rows": said["rows"],
-        "seed": said["seed"],
-        "size": said["size"],
-        "versions": said["versions"],
+        "rows": manifest["rows"],
+        "seed": manifest["seed"],
+        "size": manifest["size"],
+        "versions": manifest["versions"],
         "tasks": {
             name: {
                 "title": task["title"] or name,
@@ -34,7 +34,7 @@ def about(dataset: DatasetReader) -> Record:
                 "kept": sum(task["rows"].values()),
                 "rejected": task["rejected"],
             }
-            for name, task in said["tasks"].items()
+            for name, task in manifest["tasks"].items()
         },
     }
 
@@ -72,8 +72,8 @@ def _varied(row: Row, sort: str, units: dict[str, str]) -> dict[str, str]:
 
 def _difference(row: Row) -> str | None:
     """How strong the stimulus is, where the row says so."""
-    said = row.get("difference")
-    return f"{said['name']}: {human(said['value'], said['unit'])}" if said else None
+    difference = row.get("difference")
+    return f"{difference['name']}: {human(difference['value'], difference['unit'])}" if difference else None
 
 
 def _answer(row: Row) -> str:
