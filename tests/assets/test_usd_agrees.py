@@ -22,6 +22,7 @@ from wmspec.scene.articulations import coordinate, relative
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Array, Body, Geom, Joint, Scene, Trace
 from wmspec.scene.transform import apply, compose, inverse, multiply, rotate, rotation
+from wmspec.shapes import SHAPES
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose as composed
 from wmspec.usd import read
@@ -374,6 +375,29 @@ def test_a_stage_moves_the_same_in_a_spec(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize("name", STAGES)
 def test_a_stage_moves_the_same_in_a_spec_and_every_engine(tmp_path: Path, engine: str, name: str) -> None:
     run(engine, *both(written(tmp_path, STAGES[name]), tmp_path), 0.4, 3e-2)
+
+
+def test_shapes_of_ours_that_usd_does_not_have(tmp_path: Path) -> None:
+    """A stage of every shape of the language is read as these shapes, and so a spec says them."""
+    text = "".join(
+        f"object o{i} {{ shape: {kind}  {more}  at: ({i} m, 0, 1 m)  fixed: {str(kind == 'plane').lower()} }}\n"
+        for i, (kind, more) in enumerate(
+            {
+                **dict.fromkeys(SHAPES, "size: 20 cm"),
+                "lathe": "profile: [(0 cm, 0 cm), (10 cm, 0 cm), (4 cm, 20 cm)]",
+                "extrude": "depth: 10 cm  outline: [(0 cm, 0 cm), (20 cm, 0 cm), (20 cm, 10 cm), (10 cm, 20 cm)]",
+            }.items()
+        )
+    )
+    made = spec(text, tmp_path)
+    file = tmp_path / "made" / "stage.usda"
+    file.parent.mkdir()
+    composed(document(made, Design(made)[0])).Export(str(file))
+    found, wanted, names = both(file, tmp_path, "color: red")
+    agree(found, wanted, names)
+    for name, our in names.items():
+        ours, theirs = (next(b for b in of.bodies if b.name == n) for of, n in ((found, our), (wanted, name)))
+        assert [type(g.shape) for g in ours.geoms] == [type(g.shape) for g in theirs.geoms]
 
 
 #: What a stage may have and a spec may not, and what is said about it.

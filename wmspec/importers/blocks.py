@@ -15,7 +15,7 @@ from wmspec.importers.tree import Placed, Tree
 from wmspec.importers.turns import angles, clean
 from wmspec.importers.write import Writer
 from wmspec.parse import syntax as s
-from wmspec.shapes import Box, Capsule, Sphere, word
+from wmspec.shapes import word
 
 #: What a spec may say of a link and of a joint of an asset, instead of its file.
 OF_LINK = (
@@ -25,6 +25,8 @@ OF_LINK = (
 OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "touching")
 #: What holds for every link where the whole says it, besides looks.
 _COMMON = ("density", "friction", "restitution", "damping")
+#: The units of what sizes of shapes are, if not lengths or points.
+_SIZES = {"number": None, "angle": "rad"}
 _UNITS = {"density": "kg/m^3", "damping": "Hz", "spin_damping": "Hz"}
 
 Said = Mapping[str, tuple[s.Property, ...]]
@@ -163,14 +165,9 @@ class Blocks:
         if isinstance(form, MeshFile):
             way = touched or self.write.name(form.collision)
             return {"file": self.write.text(form.file), "scale": self.write.numbers(form.scale), "collision": way}
-        kind: dict[str, s.Expr] = {"shape": self.write.name(word(form))}
-        if isinstance(form, Box):
-            return kind | {"size": self.write.numbers((2 * half for half in form.half), "m")}
-        radius = kind | {"radius": self.write.number(form.radius, "m")}
-        if isinstance(form, Sphere):
-            return radius
-        caps = 2 * form.radius if isinstance(form, Capsule) else 0.0
-        return radius | {"height": self.write.number(form.height + caps, "m")}
+        units = {name: _SIZES.get(own.kind, "m") for name, own in form.properties.items()}
+        sizes = {name: self.write.value(size, units.get(name, "m")) for name, size in form.words.items()}
+        return {"shape": self.write.name(word(form)), **sizes}
 
     # ------------------------------------------------------------ joints
 

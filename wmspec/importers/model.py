@@ -13,7 +13,7 @@ from typing import Literal
 from wmspec.diagnostics import Diagnostic
 from wmspec.places import FilePlace
 from wmspec.scene.model import Array, Inertia, Pose
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Sphere
+from wmspec.shapes import Shape as Solid
 
 Color = tuple[float, float, float]
 
@@ -100,7 +100,7 @@ class MeshFile:
     collision: str = "hull"
 
 
-Form = Box | Sphere | Cylinder | Cone | Capsule | MeshFile
+Form = Solid | MeshFile
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,7 @@ from wmspec.importers.usd_file import REST, bounded, note, stage_of
 from wmspec.importers.usd_tree import Stage
 from wmspec.places import FilePlace
 from wmspec.scene.model import Body, Motion
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Sphere
-from wmspec.shapes import Shape as Solid
+from wmspec.shapes import Mesh
 from wmspec.usd import joints, meshes
 from wmspec.usd.bodies import body
 from wmspec.usd.colliders import touched
@@ -149,7 +148,7 @@ class _Usd:
         if piece.collides and motion is not None:
             self.materials.alike(prim)
             rubs = self._rubs(prim)
-        if isinstance(here.shape, Box | Sphere | Cylinder | Cone | Capsule):
+        if not isinstance(here.shape, Mesh):
             look = self._look(prim) if piece.visible else Look()
             yield Shape(here.shape, here.pose, look, piece.collides, piece.visible, rubs)
             return
@@ -172,14 +171,12 @@ class _Usd:
             refuse(prim, reason, "make them equal, or author one")
         return found.dynamic, found.restitution
 
-    def _touched(self, prim: Usd.Prim, shape: Solid, motion: Motion) -> tuple[str, tuple[Conditional, ...]]:
+    def _touched(self, prim: Usd.Prim, mesh: Mesh, motion: Motion) -> tuple[str, tuple[Conditional, ...]]:
         """How a mesh is touched, as a word of the language, and why it cannot be as its file says."""
-        if not isinstance(shape, Mesh):  # it says which shape it is
-            return "hull" if shape.convex else "pieces", ()
         try:
-            return _WORDS[touched(prim, shape, motion)], ()
+            return _WORDS[touched(prim, mesh, motion)], ()
         except StageError as error:
-            if meshes.is_flat(shape):
+            if meshes.is_flat(mesh):
                 raise
             return "hull", conditional(self._told(error), ("collision",))
 

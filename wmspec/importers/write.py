@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from wmspec.parse import syntax as s
 from wmspec.places import Span
@@ -21,6 +22,14 @@ class Writer:
     def numbers(self, values: Iterable[float], unit: str | None = None) -> s.Expr:
         """A pair or a triple of quantities."""
         return s.Items("tuple", tuple(self.number(v, unit) for v in values), None, self.span)
+
+    def value(self, value: Any, unit: str | None = None) -> s.Expr:
+        """A quantity, a point of such, or a list of points."""
+        if not isinstance(value, tuple):
+            return self.number(value, unit)
+        if not value or not isinstance(value[0], tuple):
+            return self.numbers(value, unit)
+        return s.Items("list", tuple(self.numbers(one, unit) for one in value), None, self.span)
 
     def name(self, name: str) -> s.Name:
         """A word or a declared name."""

@@ -33,6 +33,11 @@ class Box(Shape):
         return Box((x / 2, y / 2, z / 2))
 
     @property
+    def words(self) -> Mapping[str, Any]:
+        """Its three edges."""
+        return {"size": tuple(2 * half for half in self.half)}
+
+    @property
     def volume(self) -> float:
         """That of any table."""
         x, y, z = self.half

@@ -35,6 +35,11 @@ class Capsule(Shape):
         return cls(across / 2, up - across)
 
     @property
+    def words(self) -> Mapping[str, Any]:
+        """Its whole height."""
+        return {"radius": self.radius, "height": self.height + 2 * self.radius}
+
+    @property
     def volume(self) -> float:
         """A cylinder and a ball."""
         return math.pi * self.radius**2 * self.height + 4 / 3 * math.pi * self.radius**3

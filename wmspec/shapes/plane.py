@@ -37,6 +37,11 @@ class Plane(Shape):
         return cls(*size) if isinstance(size, tuple) else cls(size, size)
 
     @property
+    def words(self) -> Mapping[str, Any]:
+        """Its two edges."""
+        return {"size": (self.x, self.y)}
+
+    @property
     def volume(self) -> float:
         """The slab's."""
         return self.x * self.y * SLAB

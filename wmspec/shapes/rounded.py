@@ -40,6 +40,11 @@ class RoundedBox(Shape):
         return cls((x / 2, y / 2, z / 2), radius)
 
     @property
+    def words(self) -> Mapping[str, Any]:
+        """Its three edges, and how round they are."""
+        return {"size": tuple(2 * half for half in self.half), "round": self.round}
+
+    @property
     def volume(self) -> float:
         """By Steiner: the box inside, slabs on its sides, quarters of cylinders on its edges, and a ball."""
         (a, b, c), r = self._inner, self.round

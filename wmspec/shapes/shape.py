@@ -138,6 +138,11 @@ class Shape:
         """
         raise NotImplementedError
 
+    @property
+    def words(self) -> Mapping[str, Any]:
+        """The language's properties that describe it. By default they are called as its numbers are."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
     # ------------------------------------------------------------ what it is
 
     @property

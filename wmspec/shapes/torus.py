@@ -43,6 +43,11 @@ class Torus(Shape):
         return cls((across - thick) / 2, thick)
 
     @property
+    def words(self) -> Mapping[str, Any]:
+        """Its outer radius, and how thick the ring is."""
+        return {"radius": self.radius + self.thick / 2, "thickness": self.thick}
+
+    @property
     def volume(self) -> float:
         """Of Pappus and Guldin."""
         return math.pi**2 * self.radius * self.thick**2 / 2

@@ -28,3 +28,9 @@ class Tube(Lathe):
             raise UnfitError("is filled by its own wall", "thickness")
         outer, half = across / 2, up / 2
         return cls(((outer - wall, -half), (outer, -half), (outer, half), (outer - wall, half)))
+
+    @property
+    def words(self) -> Mapping[str, Any]:
+        """Its outer radius, its height and its wall."""
+        (inner, low), (outer, _), (_, high), _ = self.profile
+        return {"radius": outer, "height": high - low, "thickness": outer - inner}

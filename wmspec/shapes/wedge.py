@@ -32,6 +32,11 @@ class Wedge(Shape):
         return cls(*edges(words))
 
     @property
+    def words(self) -> Mapping[str, Any]:
+        """Its three edges."""
+        return {"size": (self.x, self.y, self.z)}
+
+    @property
     def volume(self) -> float:
         """Half a box."""
         return self.x * self.y * self.z / 2
