@@ -29,6 +29,7 @@ COMMANDS = (
     "audit",
     "evaluate",
     "report",
+    "export",
     "doctor",
 )
 

@@ -1,0 +1,45 @@
+"""`wmspec export`: a dataset as a folder for the tools that people evaluate with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+_PATH = click.Path(path_type=Path)
+
+
+@click.command("export")
+@click.argument("dataset", type=_PATH)
+@click.option("--to", "tool", required=True, type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf"]))
+@click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="The folder that the tool is to run.")
+@click.option("--prompt", default="default", show_default=True, help="default, paper, numbers, montage, or a file.")
+@click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
+@click.option("--engine", multiple=True, metavar="NAME", help="Only what this engine executed.")
+@click.option(
+    "--limit", type=click.IntRange(1), metavar="N", help="Only so many questions, evenly over tasks and engines."
+)
+def export_command(
+    dataset: Path,
+    tool: str,
+    output: Path,
+    prompt: str,
+    task: tuple[str, ...],
+    engine: tuple[str, ...],
+    limit: int | None,
+) -> None:
+    """Write a dataset as a folder that Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets` take as it is.
+
+    Requests are those of `wmspec evaluate`, and replies are read by the same parser, which lies in the folder. Its
+    README says how to run it.
+    """
+    from wmspec.evaluate import prompt as prompts
+    from wmspec.evaluate.question import Selection
+    from wmspec.export.export import Export, export
+    from wmspec.write.reader import Finished
+
+    opened = Finished.open(dataset)
+    opened.intact()
+    what = Export(opened, Selection(task, engine, limit), Path(prompt).stem, prompts.load(prompt))
+    count = export(what, tool, output)
+    click.echo(f"{output}: {count:,} questions for {tool}; {output / 'README.md'} says how to run it")

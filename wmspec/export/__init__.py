@@ -1,0 +1,1 @@
+"""A dataset as a folder that other tools of evaluation run as it is."""

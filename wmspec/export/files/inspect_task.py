@@ -1,0 +1,82 @@
+"""Questions about a physical world, for Inspect: `inspect eval wmspec_task.py --model MODEL` in this folder.
+
+`-T task=NAME` asks one task alone, `-T limit=N` the first N questions of each.
+"""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+from inspect_ai import Task, task
+from inspect_ai.dataset import MemoryDataset, Sample
+from inspect_ai.model import ChatMessageSystem, ChatMessageUser, ContentImage, ContentText
+from inspect_ai.scorer import (
+    CORRECT,
+    INCORRECT,
+    NOANSWER,
+    Score,
+    Scorer,
+    Target,
+    accuracy,
+    grouped,
+    scorer,
+    stderr,
+)
+from inspect_ai.solver import TaskState, generate
+from wmspec_reply import mark
+
+_FOLDER = Path(__file__).parent
+_TRUTH = ("options", "labels", "answer", "answer_number", "answer_unit", "answer_within")
+_ABOUT = ("task", "dimension", "engine", "group")
+
+
+def _sample(row: dict[str, Any]) -> Sample:
+    urls = [f"data:image/png;base64,{base64.b64encode(image['bytes']).decode()}" for image in row["images"]]
+    content = [
+        ContentText(text=part["text"]) if part["image"] is None else ContentImage(image=urls[part["image"]])
+        for part in row["content"]
+    ]
+    system = [ChatMessageSystem(content=row["system"])] if row["system"] else []
+    truth = row["answer"] if row["answer"] is not None else row["answer_number"]
+    return Sample(
+        input=[*system, ChatMessageUser(content=content)],
+        target=str(truth),
+        id=row["id"],
+        metadata={name: row[name] for name in (*_ABOUT, *_TRUTH)},
+    )
+
+
+@scorer(metrics=[accuracy(), stderr(cluster="group"), grouped(accuracy(), "dimension")])
+def right() -> Scorer:
+    """Whether the reply is right, as wmspec reads it; what cannot be read has no answer, which counts as wrong."""
+
+    async def score(state: TaskState, target: Target) -> Score:  # noqa: ARG001  Inspect calls it so
+        said = state.metadata
+        found = mark(
+            state.output.completion,
+            said["options"],
+            said["labels"],
+            answer=said["answer"],
+            number=said["answer_number"],
+            unit=said["answer_unit"],
+            within=said["answer_within"],
+        )
+        value = (CORRECT if found.right else INCORRECT) if found.parsed else NOANSWER
+        answer = found.place if found.place is not None else found.number
+        return Score(value=value, answer=None if answer is None else str(answer), explanation=state.output.completion)
+
+    return score
+
+
+@task
+def wmspec(task: str = "*", limit: int | None = None) -> Task:
+    """The questions of all tasks, or of one."""
+    samples = [
+        _sample(row)
+        for path in sorted(_FOLDER.glob(f"data/{task}.parquet"))
+        for row in pq.read_table(path).slice(0, limit).to_pylist()
+    ]
+    return Task(dataset=MemoryDataset(samples, name="wmspec"), solver=generate(), scorer=right())

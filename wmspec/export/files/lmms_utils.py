@@ -1,0 +1,55 @@
+"""Questions about a physical world, for lmms-eval: how they are put, and how replies are scored."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+sys.path.append(str(Path(__file__).parent))
+
+from wmspec_reply import mark
+
+Doc = dict[str, Any]
+
+
+def doc_to_messages(doc: Doc, lmms_eval_specific_kwargs: Doc | None = None) -> list[Doc]:  # noqa: ARG001
+    """What chat models are sent: words and pictures in their order."""
+    content = [
+        {"type": "text", "text": part["text"]}
+        if part["image"] is None
+        else {"type": "image", "url": doc["images"][part["image"]].convert("RGB")}
+        for part in doc["content"]
+    ]
+    system = [{"role": "system", "content": [{"type": "text", "text": doc["system"]}]}] if doc["system"] else []
+    return [*system, {"role": "user", "content": content}]
+
+
+def doc_to_visual(doc: Doc) -> list[Any]:
+    """The pictures, for models that are sent them before the words."""
+    return [image.convert("RGB") for image in doc["images"]]
+
+
+def doc_to_text(doc: Doc, lmms_eval_specific_kwargs: Doc | None = None) -> str:  # noqa: ARG001
+    """The words, with `<image>` where a picture stands."""
+    lines = [part["text"] if part["image"] is None else "<image>" for part in doc["content"]]
+    return "\n".join([doc["system"], *lines] if doc["system"] else lines)
+
+
+def doc_to_target(doc: Doc) -> str:
+    """The place of the true option, or the true number."""
+    return str(doc["answer"] if doc["answer"] is not None else doc["answer_number"])
+
+
+def process_results(doc: Doc, results: list[Any]) -> dict[str, float]:
+    """Whether the reply is right, and whether it could not be read."""
+    found = mark(
+        str(results[0]),
+        doc["options"],
+        doc["labels"],
+        answer=doc["answer"],
+        number=doc["answer_number"],
+        unit=doc["answer_unit"],
+        within=doc["answer_within"],
+    )
+    return {"acc": float(found.right), "unparsed": float(not found.parsed)}

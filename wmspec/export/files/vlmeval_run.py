@@ -1,0 +1,85 @@
+"""Questions about a physical world, for VLMEvalKit: `python wmspec_run.py CHECKOUT --model MODEL`, with its options.
+
+CHECKOUT is VLMEvalKit. This adds the questions of this folder to its datasets, words and pictures in their order and
+replies read as wmspec reads them, and runs its `run.py`.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import runpy
+import sys
+from pathlib import Path
+from typing import Any
+
+from wmspec_reply import mark
+
+_FOLDER = Path(__file__).resolve().parent
+
+
+def _dataset() -> Any:
+    """The class of the questions here, as VLMEvalKit has classes of datasets."""
+    import pandas as pd
+    import vlmeval.dataset as known
+    from vlmeval.dataset.image_base import ImageBaseDataset
+    from vlmeval.smp import dump, load
+
+    (table,) = _FOLDER.glob("Wmspec_*.tsv")
+
+    class WmspecDataset(ImageBaseDataset):
+        TYPE = "VQA"
+
+        @classmethod
+        def supported_datasets(cls) -> list[str]:
+            return [table.stem]
+
+        def load_data(self, dataset: str) -> Any:
+            return load(str(_FOLDER / f"{dataset}.tsv"))
+
+        def build_prompt(self, line: Any) -> list[dict[str, str]]:
+            line = self.data.iloc[line] if isinstance(line, int) else line
+            images = line["image"] if isinstance(line["image"], list) else [line["image"]]
+            said = json.loads(line["wmspec"])
+            message = [{"type": "text", "value": said["system"], "role": "system"}] if said["system"] else []
+            for part in said["content"]:
+                if part["image"] is None:
+                    message.append({"type": "text", "value": part["text"]})
+                else:
+                    path = Path(self.img_root) / f"{line['index']}_{part['image']}.png"
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                    path.write_bytes(base64.b64decode(images[part["image"]]))
+                    message.append({"type": "image", "value": str(path)})
+            return message
+
+        @classmethod
+        def evaluate(cls, eval_file: str, **options: Any) -> Any:  # noqa: ARG003  VLMEvalKit passes more
+            replies = load(eval_file)
+            rows = []
+            for _, line in replies.iterrows():
+                said = json.loads(line["wmspec"])["truth"]
+                found = mark(str(line["prediction"]), said.pop("options"), said.pop("labels"), **said)
+                rows.append({"category": line["category"], "right": found.right, "unparsed": not found.parsed})
+            scored = pd.DataFrame(rows)
+            by_task = scored.groupby("category")["right"].mean()
+            score = {"Overall": scored["right"].mean(), "unparsed": scored["unparsed"].mean(), **by_task.to_dict()}
+            table = pd.DataFrame([score])
+            dump(table, eval_file.rsplit(".", 1)[0] + "_acc.csv")
+            return table
+
+    known.DATASET_CLASSES.append(WmspecDataset)
+    known.SUPPORTED_DATASETS.extend(WmspecDataset.supported_datasets())
+    return WmspecDataset
+
+
+def main() -> None:
+    """Run VLMEvalKit on the questions here."""
+    checkout = Path(sys.argv[1]).resolve()
+    sys.path.insert(0, str(checkout))
+    (name,) = _dataset().supported_datasets()
+    sys.argv = [str(checkout / "run.py"), "--data", name, *sys.argv[2:]]
+    runpy.run_path(sys.argv[0], run_name="__main__")
+
+
+if __name__ == "__main__":
+    main()
