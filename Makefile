@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/motion/speed_tabletop.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: help setup browser demo quick test test-all check format docs oracles agreement clean
+.PHONY: help setup browser inspect demo quick test test-all check format docs oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -14,6 +14,7 @@ help:
 	@echo "make check     style, types, architecture, dependencies"
 	@echo "make test      that and all tests but the slow ones"
 	@echo "make test-all  the same with the slow tests"
+	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
 	@echo "make format    rewrite the sources in the house style"
 	@echo "make docs      the documentation as a site, in out/site"
 	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
@@ -25,6 +26,12 @@ setup:
 
 browser:
 	@tools/setup.sh --browser
+
+inspect: build/inspect/bin/inspect
+
+build/inspect/bin/inspect: | setup
+	$(BIN)/python -m venv build/inspect
+	build/inspect/bin/pip install --quiet inspect-ai openai pyarrow
 
 demo: setup
 	$(BIN)/wmspec generate $(DEMO) -o out/demo --per-task 6 --backend all --seed 0
@@ -44,7 +51,7 @@ quick: setup
 test: check browser
 	$(BIN)/pytest -n auto
 
-test-all: check browser
+test-all: check browser inspect
 	$(BIN)/pytest -n auto -m ""
 
 format: setup

@@ -36,9 +36,9 @@ def export_command(
     from wmspec.evaluate import prompt as prompts
     from wmspec.evaluate.question import Selection
     from wmspec.export.export import Export, export
-    from wmspec.write.reader import Finished
+    from wmspec.write.reader import DatasetReader
 
-    opened = Finished.open(dataset)
+    opened = DatasetReader.open(dataset)
     opened.intact()
     what = Export(opened, Selection(task, engine, limit), Path(prompt).stem, prompts.load(prompt))
     count = export(what, tool, output)

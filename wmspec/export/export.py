@@ -16,7 +16,7 @@ from wmspec.evaluate.reply import LETTERS, ORDINALS
 from wmspec.export.rows import COLUMNS, Row, exported, write
 from wmspec.resources import resource
 from wmspec.write import files
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 
 #: Says of a folder that it is an export, of what, and which files are its own.
 MARK = "export.json"
@@ -26,7 +26,7 @@ MARK = "export.json"
 class Export:
     """What is exported: which questions of a dataset, under which prompt."""
 
-    dataset: Finished
+    dataset: DatasetReader
     selection: Selection
     prompt_name: str
     prompt: Prompt

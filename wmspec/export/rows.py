@@ -13,7 +13,7 @@ from wmspec.diagnostics import WmsError
 from wmspec.evaluate.prompt import Prompt
 from wmspec.evaluate.question import Question, Selection, questions
 from wmspec.evaluate.request import Ask, Clip, Picture, Text
-from wmspec.write.reader import Finished
+from wmspec.write.reader import DatasetReader
 
 Row = dict[str, Any]
 
@@ -48,7 +48,7 @@ SCHEMA = pa.schema([pa.field(n, kind) for n, (kind, _) in COLUMNS.items()], meta
 _GROUP = 64
 
 
-def exported(dataset: Finished, task: str, selection: Selection, prompt: Prompt) -> Iterator[Row]:
+def exported(dataset: DatasetReader, task: str, selection: Selection, prompt: Prompt) -> Iterator[Row]:
     """The rows of a task, few in memory at a time. Raises WmsError for a prompt that makes films."""
     ids = [id for id in selection.ids(dataset) if id.partition("/")[0] == task]
     return (_row(question, prompt) for question in questions(dataset, ids))
