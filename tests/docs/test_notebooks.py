@@ -18,7 +18,7 @@ def test_there_is_a_test_for_each() -> None:
     assert {path.stem for path in FOLDER.glob("*.ipynb")} == NEEDS.keys()
 
 
-@pytest.mark.slow
+@pytest.mark.pixels
 @pytest.mark.parametrize("name", NEEDS)
 def test_it_runs_from_beginning_to_end(name: str, tmp_path: Path) -> None:
     for engine in NEEDS[name]:
