@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import wmspec
+from tests.engines import installed
 from wmspec import api
 
 COLLIDE = Path("specs/prediction/mechanistic/collide.wms")
@@ -140,7 +141,7 @@ def test_the_seed_decides_the_draws() -> None:
 
 @pytest.fixture(scope="module")
 def episode() -> wmspec.Episode:
-    pytest.importorskip("mujoco")
+    installed("mujoco")
     return wmspec.load(text=FALL)[1].run("mujoco")
 
 
@@ -193,7 +194,7 @@ def test_a_stage_from_disk_runs_like_its_instance(episode: wmspec.Episode, tmp_p
 
 
 def test_a_stage_that_does_not_say_how_long_it_lasts_is_not_guessed_at(tmp_path: Path) -> None:
-    pytest.importorskip("mujoco")
+    installed("mujoco")
     (tmp_path / "ball.usda").write_text(
         '#usda 1.0\ndef Sphere "ball" (apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"]) {}\n'
     )
@@ -202,7 +203,7 @@ def test_a_stage_that_does_not_say_how_long_it_lasts_is_not_guessed_at(tmp_path:
 
 
 def test_a_counterfactual_is_run_as_an_instance_is() -> None:
-    pytest.importorskip("mujoco")
+    installed("mujoco")
     one = wmspec.load(COLLIDE)[0]
     pushed, harder = one.run("mujoco"), one.run("mujoco", "next")
     at = int(0.3 * 240)
@@ -211,7 +212,7 @@ def test_a_counterfactual_is_run_as_an_instance_is() -> None:
 
 
 def test_asking_gives_questions_and_tells_what_was_rejected() -> None:
-    pytest.importorskip("mujoco")
+    installed("mujoco")
     (question,) = wmspec.load(COLLIDE)[3].ask("mujoco", size=128)
     assert "which picture" in question.text.lower()
     assert len(question.options) == 4
@@ -227,8 +228,8 @@ def test_asking_gives_questions_and_tells_what_was_rejected() -> None:
 
 
 def test_a_crosscheck_is_a_table() -> None:
-    pytest.importorskip("mujoco")
-    pytest.importorskip("pybullet")
+    installed("mujoco")
+    installed("pybullet")
     agreement = wmspec.crosscheck(wmspec.load(COLLIDE), sample=2, backend="mujoco,pybullet", workers=1)
     (line,) = agreement.lines
     assert dataclasses.is_dataclass(line)
@@ -239,7 +240,7 @@ def test_a_crosscheck_is_a_table() -> None:
 
 
 def test_a_crosscheck_needs_two_engines() -> None:
-    pytest.importorskip("mujoco")
+    installed("mujoco")
     with pytest.raises(wmspec.WmsError, match="needs two engines"):
         wmspec.crosscheck(COLLIDE, backend="mujoco")
 
@@ -266,8 +267,8 @@ def run_example(code: str, folder: Path) -> None:
 
 def test_the_example_is_a_script_that_runs(tmp_path: Path) -> None:
     """It needs no `if __name__ == "__main__"`, though it starts processes."""
-    pytest.importorskip("mujoco")
-    pytest.importorskip("pybullet")
+    installed("mujoco")
+    installed("pybullet")
     code = example("docs/api.md").replace("sample=20", 'sample=1, backend="mujoco,pybullet"')
     code = code.replace('backend="all", per_task=60', 'backend="mujoco", size=64, per_task=2')
     run_example(code, tmp_path)
@@ -276,5 +277,5 @@ def test_the_example_is_a_script_that_runs(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_example_runs_as_it_stands(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet", "sapien"):
-        pytest.importorskip(engine)
+        installed(engine)
     run_example(example("docs/api.md"), tmp_path)

@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 RECIPES = ROOT / "tests/recipes"
 CONTRIBUTING = (ROOT / "docs/contributing.md").read_text()
+NAMED = re.compile(r"(?:`|python )((?:wmspec|backends|tests|tools|docs|specs|benchmarks)/[\w./-]+)`")
 #: Files that a recipe makes.
 MADE = {"wmspec/shapes/prism.py", "wmspec/ask/kinds/names.py"}
 
@@ -30,7 +31,7 @@ def test_the_walk_of_a_spec_is_a_session_that_runs(monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_every_file_that_is_named_exists(page: Path) -> None:
-    named = set(re.findall(r"(?:`|python )((?:wmspec|backends|tests|tools|docs|specs|benchmarks)/[\w./-]+)`", page.read_text())) - MADE
+    named = set(NAMED.findall(page.read_text())) - MADE
     assert not [name for name in named if not (ROOT / name).exists()]
 
 
