@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
+import re
 import sys
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 from wmspec.evaluate import reply
 from wmspec.evaluate.reply import LETTERS, ORDINALS, choice, mark, near, number_in
+from wmspec.evaluate.results import COLUMNS
 
 PICTURES = (None, None, None, None)
 CUBES = ("the red cube", "the blue cube", "neither", "the cube")
@@ -171,3 +173,18 @@ def test_the_parser_stands_alone() -> None:
     modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     modules |= {name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names}
     assert {str(name).split(".")[0] for name in modules} <= set(sys.stdlib_module_names)
+
+
+def test_the_documentation_reads_replies_as_the_parser_does() -> None:
+    page = (Path(__file__).parents[2] / "docs/evaluate.md").read_text()
+    rows = re.findall(r"^\|[^|]*\| `([^`]+)` \| (\d|unparsed) \|$", page, re.MULTILINE)
+    assert len(rows) > 10
+    for text, told in rows:
+        place = choice(text, ("the red cube", "the blue cube", "neither"))
+        assert told == ("unparsed" if place is None else str(place + 1)), text
+
+
+def test_the_documentation_has_every_column() -> None:
+    page = (Path(__file__).parents[2] / "docs/evaluate.md").read_text()
+    for name, (_, meaning) in COLUMNS.items():
+        assert f"| `{name}` | {meaning} |\n" in page

@@ -80,7 +80,7 @@ def evaluate_command(
 
 
 def _run(dataset: Path, said: dict[str, Any]) -> tuple[Run, Server | None]:
-    from wmspec.evaluate import prompt, server
+    from wmspec.evaluate import baselines, prompt, server
     from wmspec.evaluate.limits import Limits
     from wmspec.evaluate.question import Selection
     from wmspec.evaluate.run import Run, Settings
@@ -88,6 +88,8 @@ def _run(dataset: Path, said: dict[str, Any]) -> tuple[Run, Server | None]:
 
     opened = DatasetReader.open(dataset)
     opened.intact()
+    if said["ablate"] and said["model"] in baselines.NAMES:
+        raise WmsError(f"--ablate: `{said['model']}` is sent nothing that could be left out; name a model")
     served = said["model"].startswith("openai:")
     url = server.address(said["base_url"]) if served else None
     settings = Settings(
