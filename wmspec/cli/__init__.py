@@ -30,6 +30,7 @@ COMMANDS = (
     "evaluate",
     "report",
     "export",
+    "recast",
     "doctor",
 )
 

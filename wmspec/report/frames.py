@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
@@ -95,13 +96,13 @@ def accuracy(table: Table) -> pd.DataFrame:
 
     right.
     """
-    heads = [(c.dimension, c.letters, c.task) for c in table.columns]
-    heads += [("average", "", d) for d in table.dimensions] + [("average", "", "all")]
+    heads = [("average", "", d) for d in ("all", *table.dimensions)]
+    heads += [(c.dimension, c.letters, c.task) for c in table.columns]
     rows = {}
     for line in (*table.lines, table.chance):
-        values = [line.tasks[c.task].value for c in table.columns]
-        values += [line.dimensions[d].value if d in line.dimensions else float("nan") for d in table.dimensions]
-        rows[line.system] = [percent(v) for v in (*values, line.average.value)]
+        averages = [line.dimensions[d].value if d in line.dimensions else float("nan") for d in table.dimensions]
+        values = [line.average.value, *averages, *(line.tasks[c.task].value for c in table.columns)]
+        rows[line.system] = [percent(value) for value in values]
     return pd.DataFrame.from_dict(rows, orient="index", columns=pd.MultiIndex.from_tuples(heads))
 
 
@@ -131,11 +132,11 @@ def _escaped(text: str) -> str:
 
 def percent(share: float | None) -> str:
     """A share in percent with a decimal; a dash for none."""
-    return "–" if share is None or share != share else f"{100 * share:.1f}"  # noqa: PLR0124  NaN is not itself
+    return "–" if share is None or math.isnan(share) else f"{100 * share:.1f}"
 
 
 def _signed(share: float) -> str:
-    return "–" if share != share else f"{100 * share:+.1f}".replace("-", "−")  # noqa: PLR0124
+    return "–" if math.isnan(share) else f"{100 * share:+.1f}".replace("-", "−")
 
 
 def _threshold(value: float | None, low: float | None, high: float | None) -> str:

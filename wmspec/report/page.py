@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
@@ -13,7 +14,7 @@ from wmspec.report.figures.style import Drawn
 from wmspec.report.frames import DELTA, percent
 from wmspec.report.intervals import Estimate
 from wmspec.report.items import LEAST_SYSTEMS
-from wmspec.report.replies import PEOPLE
+from wmspec.report.replies import BASELINES, PEOPLE
 from wmspec.report.report import Report
 from wmspec.report.tables import CHANCE, Line, Table
 
@@ -49,15 +50,15 @@ def summary(report: Report) -> list[str]:
 
 
 def _summed_up(table: Table) -> str:
-    models = [line for line in table.lines if line.system != PEOPLE]
+    models = [line for line in table.lines if line.system not in (PEOPLE, *BASELINES)]
     if not models:
-        return ""
+        return f"{table.kind.capitalize()}: only baselines and people have answered."
     best = models[0]
     people = next((line for line in table.lines if line.system == PEOPLE), None)
     said = f"{table.kind.capitalize()}: {best.system} is right most often, {_with_interval(best.average)}"
     said += f"; people are in {percent(people.average.value)} %" if people else ""
     chance = table.chance.average.value
-    return said + (f". Guessing yields {percent(chance)} %." if chance == chance else ".")  # noqa: PLR0124
+    return said + (f". Guessing yields {percent(chance)} %." if not math.isnan(chance) else ".")
 
 
 def _with_interval(estimate: Estimate) -> str:
@@ -174,10 +175,10 @@ def _folded(name: str, caption: str, frame: pd.DataFrame) -> str:
 def _accuracies(table: Table) -> str:
     """The paper's table: each cell shaded from chance (white) to all right."""
     groups = [(d, sum(c.dimension == d for c in table.columns)) for d in table.dimensions]
-    top = '<th class="name"></th>' + "".join(f'<th class="group" colspan="{n}">{escape(d)}</th>' for d, n in groups)
-    top += f'<th class="group" colspan="{len(groups) + 2}">average</th>'
-    heads = [_upright(f"{c.letters} {c.task}" if c.letters and c.environment else c.task) for c in table.columns]
-    heads += [_upright(d) for d in table.dimensions] + [_upright("all"), _upright("all, unparsed skipped")]
+    top = f'<th class="name"></th><th class="group" colspan="{len(groups) + 2}">average</th>'
+    top += "".join(f'<th class="group" colspan="{n}">{escape(d)}</th>' for d, n in groups)
+    heads = [*map(_upright, ("all", "all, unparsed skipped", *table.dimensions))]
+    heads += [_upright(f"{c.letters} {c.task}" if c.environment else c.task) for c in table.columns]
     rows = [_line(table, line) for line in table.lines] + [_line(table, table.chance)]
     return (
         f"<h3>Accuracy in {escape(table.kind)} (%) {_files(table.kind, latex=True)}</h3>\n"
@@ -192,24 +193,22 @@ def _upright(said: str) -> str:
 
 
 def _line(table: Table, line: Line) -> str:
-    cells = [_shaded(line.tasks[c.task], table.chance.tasks[c.task].value) for c in table.columns]
-    cells += [
-        _shaded(line.dimensions.get(d), table.chance.dimensions[d].value if d in table.chance.dimensions else None)
-        for d in table.dimensions
-    ]
     interval = (
         f"<br><small>{percent(line.average.low)}–{percent(line.average.high)}</small>" if line.average.sure else ""
     )
-    cells.append(f'<td class="number average">{percent(line.average.value)}{interval}</td>')
+    cells = [f'<td class="number average">{percent(line.average.value)}{interval}</td>']
     cells.append(_number(percent(line.parsed) if line.system != CHANCE else ""))
+    chance = table.chance
+    cells += [_shaded(line.dimensions.get(d), chance.dimensions.get(d)) for d in table.dimensions]
+    cells += [_shaded(line.tasks[c.task], chance.tasks[c.task]) for c in table.columns]
     kind = f' class="{line.system}"' if line.system in (PEOPLE, CHANCE) else ""
     return f'{kind}><td class="name">{escape(line.system)}</td>{"".join(cells)}'
 
 
-def _shaded(estimate: Estimate | None, chance: float | None) -> str:
-    if estimate is None or estimate.value != estimate.value:
+def _shaded(estimate: Estimate | None, chance: Estimate | None) -> str:
+    if estimate is None or math.isnan(estimate.value):
         return _number("–")
-    guess = 0.0 if chance is None or chance != chance else chance  # noqa: PLR0124  NaN is not itself
+    guess = 0.0 if chance is None or math.isnan(chance.value) else chance.value
     above = (estimate.value - guess) / (1 - guess) if estimate.value >= guess else (estimate.value - guess) / guess
     tone = "0, 114, 178" if above >= 0 else "213, 94, 0"
     title = (

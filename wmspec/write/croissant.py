@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import pyarrow as pa
 
-from wmspec.write.plan import Plan, Task
+from wmspec.write.plan import Plan
 from wmspec.write.rows import CHANNELS, COLUMNS, schema
 from wmspec.write.shards import Record
 
@@ -58,28 +59,46 @@ _MEANINGS = {name: meaning for columns in (COLUMNS, *CHANNELS.values()) for name
 _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
 
 
+@dataclass(frozen=True)
+class Described:
+    """A task that has questions: its name, its title, and the columns of its rows."""
+
+    name: str
+    title: str
+    columns: pa.Schema
+
+
 def croissant(plan: Plan, records: Mapping[str, Record]) -> dict[str, Any]:
     """The metadata as JSON values: a set of files and a record set per task that has questions."""
     rows = {t.spec.name: 0 for t in plan.tasks}
     for shard in plan.shards():
         rows[shard.task.spec.name] += records[shard.path].rows
-    filled = [t for t in plan.tasks if rows[t.spec.name]]
-    metadata: dict[str, Any] = {
+    filled = [Described(t.spec.name, t.spec.title, schema(t.spec)) for t in plan.tasks if rows[t.spec.name]]
+    description = f"{sum(rows.values())} questions about a physical world, made by wmspec"
+    licenses = sorted({t.spec.license for t in plan.tasks if t.spec.license})
+    name = "-".join(t.spec.name for t in plan.tasks[:3])
+    return metadata(name, description, f"{plan.record['format']}.0.0", filled, licenses)
+
+
+def metadata(
+    name: str, description: str, version: str, tasks: Sequence[Described], licenses: Iterable[str]
+) -> dict[str, Any]:
+    """The metadata of a dataset of these tasks as JSON values."""
+    described: dict[str, Any] = {
         "@context": CONTEXT,
         "@type": "sc:Dataset",
         "conformsTo": "http://mlcommons.org/croissant/1.0",
-        "name": "-".join(t.spec.name for t in plan.tasks[:3]) or "wmspec",
-        "description": f"{sum(rows.values())} questions about a physical world, made by wmspec",
-        "version": f"{plan.record['format']}.0.0",
-        "distribution": [_files(t) for t in filled],
-        "recordSet": [_records(t) for t in filled],
+        "name": name or "wmspec",
+        "description": description,
+        "version": version,
+        "distribution": [_files(task.name) for task in tasks],
+        "recordSet": [_records(task) for task in tasks],
     }
-    licenses = sorted({t.spec.license for t in plan.tasks if t.spec.license})
-    return metadata | {"license": licenses} if licenses else metadata
+    listed = list(licenses)
+    return described | {"license": listed} if listed else described
 
 
-def _files(task: Task) -> dict[str, Any]:
-    name = task.spec.name
+def _files(name: str) -> dict[str, Any]:
     return {
         "@type": "cr:FileSet",
         "@id": f"files/{name}",
@@ -89,10 +108,10 @@ def _files(task: Task) -> dict[str, Any]:
     }
 
 
-def _records(task: Task) -> dict[str, Any]:
-    name = task.spec.name
-    fields = [_field(name, f) for f in schema(task.spec)]
-    described = {"description": task.spec.title} if task.spec.title else {}
+def _records(task: Described) -> dict[str, Any]:
+    name = task.name
+    fields = [_field(name, f) for f in task.columns]
+    described = {"description": task.title} if task.title else {}
     return {
         "@type": "cr:RecordSet",
         "@id": name,

@@ -85,11 +85,17 @@ def schema(spec: TaskSpec) -> pa.Schema:
     its SI `unit`. `group.f` is the key that all instances differing in `f` alone share: the "all but f" groups are one
     `groupby`.
     """
-    fields = [pa.field(name, kind) for name, (kind, _) in (COLUMNS | channels(spec)).items()]
     varied, drawn = _parted(spec.factors)
+    fields = [pa.field(name, kind) for name, (kind, _) in channels(spec).items()]
     fields += [_column("factor", f) for f in varied]
     fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]
     fields += [_column("nuisance", f) for f in drawn]
+    return table_schema(fields)
+
+
+def table_schema(more: Iterable[pa.Field]) -> pa.Schema:
+    """The columns that every dataset has, and more, with what Hugging Face `datasets` has to know of them."""
+    fields = [*(pa.field(name, kind) for name, (kind, _) in COLUMNS.items()), *more]
     features = {f.name: _FEATURE for f in fields if f.type == _IMAGES}
     return pa.schema(fields, metadata={"huggingface": json.dumps({"info": {"features": features}})})
 
