@@ -7,6 +7,9 @@ from __future__ import annotations
 
 import io
 import json
+import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +19,7 @@ from click.testing import CliRunner, Result
 from PIL import Image, ImageCms
 
 from wmspec.cli import main
+from wmspec.recast.table import COLUMNS
 from wmspec.write.reader import DatasetReader
 
 DOCS = Path(__file__).parents[2] / "docs" / "recast"
@@ -77,18 +81,23 @@ def test_the_example_is_a_dataset_like_any_other(example: Path) -> None:
     assert sorted(p.name for p in example.iterdir()) == ["README.md", "croissant.json", "data", "manifest.json"]
 
 
-def test_the_example_is_audited_viewed_evaluated_and_reported(example: Path, tmp_path: Path) -> None:
-    audited = run("audit", example)
-    assert audited.exit_code == 0, audited.output
-    assert "Nothing fails" in audited.output
-    assert run("view", example, "-o", tmp_path / "gallery.html").exit_code == 0
-    for model in ("oracle", "random"):
-        done = run("evaluate", example, "--model", model, "-o", tmp_path / "results" / f"{model}.parquet")
-        assert done.exit_code == 0, done.output
-    done = run("report", tmp_path / "results", "--dataset", example, "-o", tmp_path / "report")
-    assert done.exit_code == 0, done.output
-    said = json.loads((tmp_path / "report" / "report.json").read_text())
-    assert {line["system"]: line["average"]["value"] for line in said["tables"][0]["lines"]}["oracle"] == 1.0
+def test_the_commands_of_the_docs_work(tmp_path: Path) -> None:
+    """As they stand in docs/recast.md, one after the other."""
+    pytest.importorskip("skimage")
+    pytest.importorskip("statsmodels")
+    (block,) = re.findall(r"```sh\n(.*?)```", (DOCS.parent / "recast.md").read_text(), re.DOTALL)
+    here = f'set -e\npython() {{ {sys.executable} "$@"; }}\nwmspec() {{ {sys.executable} -m wmspec "$@"; }}\n'
+    (tmp_path / "docs").symlink_to(DOCS.parent)
+    done = subprocess.run(["bash", "-c", here + block], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "Nothing fails" in done.stdout
+    report = json.loads((tmp_path / "report" / "report.json").read_text())
+    assert {line["system"]: line["average"]["value"] for line in report["tables"][0]["lines"]}["oracle"] == 1.0
+
+
+def test_the_docs_name_every_column() -> None:
+    said = (DOCS.parent / "recast.md").read_text()
+    assert [name for name in COLUMNS if f"`{name}`" not in said] == []
 
 
 def test_hugging_face_reads_the_example(example: Path) -> None:
