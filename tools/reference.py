@@ -12,7 +12,7 @@ from pathlib import Path
 
 from wmspec.check.calls import signature
 from wmspec.check.functions import FUNCTIONS
-from wmspec.check.property_schema import LOOKS, slots, sort
+from wmspec.check.property_schema import LOOKS, slots, thing_type
 from wmspec.check.types import either
 from wmspec.check.units import EXAMPLES, UNITS
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
@@ -94,7 +94,7 @@ def reference() -> Iterator[str]:
     yield "### Settings\n"
     yield "Of a task, each once: " + ", ".join(f"`{name}` ({kind})" for name, kind in SETTINGS.items()) + ".\n"
     yield "### Tolerances\n"
-    limits = ((f"`{name}`", str(slot.kinds[0]), slot.meaning) for name, slot in TOLERANCES.items())
+    limits = ((f"`{name}`", str(slot.types[0]), slot.meaning) for name, slot in TOLERANCES.items())
     yield from table(("tolerance", "takes", "of"), limits)
     yield "### Materials\n"
     yield (
@@ -127,10 +127,10 @@ def forms(head: str, written: Iterable[Form]) -> Iterator[str]:
 
 def joints() -> Iterator[tuple[str, ...]]:
     """Each kind of joint: what it does, the kind of its coordinate, and what others do not have."""
-    has = {kind: slots(sort("joint", (), kind)) for kind in JOINTS}
+    has = {kind: slots(thing_type("joint", (), kind)) for kind in JOINTS}
     for kind, meaning in JOINTS.items():
         own = [name for name in has[kind] if not all(name in other for other in has.values())]
-        counts = either([str(k) for k in has[kind]["low"].kinds]) if "low" in has[kind] else "—"
+        counts = either([str(k) for k in has[kind]["low"].types]) if "low" in has[kind] else "—"
         yield f"`{kind}`", meaning, counts, ", ".join(f"`{name}`" for name in own) or "—"
 
 
@@ -155,7 +155,7 @@ def arguments(verb: Verb) -> Iterator[str]:
 
 def row(name: str, slot: Slot, default: str = "") -> tuple[str, ...]:
     """A property or argument as a row of its table."""
-    kinds = either([str(kind) for kind in slot.kinds])
+    kinds = either([str(kind) for kind in slot.types])
     left_out = f"`{slot.default}`" if slot.default is not None else "—" if slot.optional else "must be given"
     left_out = default or left_out
     return f"`{name}`", kinds + bounds(slot), left_out, slot.meaning

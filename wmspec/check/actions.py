@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import ir
 from wmspec.check.typed import Typed
-from wmspec.check.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, ROBOT, Kind
+from wmspec.check.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, ROBOT, Type
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import Slot
 from wmspec.diagnostics import suggestion
@@ -101,9 +101,9 @@ def property_(check: Expressions, name: str, member: s.Name) -> Typed:
     if member.id not in does.written:
         if slot.default is None:
             check.fail("WMS206", f"`{name}` does not say its {member.id}", member.span, f"add `{member.id}:` to it")
-        return Typed(expr, slot.kinds[0])
-    kind = argument(check, action, does, member.id).kind
-    return Typed(expr, AN_ANGLE if kind == DIRECTION and AN_ANGLE in slot.kinds else kind)
+        return Typed(expr, slot.types[0])
+    kind = argument(check, action, does, member.id).type
+    return Typed(expr, AN_ANGLE if kind == DIRECTION and AN_ANGLE in slot.types else kind)
 
 
 def slot_of(check: Expressions, name: str, member: s.Name) -> Slot:
@@ -124,7 +124,7 @@ def argument(check: Expressions, action: s.Action, does: Act, name: str) -> Type
 
     def make() -> Typed:
         check.subject = subject(check, action, does) if name != "object" else None
-        return check.value(written.value, _kinds(check, action, does, name, slot), f"`{name}`")
+        return check.value(written.value, _types(check, action, does, name, slot), f"`{name}`")
 
     return check.once((action.name.id, name), written.span, make)
 
@@ -134,15 +134,15 @@ def subject(check: Expressions, action: s.Action, does: Act) -> ir.Expr | None:
     return argument(check, action, does, "object").expr if "object" in does.written else None
 
 
-def _kinds(check: Expressions, action: s.Action, does: Act, name: str, slot: Slot) -> tuple[Kind, ...]:
-    """The kinds that an argument takes: a joint's target is what the joint says."""
+def _types(check: Expressions, action: s.Action, does: Act, name: str, slot: Slot) -> tuple[Type, ...]:
+    """The types that an argument takes: a joint's target is what the joint says."""
     if (does.name, name) != ("drive", "target") or "joint" not in does.written:
-        return slot.kinds
+        return slot.types
     joint = argument(check, action, does, "joint").expr
     block = check.scope.names[str(joint.value)] if isinstance(joint, ir.Value) else None
     if not isinstance(block, s.Block) or block.model is None:
-        return slot.kinds
-    return {"hinge": (AN_ANGLE,), "slider": (A_LENGTH,)}.get(block.model.id, slot.kinds)
+        return slot.types
+    return {"hinge": (AN_ANGLE,), "slider": (A_LENGTH,)}.get(block.model.id, slot.types)
 
 
 def start(check: Expressions, action: s.Action) -> tuple[Typed, Span]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmspec.check import ir
 from wmspec.check.functions import FUNCTIONS, Function
 from wmspec.check.typed import Typed, joined
-from wmspec.check.types import ITEM, LABEL, OBJECT, QUANTITY, Kind, List, Quantity, article
+from wmspec.check.types import ITEM, LABEL, OBJECT, QUANTITY, List, Quantity, Type, article
 from wmspec.check.verbs import VERBS
 from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
@@ -50,39 +50,39 @@ def _function(check: Expressions, e: s.Call) -> tuple[str, Function]:
     return e.function.id, FUNCTIONS[e.function.id]
 
 
-def _result(check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]) -> Kind:
+def _result(check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]) -> Type:
     if function.result == QUANTITY:
         return _common(check, name, written, given)
     if function.result == ITEM:
-        items = given[0].kind
+        items = given[0].type
         assert isinstance(items, List)
         assert items.item is not None
         return items.item
     return function.result
 
 
-def _argument(check: Expressions, function: str, argument: s.Argument, kind: Kind) -> Typed:
+def _argument(check: Expressions, function: str, argument: s.Argument, kind: Type) -> Typed:
     if kind == List(ITEM):
         typed = check.infer(argument.value)
-        if not isinstance(typed.kind, List) or typed.kind.item is None:
+        if not isinstance(typed.type, List) or typed.type.item is None:
             check.fail("WMS302", f"`{function}` wants a list of items to choose from", argument.span, "write `[a, b]`")
         return typed
     if kind != QUANTITY:
         return check.value(argument.value, (kind,), f"`{function}`")
     typed = check.infer(argument.value)
-    if not isinstance(typed.kind, Quantity):
-        what = article(str(typed.kind))
+    if not isinstance(typed.type, Quantity):
+        what = article(str(typed.type))
         check.fail("WMS302", f"`{function}` wants quantities, but this is {what}", argument.span)
     return typed
 
 
-def _common(check: Expressions, function: str, written: list[s.Argument], given: list[Typed]) -> Kind:
+def _common(check: Expressions, function: str, written: list[s.Argument], given: list[Typed]) -> Type:
     """The kind that quantities have in common."""
-    kind = given[0].kind
+    kind = given[0].type
     for argument, typed in zip(written[1:], given[1:], strict=True):
-        common = joined(kind, typed.kind)
+        common = joined(kind, typed.type)
         if common is None:
-            check.misfit(argument.span, typed.kind, (kind,), f"`{function}`, like its first argument,")
+            check.misfit(argument.span, typed.type, (kind,), f"`{function}`, like its first argument,")
         kind = common
     return kind
 

@@ -101,14 +101,14 @@ class Counterfactuals:
         expr = beside(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
         if expr == ir.Property(owner=ir.Value(value=owner), name=prop):
             self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
-        return self._made(name, change, owner, prop, expr, str(typed.kind))
+        return self._made(name, change, owner, prop, expr, str(typed.type))
 
     def _value(self, change: s.Change, value: s.Expr, owner: str, slot: Slot, prop: str) -> Typed:
         if change.kind == "action":
             action = actions.named(self.check, owner)
             self.check.subject = actions.subject(self.check, action, actions.act(self.check, action))
         try:
-            return self.check.value(value, slot.kinds, f"`{prop}`")
+            return self.check.value(value, slot.types, f"`{prop}`")
         finally:
             self.check.subject = None
 
@@ -121,15 +121,15 @@ class Counterfactuals:
             self.check.fail("WMS503", message, target.span, f"write something like `{example}`")
         owner = self.check.infer(target.value)
         wanted = (ACTION,) if change.kind == "action" else _CHANGED
-        if owner.kind not in wanted or not isinstance(owner.expr, ir.Value):
+        if owner.type not in wanted or not isinstance(owner.expr, ir.Value):
             what = "an action" if change.kind == "action" else "an object or camera"
-            found = article(str(owner.kind))
+            found = article(str(owner.type))
             message = f"`{change.kind}` changes {what}, but this is {found}"
-            if owner.kind in wanted:
-                message = f"`{change.kind}` changes one named value, and which {owner.kind} this is depends on a factor"
+            if owner.type in wanted:
+                message = f"`{change.kind}` changes one named value, and which {owner.type} this is depends on a factor"
             self.check.fail("WMS503", message, target.value.span)
         name, prop = str(owner.expr.value), target.name
-        if owner.kind == ACTION:
+        if owner.type == ACTION:
             return name, prop.id, actions.slot_of(self.check, name, prop)
         of = named(self.check, name)
         if prop.id not in of.slots:

@@ -12,7 +12,7 @@ from wmspec.check.expressions import Expressions
 from wmspec.check.functions import FUNCTIONS
 from wmspec.check.lists import MOST_VALUES
 from wmspec.check.typed import constant, joined
-from wmspec.check.types import A_NUMBER, TRUTH, Kind, List, Quantity, Vector, article
+from wmspec.check.types import A_NUMBER, TRUTH, List, Quantity, Type, Vector, article
 from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
 from wmspec.places import Span
@@ -37,7 +37,7 @@ class Option:
 class Written:
     """A domain as it was written: separate `options`, perhaps with `weights`, or a continuous `spread`."""
 
-    kind: Kind
+    type: Type
     options: tuple[Option, ...] = ()
     weights: tuple[float, ...] | None = None
     spread: ir.Interval | ir.Normal | None = None
@@ -49,7 +49,7 @@ class Written:
 
 
 def read(check: Expressions, e: s.Expr) -> Written:
-    """A domain with the kind of its values. Conditions are not looked at yet: they may be about any other factor."""
+    """A domain with the type of its values. Conditions are not looked at yet: they may be about any other factor."""
     match e:
         case s.Operation(operator="if"):
             return _either(check, e)
@@ -67,9 +67,9 @@ def read(check: Expressions, e: s.Expr) -> Written:
 
 def _list(check: Expressions, e: s.Expr) -> Written:
     typed = check.infer(e)
-    if not isinstance(typed.kind, List):
-        check.fail("WMS401", f"a domain is a list or a range of values, not {article(str(typed.kind))}", e.span, _WRITE)
-    if typed.kind.item is None:
+    if not isinstance(typed.type, List):
+        check.fail("WMS401", f"a domain is a list or a range of values, not {article(str(typed.type))}", e.span, _WRITE)
+    if typed.type.item is None:
         check.fail("WMS401", "this domain has no values", e.span, _WRITE)
     if not isinstance(typed.expr, ir.Items):
         check.fail("WMS401", "the values of a domain are constants", e.span, "write them out")
@@ -78,7 +78,7 @@ def _list(check: Expressions, e: s.Expr) -> Written:
     options = tuple(Option(_level(check, expr, span), span) for expr, span in values)
     if isinstance(e, s.Items):
         _no_value_twice(check, options)
-    return Written(typed.kind.item, options)
+    return Written(typed.type.item, options)
 
 
 def _level(check: Expressions, expr: ir.Expr, span: Span) -> Level:
@@ -101,13 +101,13 @@ def _no_value_twice(check: Expressions, options: tuple[Option, ...]) -> None:
 
 def _interval(check: Expressions, e: s.Range) -> Written:
     typed = check.infer(e)
-    assert isinstance(typed.kind, List)
+    assert isinstance(typed.type, List)
     assert isinstance(typed.expr, ir.Items)
-    assert typed.kind.item is not None
+    assert typed.type.item is not None
     low, high = (_number(check, end, e.span) for end in typed.expr.items)
     if high < low:
         check.fail("WMS401", "this interval is empty: it goes up from its start to its end", e.span)
-    return Written(typed.kind.item, spread=ir.Interval(low=low, high=high))
+    return Written(typed.type.item, spread=ir.Interval(low=low, high=high))
 
 
 def _number(check: Expressions, expr: ir.Expr, span: Span) -> float:
@@ -124,9 +124,9 @@ def _either(check: Expressions, e: s.Operation) -> Written:
     """`if CONDITION then DOMAIN else DOMAIN`: the values of both, each with its condition."""
     condition, *branches = e.operands
     yes, no = (_separate(check, branch, "a choice between domains") for branch in branches)
-    kind = joined(yes.kind, no.kind)
+    kind = joined(yes.type, no.type)
     if kind is None:
-        check.misfit(branches[1].span, no.kind, (yes.kind,), "`else`, like its `then`,")
+        check.misfit(branches[1].span, no.type, (yes.type,), "`else`, like its `then`,")
     options = [
         replace(option, when=((condition, holds), *option.when))
         for written, holds in ((yes, True), (no, False))
@@ -170,12 +170,12 @@ def _product(check: Expressions, e: s.Call) -> Written:
     """Every point whose coordinates are from the lists."""
     arguments = _arguments(check, e, (2, 3), "a list for each coordinate")
     lists = [_separate(check, a, "`product`") for a in arguments]
-    kind = lists[0].kind
+    kind = lists[0].type
     for written, argument in zip(lists, arguments, strict=True):
-        common = joined(kind, written.kind)
+        common = joined(kind, written.type)
         if not isinstance(common, Quantity):
             wanted = kind if isinstance(kind, Quantity) else A_NUMBER
-            check.misfit(argument.span, written.kind, (wanted,), "`product`")
+            check.misfit(argument.span, written.type, (wanted,), "`product`")
         if written.conditional:
             check.fail("WMS401", "`product` takes lists of which all values are always there", argument.span)
         kind = common
@@ -242,16 +242,16 @@ def _arguments(check: Expressions, e: s.Call, counts: tuple[int, ...], what: str
     return tuple(a.value for a in e.arguments)
 
 
-def _numbers(check: Expressions, e: s.Call, what: str) -> tuple[Kind, tuple[float, float]]:
+def _numbers(check: Expressions, e: s.Call, what: str) -> tuple[Type, tuple[float, float]]:
     """Two constant quantities of one kind."""
     first, second = _arguments(check, e, (2,), what)
     a, b = check.infer(first), check.infer(second)
     assert isinstance(e.function, s.Name)
-    if not isinstance(a.kind, Quantity):
-        check.fail("WMS302", f"`{e.function.id}` wants quantities, but this is {article(str(a.kind))}", first.span)
-    kind = joined(a.kind, b.kind)
+    if not isinstance(a.type, Quantity):
+        check.fail("WMS302", f"`{e.function.id}` wants quantities, but this is {article(str(a.type))}", first.span)
+    kind = joined(a.type, b.type)
     if kind is None:
-        check.misfit(second.span, b.kind, (a.kind,), f"`{e.function.id}`, like its first argument,")
+        check.misfit(second.span, b.type, (a.type,), f"`{e.function.id}`, like its first argument,")
     return kind, (_number(check, a.expr, first.span), _number(check, b.expr, second.span))
 
 

@@ -12,7 +12,7 @@ from typing import NoReturn
 from wmspec.check import calls, ir, lists, members, names, operators, units
 from wmspec.check.scope import Scope
 from wmspec.check.typed import ZERO, Failed, Typed, constant, example, fits
-from wmspec.check.types import DIRECTION, OBJECT, TEXT, TRUTH, Kind, Quantity, Vector, article, either
+from wmspec.check.types import DIRECTION, OBJECT, TEXT, TRUTH, Quantity, Type, Vector, article, either
 from wmspec.check.units import NUMBER, Dimension
 from wmspec.diagnostics import Note, Report, suggestion
 from wmspec.parse import syntax as s
@@ -36,17 +36,17 @@ class Expressions:
         self._open: list[tuple[tuple[str, str], Span]] = []
         self._depth = self._deepest = 0
         self._height: dict[tuple[str, str], int] = {}
-        self.domain_of: Callable[[s.Factor], Kind]  # set by who checks domains, which are made of expressions
+        self.domain_of: Callable[[s.Factor], Type]  # set by who checks domains, which are made of expressions
 
-    def value(self, e: s.Expr, wanted: tuple[Kind, ...], what: str) -> Typed:
+    def value(self, e: s.Expr, wanted: tuple[Type, ...], what: str) -> Typed:
         """Check an expression that must be of one of the wanted kinds. `what` names the place in messages."""
         typed = self.infer(e, wanted)
         for kind in wanted:
-            if fits(typed.kind, kind):
+            if fits(typed.type, kind):
                 return Typed(typed.expr, kind)
-        self.misfit(e.span, typed.kind, wanted, what)
+        self.misfit(e.span, typed.type, wanted, what)
 
-    def infer(self, e: s.Expr, wanted: tuple[Kind, ...] = ()) -> Typed:
+    def infer(self, e: s.Expr, wanted: tuple[Type, ...] = ()) -> Typed:
         """Check an expression of any kind; `wanted` helps to read bare words and suggest others."""
         self._depth += 1
         try:
@@ -55,7 +55,7 @@ class Expressions:
         finally:
             self._depth -= 1
 
-    def _infer(self, e: s.Expr, wanted: tuple[Kind, ...]) -> Typed:
+    def _infer(self, e: s.Expr, wanted: tuple[Type, ...]) -> Typed:
         match e:
             case s.Number():
                 return self._number(e)
@@ -76,7 +76,7 @@ class Expressions:
             case s.Range():
                 return lists.range_(self, e)
 
-    def measuring(self, e: s.Expr, wanted: tuple[Kind, ...] = (), what: str = "") -> Typed:
+    def measuring(self, e: s.Expr, wanted: tuple[Type, ...] = (), what: str = "") -> Typed:
         """Check an expression in which measured functions may stand; of any kind if none is wanted."""
         before, self.measured = self.measured, True
         try:
@@ -89,7 +89,7 @@ class Expressions:
         self.report.add(code, message, span, help, notes)
         raise Failed
 
-    def misfit(self, span: Span, found: Kind, wanted: tuple[Kind, ...], what: str) -> NoReturn:
+    def misfit(self, span: Span, found: Type, wanted: tuple[Type, ...], what: str) -> NoReturn:
         """Report a value of the wrong kind."""
         wants = either([article(str(k)) for k in wanted])
         examples = [f"`{example(k)}`" for k in wanted[:2] if example(k)]

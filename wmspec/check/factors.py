@@ -9,7 +9,7 @@ from wmspec.check.domains import Level, Written, conditions, read
 from wmspec.check.evaluate import parts
 from wmspec.check.expressions import Expressions
 from wmspec.check.typed import ZERO, Failed, constant
-from wmspec.check.types import A_NUMBER, TRUTH, Kind, Quantity, Vector
+from wmspec.check.types import A_NUMBER, TRUTH, Quantity, Type, Vector
 from wmspec.check.vocabulary import PLANS
 from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
@@ -26,11 +26,11 @@ class Factors:
 
     def __init__(self, check: Expressions) -> None:
         self.check = check
-        check.domain_of = self.kind
+        check.domain_of = self.type_of
 
-    def kind(self, factor: s.Factor) -> Kind:
-        """The kind of a factor's values."""
-        return read(self.check, factor.domain).kind
+    def type_of(self, factor: s.Factor) -> Type:
+        """The type of a factor's values."""
+        return read(self.check, factor.domain).type
 
     # ------------------------------------------------------------ factors
 
@@ -38,7 +38,7 @@ class Factors:
         """A factor or nuisance with its domain."""
         written = read(self.check, factor.domain)
         domain = self._drawn(factor, written) if factor.nuisance else self._studied(factor, written)
-        kind = written.kind
+        kind = written.type
         dimension = kind.dimension if isinstance(kind, Quantity | Vector) and kind.dimension != ZERO else None
         return ir.Factor(
             name=factor.name.id,
@@ -184,7 +184,7 @@ class Factors:
     def _level(self, factor: s.Factor, e: s.Expr) -> Level:
         """One of the values of a factor."""
         written = read(self.check, factor.domain)
-        expr = self.check.value(e, (written.kind,), f"`{factor.name.id}`").expr
+        expr = self.check.value(e, (written.type,), f"`{factor.name.id}`").expr
         for option in written.options:
             if _same(option.value, expr):
                 return option.value

@@ -19,9 +19,9 @@ from wmspec.check.types import (
     QUANTITY,
     RELATION,
     TRUTH,
-    Kind,
     List,
     Quantity,
+    Type,
 )
 from wmspec.check.units import SPEED, VOLUME
 
@@ -36,15 +36,15 @@ class Function:
     """
 
     meaning: str
-    parameters: tuple[Kind, ...]
-    result: Kind
+    parameters: tuple[Type, ...]
+    result: Type
     measured: str = ""
-    options: dict[str, Kind] = field(default_factory=dict)
+    options: dict[str, Type] = field(default_factory=dict)
     repeated: bool = False
     chooses: bool = False
 
 
-_TIE: dict[str, Kind] = {"tie": A_NUMBER}
+_TIE: dict[str, Type] = {"tie": A_NUMBER}
 _OBJECTS = List(OBJECT)
 _FRACTION = A_NUMBER
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import ir, units
 from wmspec.check.typed import Typed, constant, fits, joined
-from wmspec.check.types import A_NUMBER, Kind, List, Quantity, Vector
+from wmspec.check.types import A_NUMBER, List, Quantity, Type, Vector
 from wmspec.parse import syntax as s
 from wmspec.places import Span
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 MOST_VALUES = 10_000
 
 
-def items(check: Expressions, e: s.Items, wanted: tuple[Kind, ...]) -> Typed:
+def items(check: Expressions, e: s.Items, wanted: tuple[Type, ...]) -> Typed:
     """A list of values of one kind, or a tuple of two or three quantities."""
     inner = tuple(k.item for k in wanted if isinstance(k, List) and k.item) or wanted
     found = [check.infer(i, inner) for i in e.items]
     if e.unit is not None:
         found = [_scaled(check, i, e.unit, written.span) for i, written in zip(found, e.items, strict=True)]
-    kind = found[0].kind if found else None
+    kind = found[0].type if found else None
     for item, written in zip(found, e.items, strict=True):
-        common = joined(kind, item.kind) if kind else None
+        common = joined(kind, item.type) if kind else None
         if kind is not None and common is None:
-            check.misfit(written.span, item.kind, (kind,), f"this {e.kind}, like its first item,")
+            check.misfit(written.span, item.type, (kind,), f"this {e.kind}, like its first item,")
         kind = common
     expr = ir.Items(items=tuple(i.expr for i in found))
     if e.kind == "list":
@@ -41,7 +41,7 @@ def items(check: Expressions, e: s.Items, wanted: tuple[Kind, ...]) -> Typed:
 def _scaled(check: Expressions, item: Typed, unit: str, span: Span) -> Typed:
     """An item of a list that carries the unit of all its items."""
     scale, dimension = check.unit(unit, span)
-    if not fits(item.kind, A_NUMBER):
+    if not fits(item.type, A_NUMBER):
         check.fail("WMS301", "this value has a unit of its own already, beside that of the list", span)
     value = item.expr.value if isinstance(item.expr, ir.Value) else None
     if isinstance(value, float):
@@ -53,9 +53,9 @@ def _scaled(check: Expressions, item: Typed, unit: str, span: Span) -> Typed:
 def range_(check: Expressions, e: s.Range) -> Typed:
     """The values of a range; of an interval, its two ends."""
     start, stop = check.infer(e.start), check.infer(e.stop)
-    kind = joined(start.kind, stop.kind)
+    kind = joined(start.type, stop.type)
     if not isinstance(kind, Quantity):
-        check.misfit(e.stop.span, stop.kind, (start.kind,), "`..`, like its start,")
+        check.misfit(e.stop.span, stop.type, (start.type,), "`..`, like its start,")
     if e.step is not None:
         step = check.value(e.step, (kind,), "`by`")
         return Typed(_steps(check, e, start.expr, stop.expr, step.expr), List(kind))

@@ -12,7 +12,7 @@ from typing import Any, Literal, cast
 
 from wmspec.check import ir
 from wmspec.check.defaults import default_value
-from wmspec.check.property_schema import Sort, inherited, slots, sort, unfit
+from wmspec.check.property_schema import ThingType, inherited, slots, thing_type, unfit
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import JOINTS, TOLERANCES, Slot
 from wmspec.diagnostics import WmsError, suggestion
@@ -64,12 +64,12 @@ def thing(
     kind: Literal["object", "camera", "light", "world"], name: str, *, set: str = "", **properties: Any
 ) -> ir.Thing:
     """An object, camera, light or the world. Raises WmsError for a property that its kind lacks or that is missing."""
-    return _thing(name, sort(kind, properties), properties, set=set)
+    return _thing(name, thing_type(kind, properties), properties, set=set)
 
 
 def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: Any) -> tuple[ir.Thing, ...]:
     """An object made of parts (their properties by name), followed by these. Raises WmsError as `thing` does."""
-    whole = _thing(name, sort("object", properties, parts=True), properties)
+    whole = _thing(name, thing_type("object", properties, parts=True), properties)
     return whole, *(_part(whole, part, said) for part, said in parts.items())
 
 
@@ -88,14 +88,14 @@ def joint(name: str, model: str, **properties: Any) -> ir.Thing:
     """A joint of a model: hinge, slider, ball or fixed. Raises WmsError as `thing` does."""
     if model not in JOINTS:
         raise WmsError(f"there is no kind of joint `{model}`; {suggestion(model, JOINTS)}")
-    return _thing(name, sort("joint", properties, model), properties, model=model)
+    return _thing(name, thing_type("joint", properties, model), properties, model=model)
 
 
 def robot(name: str, model: str, **properties: Any) -> ir.Thing:
     """A robot of a model. Raises WmsError as `thing` does."""
     if model not in ROBOTS:
         raise WmsError(f"there is no kind of robot `{model}`; {suggestion(model, ROBOTS)}")
-    return _thing(name, sort("robot", properties), properties, model=model)
+    return _thing(name, thing_type("robot", properties), properties, model=model)
 
 
 def action(
@@ -170,8 +170,8 @@ def _setting(value: Any) -> ir.Setting:
     return ir.Setting(value=expression(value), place=HERE)
 
 
-def _thing(name: str, of: Sort, properties: dict[str, Any], *, model: str = "", set: str = "") -> ir.Thing:
-    """A thing of a sort. Raises WmsError for a property that it cannot have or that is missing."""
+def _thing(name: str, of: ThingType, properties: dict[str, Any], *, model: str = "", set: str = "") -> ir.Thing:
+    """A thing of a type. Raises WmsError for a property that it cannot have or that is missing."""
     whose = f"the {of.kind} `{name}`"
     for key in properties:
         if reason := unfit(of, key):
@@ -183,7 +183,7 @@ def _thing(name: str, of: Sort, properties: dict[str, Any], *, model: str = "", 
 
 def _part(whole: ir.Thing, name: str, said: Mapping[str, Any]) -> ir.Thing:
     name = f"{whole.name}.{name}"
-    properties = _filled(slots(sort("part", said)), said, f"the part `{name}`")
+    properties = _filled(slots(thing_type("part", said)), said, f"the part `{name}`")
     for look in inherited(said, whole.properties):
         properties[look] = _setting(ir.Property(owner=ir.Value(value=whole.name), name=look))
     return ir.Thing(kind="part", name=name, of=whole.name, properties=properties, place=HERE)

@@ -13,8 +13,8 @@ from wmspec.check.types import (
     ACTION,
     OBJECT,
     PART,
-    Kind,
     Quantity,
+    Type,
     Vector,
     article,
 )
@@ -32,22 +32,22 @@ _OWNERS = {**{kind: block for block, kind in BLOCKS.items()}, PART: "part"}
 def member(check: Expressions, e: s.Member) -> Typed:
     """`ball.mass`, `push.speed`, `rack.left`, `spot.x`."""
     whole = check.infer(e.value)
-    if isinstance(whole.kind, Vector):
-        return _coordinate(check, whole, whole.kind, e.name)
-    if whole.kind == ACTION and isinstance(whole.expr, ir.Value):
+    if isinstance(whole.type, Vector):
+        return _coordinate(check, whole, whole.type, e.name)
+    if whole.type == ACTION and isinstance(whole.expr, ir.Value):
         return actions.property_(check, str(whole.expr.value), e.name)
-    if whole.kind not in _OWNERS:
-        check.fail("WMS203", f"{article(str(whole.kind))} has no properties", e.name.span)
-    kind = _OWNERS[whole.kind]
+    if whole.type not in _OWNERS:
+        check.fail("WMS203", f"{article(str(whole.type))} has no properties", e.name.span)
+    kind = _OWNERS[whole.type]
     if not isinstance(whole.expr, ir.Value):  # which one depends on a factor
         slot = _row(check, PROPERTIES[kind], e.name, kind)
-        return Typed(ir.Property(owner=whole.expr, name=e.name.id), slot.kinds[0])
+        return Typed(ir.Property(owner=whole.expr, name=e.name.id), slot.types[0])
     name = str(whole.expr.value)
     if (found := _of_asset(check, name, e.name)) is not None:
         return found
-    if whole.kind == OBJECT and f"{name}.{e.name.id}" in _parts(check, name):
+    if whole.type == OBJECT and f"{name}.{e.name.id}" in _parts(check, name):
         return Typed(ir.Value(value=f"{name}.{e.name.id}"), PART)
-    return Typed(ir.Property(owner=whole.expr, name=e.name.id), _kind(check, named(check, name), e.name))
+    return Typed(ir.Property(owner=whole.expr, name=e.name.id), _type(check, named(check, name), e.name))
 
 
 def _of_asset(check: Expressions, name: str, member: s.Name) -> Typed | None:
@@ -92,22 +92,22 @@ def _coordinate(check: Expressions, point: Typed, kind: Vector, name: s.Name) ->
     return Typed(ir.Operation(operator=name.id, operands=(point.expr,)), Quantity(kind.dimension))
 
 
-def _kind(check: Expressions, of: Owner, name: s.Name) -> Kind:
+def _type(check: Expressions, of: Owner, name: s.Name) -> Type:
     """The kind of a property: that of the value it is given, or of its default."""
     if name.id not in of.slots:
         check.fail(*of.lacks(name))
     slot = of.slots[name.id]
     if name.id in of.said:
-        return setting(check, of, of.said[name.id], slot).kind
+        return setting(check, of, of.said[name.id], slot).type
     if slot.default is None and name.id not in BY_MATERIAL:
         check.fail(*of.silent(name))
-    return slot.kinds[0]
+    return slot.types[0]
 
 
 def setting(check: Expressions, of: Owner, p: s.Property, slot: Slot) -> Typed:
     """The value of a written property."""
     key = (of.name, p.name.id)
-    return check.once(key, p.name.span, lambda: check.value(p.value, slot.kinds, f"`{p.name.id}`"))
+    return check.once(key, p.name.span, lambda: check.value(p.value, slot.types, f"`{p.name.id}`"))
 
 
 def index(check: Expressions, e: s.Index) -> Typed:
@@ -115,7 +115,7 @@ def index(check: Expressions, e: s.Index) -> Typed:
     declared = check.scope.names.get(e.value.id) if isinstance(e.value, s.Name) else None
     if not isinstance(declared, s.Block) or declared.kind != "objects":
         found = check.infer(e.value)
-        message = f"only a set of objects has members, and this is {article(str(found.kind))}"
+        message = f"only a set of objects has members, and this is {article(str(found.type))}"
         check.fail("WMS302", message, e.value.span, "declare it with `objects NAME[NUMBER] { ... }`")
     members = check.scope.members(declared.name.id)
     if not members:  # its number is wrong, and that was reported

@@ -17,8 +17,8 @@ from wmspec.check.types import (
     OBJECT,
     ROBOT,
     WORLD,
-    Kind,
     List,
+    Type,
     Word,
 )
 from wmspec.check.vocabulary import WORDS
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from wmspec.check.scope import Declaration
 
 #: The kind of what a block declares.
-BLOCKS: dict[str, Kind] = {
+BLOCKS: dict[str, Type] = {
     "object": OBJECT,
     "camera": CAMERA,
     "joint": JOINT,
@@ -40,13 +40,13 @@ BLOCKS: dict[str, Kind] = {
 }
 
 
-def name(check: Expressions, e: s.Name, wanted: tuple[Kind, ...]) -> Typed:
+def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
     """What a name stands for. What is declared goes before a word, unless only the word fits what is wanted."""
     word = _word(e.id, wanted)
     declared = check.scope.names.get(e.id)
     if declared is not None:
         found = _declared(check, e, declared)
-        return found if word is None or any(fits(found.kind, k) for k in wanted) else word
+        return found if word is None or any(fits(found.type, k) for k in wanted) else word
     if e.id == "end":
         return Typed(ir.Ref(name="end"), A_TIME)
     if e.id == "index":
@@ -61,10 +61,10 @@ def _declared(check: Expressions, e: s.Name, declared: Declaration) -> Typed:
     match declared:
         case s.Factor():
             made = check.once(("factor", e.id), e.span, lambda: Typed(ir.Ref(name=e.id), check.domain_of(declared)))
-            return Typed(ir.Ref(name=e.id), made.kind)
+            return Typed(ir.Ref(name=e.id), made.type)
         case s.Let():
             made = check.once(("let", e.id), e.span, lambda: check.infer(declared.value))
-            return Typed(ir.Ref(name=e.id), made.kind)
+            return Typed(ir.Ref(name=e.id), made.type)
         case s.Block(kind="objects"):
             return Typed(_present(check.scope.members(e.id)), List(OBJECT))
         case s.Block():
@@ -81,7 +81,7 @@ def _present(members: tuple[str, ...]) -> ir.Expr:
     return ir.Call(function="present", arguments=(everyone,))
 
 
-def _word(word: str, wanted: tuple[Kind, ...]) -> Typed | None:
+def _word(word: str, wanted: tuple[Type, ...]) -> Typed | None:
     """The word as one of the vocabularies that are wanted."""
     for kind in wanted:
         item = kind.item if isinstance(kind, List) else kind
@@ -91,7 +91,7 @@ def _word(word: str, wanted: tuple[Kind, ...]) -> Typed | None:
     return None
 
 
-def _suggest(check: Expressions, name: str, wanted: tuple[Kind, ...]) -> str:
+def _suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
     words = [w for k in wanted if isinstance(k, Word) for w in WORDS.get(k.vocabulary, ())]
     for block, kind in BLOCKS.items():
         if kind in wanted or (kind == OBJECT and LABEL in wanted):

@@ -22,7 +22,7 @@ class Observations:
         camera = self.check.value(observe.camera, (CAMERA,), "`observe`").expr
         assert isinstance(camera, ir.Value)  # the grammar takes a name here, and a factor is none
         times = self.check.value(observe.times, (List(A_TIME), A_TIME), "`at`")
-        expr = times.expr if isinstance(times.kind, List) else ir.Items(items=(times.expr,))
+        expr = times.expr if isinstance(times.type, List) else ir.Items(items=(times.expr,))
         if expr == ir.Items(items=()):
             message = "there is no time here at which to look"
             self.check.fail("WMS504", message, observe.times.span, "write `[0 s, 1 s]`")

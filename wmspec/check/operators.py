@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check.typed import ZERO, Typed, joined, operation
-from wmspec.check.types import TRUTH, Kind, Quantity, article
+from wmspec.check.types import TRUTH, Quantity, Type, article
 from wmspec.check.units import NUMBER
 from wmspec.parse import syntax as s
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 COMPARISONS = ("==", "!=", "<", "<=", ">", ">=")
 
 
-def operation_of(check: Expressions, e: s.Operation, wanted: tuple[Kind, ...]) -> Typed:
+def operation_of(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -> Typed:
     """An operator applied to what it takes."""
     if e.operator == "if":
         return _conditional(check, e, wanted)
@@ -27,23 +27,23 @@ def operation_of(check: Expressions, e: s.Operation, wanted: tuple[Kind, ...]) -
     return _arithmetic(check, e)
 
 
-def _conditional(check: Expressions, e: s.Operation, wanted: tuple[Kind, ...]) -> Typed:
+def _conditional(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -> Typed:
     condition = check.value(e.operands[0], (TRUTH,), "`if`")
     yes, no = (check.infer(o, wanted) for o in e.operands[1:])
-    kind = joined(yes.kind, no.kind)
+    kind = joined(yes.type, no.type)
     if kind is None:
-        check.misfit(e.operands[2].span, no.kind, (yes.kind,), "`else`, like its `then`,")
+        check.misfit(e.operands[2].span, no.type, (yes.type,), "`else`, like its `then`,")
     return operation("if", [condition, yes, no], kind)
 
 
 def _comparison(check: Expressions, e: s.Operation) -> Typed:
     left = check.infer(e.operands[0])
-    right = check.infer(e.operands[1], (left.kind,))
-    if joined(left.kind, right.kind) is None:
-        what = f"`{e.operator}`, after {article(str(left.kind))},"
-        check.misfit(e.operands[1].span, right.kind, (left.kind,), what)
-    if e.operator not in ("==", "!=") and not isinstance(left.kind, Quantity):
-        check.fail("WMS302", f"`{e.operator}` compares quantities, not {left.kind}s", e.span, "use `==` or `!=`")
+    right = check.infer(e.operands[1], (left.type,))
+    if joined(left.type, right.type) is None:
+        what = f"`{e.operator}`, after {article(str(left.type))},"
+        check.misfit(e.operands[1].span, right.type, (left.type,), what)
+    if e.operator not in ("==", "!=") and not isinstance(left.type, Quantity):
+        check.fail("WMS302", f"`{e.operator}` compares quantities, not {left.type}s", e.span, "use `==` or `!=`")
     return operation(e.operator, [left, right], TRUTH)
 
 
@@ -51,10 +51,10 @@ def _arithmetic(check: Expressions, e: s.Operation) -> Typed:
     operands = [check.infer(o) for o in e.operands]
     kinds = []
     for operand, written in zip(operands, e.operands, strict=True):
-        if not isinstance(operand.kind, Quantity):
-            message = f"`{e.operator}` wants quantities, but this is {article(str(operand.kind))}"
+        if not isinstance(operand.type, Quantity):
+            message = f"`{e.operator}` wants quantities, but this is {article(str(operand.type))}"
             check.fail("WMS302", message, written.span)
-        kinds.append(operand.kind)
+        kinds.append(operand.type)
     dimensions = [NUMBER if k.dimension == ZERO and e.operator in "*/" else k.dimension for k in kinds]
     if len(operands) == 1:
         return operation("-", operands, kinds[0])

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from wmspec.check.property_schema import Sort, remedy, slots, sort, unfit
+from wmspec.check.property_schema import ThingType, remedy, slots, thing_type, unfit
 from wmspec.check.vocabulary import Slot
 from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
@@ -15,10 +15,10 @@ from wmspec.places import Span
 
 @dataclass(frozen=True)
 class Owner:
-    """A block or a part: its name in the IR, its sort, and the properties as they are written."""
+    """A block or a part: its name in the IR, its type, and the properties as they are written."""
 
     name: str
-    sort: Sort
+    type: ThingType
     written: tuple[s.Property, ...]
     span: Span
     parts: tuple[str, ...] = ()
@@ -26,7 +26,7 @@ class Owner:
     @property
     def slots(self) -> dict[str, Slot]:
         """The properties that it can have."""
-        return slots(self.sort)
+        return slots(self.type)
 
     @cached_property
     def said(self) -> dict[str, s.Property]:
@@ -40,9 +40,9 @@ class Owner:
 
     def lacks(self, name: s.Name) -> tuple[str, str, Span, str]:
         """The complaint about a property that it cannot have: code, message, place and remedy."""
-        if reason := unfit(self.sort, name.id):
-            return "WMS203", reason, name.span, remedy(self.sort, name.id)
-        kind = self.sort.kind
+        if reason := unfit(self.type, name.id):
+            return "WMS203", reason, name.span, remedy(self.type, name.id)
+        kind = self.type.kind
         message = f"{'an' if kind == 'object' else 'a'} {kind} has no property `{name.id}`"
         return "WMS203", message, name.span, suggestion(name.id, [*self.slots, *self.parts])
 
@@ -56,7 +56,7 @@ def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
     """A block as an owner of properties; `members` are the links and joints of an asset, for suggestions."""
     said = {p.name.id for p in block.properties}
     model = block.model.id if block.model is not None and block.kind == "joint" else ""
-    of = sort(block.kind, said, model, bool(block.parts), bool(block.whole))
+    of = thing_type(block.kind, said, model, bool(block.parts), bool(block.whole))
     names = (*members, *(part.name.id for part in block.parts))
     return Owner(block.name.id, of, block.properties, block.name.span, names)
 
@@ -64,5 +64,5 @@ def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
 def parts(block: s.Block) -> Iterator[Owner]:
     """The parts of an object as owners of properties."""
     for part in block.parts:
-        of = sort("part", {p.name.id for p in part.properties})
+        of = thing_type("part", {p.name.id for p in part.properties})
         yield Owner(f"{block.name.id}.{part.name.id}", of, part.properties, part.name.span)

@@ -26,7 +26,7 @@ LOOKS = ("color", "material", "image", "repeats", "roughness", "metallic")
 
 
 @dataclass(frozen=True)
-class Sort:
+class ThingType:
     """What decides which properties a thing has: its kind, a joint's model, what is said, whether it has parts.
 
     `asset` is whether it is a link or a joint of one.
@@ -39,13 +39,15 @@ class Sort:
     asset: bool = False
 
 
-def sort(kind: str, said: Collection[str], model: str = "", parts: bool = False, asset: bool = False) -> Sort:
-    """The sort of a thing. Only the properties that decide about others are kept, so that there are few sorts."""
+def thing_type(
+    kind: str, said: Collection[str], model: str = "", parts: bool = False, asset: bool = False
+) -> ThingType:
+    """The type of a thing. Only the properties that decide about others are kept, so that there are few types."""
     deciding = {"file", "image", "on", "scatter", "target", "moments"}
-    return Sort(kind, frozenset(deciding & set(said)), model, parts, asset)
+    return ThingType(kind, frozenset(deciding & set(said)), model, parts, asset)
 
 
-def unfit(of: Sort, name: str) -> str:
+def unfit(of: ThingType, name: str) -> str:
     """Why a thing cannot have this property of its kind; empty if it can."""
     if of.kind in ("object", "part"):
         if of.parts and name in (*_FORM, *_MESH):
@@ -64,21 +66,21 @@ def unfit(of: Sort, name: str) -> str:
     return ""
 
 
-def remedy(of: Sort, name: str) -> str:
+def remedy(of: ThingType, name: str) -> str:
     """What to do about a property that the thing cannot have."""
     lonely = of.kind in ("object", "part") and name in _NEEDS and _NEEDS[name][0] not in of.said
     return f"add `{_NEEDS[name][0]}:` or remove this" if lonely and not of.parts else "remove it"
 
 
 @cache
-def slots(of: Sort) -> dict[str, Slot]:
+def slots(of: ThingType) -> dict[str, Slot]:
     """The properties that a thing can have."""
     return {name: _fitted(of, name, slot) for name, slot in PROPERTIES[of.kind].items() if not unfit(of, name)}
 
 
-def _fitted(of: Sort, name: str, slot: Slot) -> Slot:
-    if of.kind == "joint" and AN_ANGLE in slot.kinds:
-        return replace(slot, kinds=(AN_ANGLE if of.model == "hinge" else A_LENGTH,))
+def _fitted(of: ThingType, name: str, slot: Slot) -> Slot:
+    if of.kind == "joint" and AN_ANGLE in slot.types:
+        return replace(slot, types=(AN_ANGLE if of.model == "hinge" else A_LENGTH,))
     if of.kind == "joint" and name == "stiffness" and "target" in of.said:
         return replace(slot, default=None)  # a target without stiffness would do nothing
     return slot

@@ -6,7 +6,7 @@ from collections.abc import Callable, Set
 from dataclasses import dataclass
 
 from wmspec.check import ir
-from wmspec.check.types import PICTURE, TRUTH, Kind, Quantity
+from wmspec.check.types import PICTURE, TRUTH, Quantity, Type
 
 #: The clause in which a question says what it is asked for, and what stands for its counterfactuals beside clauses.
 ANSWER, COUNTERFACTUAL = "answer", "counterfactual"
@@ -23,9 +23,9 @@ class Rule:
     message: str
     remedy: str
     at: str
-    where: Callable[[Kind], bool] | None = None
+    where: Callable[[Type], bool] | None = None
 
-    def holds(self, answer: Kind) -> bool:
+    def holds(self, answer: Type) -> bool:
         """Whether the rule is one for such answers."""
         return self.where is None or self.where(answer)
 
@@ -37,13 +37,13 @@ class QuestionRules:
     What is `spoken` is answered in words, so that its values must have some.
     """
 
-    fits: Callable[[Kind, Set[str]], bool]
+    fits: Callable[[Type, Set[str]], bool]
     spoken: bool
     refused: tuple[Rule, ...] = ()
     needed: tuple[Rule, ...] = ()
 
 
-def _quantity(answer: Kind) -> bool:
+def _quantity(answer: Type) -> bool:
     return isinstance(answer, Quantity)
 
 
@@ -115,12 +115,12 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
 }
 
 
-def question_kind(answer: Kind, clauses: Set[str]) -> ir.QuestionKind:
+def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
     """The kind of a question that has such an answer and these clauses."""
     return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
 
 
-def broken(rules: QuestionRules, answer: Kind, clauses: Set[str]) -> Rule | None:
+def broken(rules: QuestionRules, answer: Type, clauses: Set[str]) -> Rule | None:
     """The first rule for its clauses that a question breaks."""
     refused = (rule for rule in rules.refused if rule.clause in clauses and rule.holds(answer))
     needed = (rule for rule in rules.needed if rule.clause not in clauses and rule.holds(answer))

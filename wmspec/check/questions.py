@@ -19,9 +19,9 @@ from wmspec.check.types import (
     OBJECT,
     TEXT,
     TRUTH,
-    Kind,
     List,
     Quantity,
+    Type,
     Word,
     article,
 )
@@ -74,7 +74,7 @@ class Questions:
             name=question.name.id if question.name else "",
             text=text,
             kind=kind,
-            sort=str(answer.kind),
+            sort=str(answer.type),
             options=options,
             answer=answer.expr,
             margins=tuple(margins),
@@ -115,29 +115,29 @@ class Questions:
         """The kind of the question, its options in words (None if it has none) and its answer."""
         clause = clauses[ANSWER][0]
         answer = self.check.measuring(clause.value)
-        if answer.kind == Quantity(ZERO):
+        if answer.type == Quantity(ZERO):
             answer = Typed(answer.expr, Quantity(NUMBER))
         places = {kind: written[0].span for kind, written in clauses.items()}
         if question.counterfactuals:
             places[COUNTERFACTUAL] = question.counterfactuals[0].span
-        kind = question_kind(answer.kind, places.keys())
+        kind = question_kind(answer.type, places.keys())
         rules = QUESTION_RULES[kind]
-        noun = article(str(answer.kind))
-        rule = broken(rules, answer.kind, places.keys())
-        if rules.spoken and _said(answer.kind) is None and answer.kind != TRUTH:
+        noun = article(str(answer.type))
+        rule = broken(rules, answer.type, places.keys())
+        if rules.spoken and _spoken(answer.type) is None and answer.type != TRUTH:
             self.check.fail("WMS502", f"{noun} is no answer to a question", clause.value.span)
         if rule is not None:
             self.check.fail("WMS502", rule.message.format(answer=noun), places[rule.at], rule.remedy)
         if "options" in clauses:
             return kind, *self._options(clauses["options"][0], answer)
-        return kind, _YES_NO if answer.kind == TRUTH else None, answer
+        return kind, _YES_NO if answer.type == TRUTH else None, answer
 
     def _options(self, clause: s.Clause, answer: Typed) -> tuple[ir.Expr, Typed]:
         """The options, and the answer as one of their common kind."""
-        options = self.check.infer(clause.value, (List(answer.kind), List(LABEL)))
-        common = joined(options.kind, List(answer.kind))
+        options = self.check.infer(clause.value, (List(answer.type), List(LABEL)))
+        common = joined(options.type, List(answer.type))
         if not isinstance(common, List) or common.item is None:
-            self.check.misfit(clause.value.span, options.kind, (List(answer.kind),), "`options`, like the answer,")
+            self.check.misfit(clause.value.span, options.type, (List(answer.type),), "`options`, like the answer,")
         if isinstance(options.expr, ir.Items) and len(options.expr.items) < 2:
             self.check.fail("WMS502", "a question has two or more options", clause.value.span)
         return options.expr, Typed(answer.expr, common.item)
@@ -147,8 +147,8 @@ class Questions:
         if "within" not in clauses:
             return None
         clause = clauses["within"][0]
-        typed = self.check.value(clause.value, (answer.kind,), "`within`, like the answer,")
-        within(self.check, typed.expr, Slot((answer.kind,), "", least=0), clause.value.span, "`within`")
+        typed = self.check.value(clause.value, (answer.type,), "`within`, like the answer,")
+        within(self.check, typed.expr, Slot((answer.type,), "", least=0), clause.value.span, "`within`")
         return typed.expr
 
     # ------------------------------------------------------------ gates and what is recorded
@@ -177,14 +177,14 @@ class Questions:
 
     def _quantity(self, clause: s.Clause, what: str) -> tuple[ir.Expr, Quantity]:
         value = self.check.measuring(clause.value)
-        if not isinstance(value.kind, Quantity):
-            message = f"`{what}` wants a quantity, but this is {article(str(value.kind))}"
+        if not isinstance(value.type, Quantity):
+            message = f"`{what}` wants a quantity, but this is {article(str(value.type))}"
             self.check.fail("WMS302", message, clause.value.span)
-        return value.expr, Quantity(NUMBER) if value.kind.dimension == ZERO else value.kind
+        return value.expr, Quantity(NUMBER) if value.type.dimension == ZERO else value.type
 
     def apart(self, clause: s.Clause) -> ir.Expr:
         """How far apart options must be, or how far objects are nudged."""
-        typed = self.check.value(clause.value, _APART.kinds, f"`{clause.kind} by`")
+        typed = self.check.value(clause.value, _APART.types, f"`{clause.kind} by`")
         within(self.check, typed.expr, _APART, clause.value.span, f"`{clause.kind} by`")
         return typed.expr
 
@@ -208,9 +208,9 @@ class Questions:
             if expr is None:
                 raise Failed
             typed = self.check.infer(self.modules.plain(expr))
-            sort = _said(typed.kind)
+            sort = _spoken(typed.type)
             if sort is None:
-                self.check.fail("WMS302", f"{article(str(typed.kind))} cannot be said in a text", span)
+                self.check.fail("WMS302", f"{article(str(typed.type))} cannot be said in a text", span)
             found.append(ir.Said(value=typed.expr, sort=sort))
         found.append(_unescape(raw[end:-1]))
         return tuple(part for part in found if part != "")
@@ -220,8 +220,8 @@ def _unescape(text: str) -> str:
     return re.sub(r"\\(.)", lambda m: {"n": "\n", "t": "\t"}.get(m[1], m[1]), text)
 
 
-def _said(kind: Kind) -> str | None:
-    """The kind of a value that can be said in words, as it is named; None if it cannot."""
-    if kind == Quantity(ZERO):
+def _spoken(of: Type) -> str | None:
+    """The type of a value that can be said in words, as it is named; None if it cannot."""
+    if of == Quantity(ZERO):
         return str(Quantity(NUMBER))
-    return str(kind) if isinstance(kind, Word | Quantity) or kind in (OBJECT, TEXT, LABEL) else None
+    return str(of) if isinstance(of, Word | Quantity) or of in (OBJECT, TEXT, LABEL) else None

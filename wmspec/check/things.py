@@ -104,7 +104,7 @@ class Things:
             if name not in spans and slot.default is not None:
                 properties[name] = ir.Setting(value=default_value(slot), place=here)
             elif name not in spans and not slot.optional:
-                message = f"the {of.sort.kind} `{of.name}` needs `{name}`: {slot.meaning}"
+                message = f"the {of.type.kind} `{of.name}` needs `{name}`: {slot.meaning}"
                 self.report.add("WMS206", message, of.span)
         self._in_vain(of, properties)
         return properties
@@ -112,8 +112,8 @@ class Things:
     def _in_vain(self, of: Owner, properties: dict[str, ir.Setting]) -> None:
         """Complain about what says nothing: a second word on the weight, measures that the shape does not have."""
         if (
-            of.sort.kind == "object"
-            and not of.sort.asset
+            of.type.kind == "object"
+            and not of.type.asset
             and "file" not in of.said
             and {"mass", "density"} <= of.said.keys()
         ):

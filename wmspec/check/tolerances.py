@@ -35,7 +35,7 @@ def _tolerance(check: Expressions, tolerance: s.Tolerance) -> float:
         message = f"there is no tolerance `{name.id}`"
         check.fail("WMS203", message, name.span, suggestion(name.id, TOLERANCES))
     slot = TOLERANCES[name.id]
-    typed = check.value(tolerance.value, slot.kinds, f"`{name.id}`")
+    typed = check.value(tolerance.value, slot.types, f"`{name.id}`")
     within(check, typed.expr, slot, tolerance.value.span, f"`{name.id}`")
     value = constant(typed.expr)
     if value is None:

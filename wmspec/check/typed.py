@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from wmspec.check import ir, units
-from wmspec.check.types import LABEL, NEITHER, OBJECT, TEXT, Kind, List, Quantity, Vector, Word
+from wmspec.check.types import LABEL, NEITHER, OBJECT, TEXT, List, Quantity, Type, Vector, Word
 from wmspec.check.units import Dimension
 from wmspec.check.vocabulary import WORDS
 
@@ -23,19 +23,19 @@ class Failed(Exception):
 
 @dataclass(frozen=True)
 class Typed:
-    """A checked expression and its kind."""
+    """A checked expression and its type."""
 
     expr: ir.Expr
-    kind: Kind
+    type: Type
 
 
-def fits(kind: Kind, wanted: Kind) -> bool:
-    """Whether a value of this kind may stand where the other is wanted."""
-    return joined(kind, wanted) == wanted
+def fits(given: Type, wanted: Type) -> bool:
+    """Whether a value of this type may stand where the other is wanted."""
+    return joined(given, wanted) == wanted
 
 
-def joined(a: Kind, b: Kind) -> Kind | None:
-    """The common kind of two values, None if they have none. A bare zero and an empty list give way."""
+def joined(a: Type, b: Type) -> Type | None:
+    """The common type of two values, None if they have none. A bare zero and an empty list give way."""
     if a == b:
         return a
     match a, b:
@@ -57,18 +57,18 @@ def joined(a: Kind, b: Kind) -> Kind | None:
     return LABEL if _side_by_side(a, b) or _side_by_side(b, a) else None
 
 
-def _side_by_side(a: Kind, b: Kind) -> bool:
-    """Whether the two may be options of one question though they are of different kinds."""
+def _side_by_side(a: Type, b: Type) -> bool:
+    """Whether the two may be options of one question though they are of different types."""
     return a in _LABELS and (b in _LABELS or (isinstance(b, Word) and a in (NEITHER, LABEL)))
 
 
-def operation(operator: str, operands: list[Typed], kind: Kind) -> Typed:
+def operation(operator: str, operands: list[Typed], result: Type) -> Typed:
     """An operator applied to operands; of constant numbers, its value."""
     values = [o.expr.value for o in operands if isinstance(o.expr, ir.Value) and isinstance(o.expr.value, float)]
     expr = ir.Operation(operator=operator, operands=tuple(o.expr for o in operands))
     if len(values) == len(operands) and (folded := constant(expr)) is not None:
-        return Typed(ir.Value(value=folded), kind)
-    return Typed(expr, kind)
+        return Typed(ir.Value(value=folded), result)
+    return Typed(expr, result)
 
 
 def constant(expr: ir.Expr) -> float | None:
@@ -82,14 +82,14 @@ def constant(expr: ir.Expr) -> float | None:
             x, y = constant(a), constant(b)
             if x is None or y is None or (operator == "/" and y == 0):
                 return None
-            result = {"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[operator]
-            return result if math.isfinite(result) else None
+            value = {"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[operator]
+            return value if math.isfinite(value) else None
     return None
 
 
-def example(kind: Kind) -> str:
-    """How a value of a kind may be written, for messages; empty if there is no short way to say it."""
-    match kind:
+def example(of: Type) -> str:
+    """How a value of a type may be written, for messages; empty if there is no short way to say it."""
+    match of:
         case Quantity(dimension):
             return units.EXAMPLES.get(dimension, "")
         case Vector(dimension, size) if dimension in units.EXAMPLES:

@@ -1,4 +1,4 @@
-"""The kinds of values that the language knows: its types."""
+"""The types of values that the language knows."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Word:
 
 @dataclass(frozen=True)
 class Plain:
-    """A kind without parameters: a truth value, a text, a sort of thing, a picture, a place, a label."""
+    """A type without parameters: a truth value, a text, a kind of thing, a picture, a place, a label."""
 
     name: str
 
@@ -40,9 +40,9 @@ class Plain:
 
 @dataclass(frozen=True)
 class List:
-    """A list of values of one kind; `None` for the empty list."""
+    """A list of values of one type; `None` for the empty list."""
 
-    item: Kind | None
+    item: Type | None
 
     def __str__(self) -> str:
         if isinstance(self.item, Vector):
@@ -76,7 +76,7 @@ class Vector:
         )
 
 
-Kind = Quantity | Word | Plain | List | Vector
+Type = Quantity | Word | Plain | List | Vector
 
 TRUTH = Plain("truth value")
 TEXT = Plain("text")

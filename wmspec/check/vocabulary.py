@@ -26,9 +26,9 @@ from wmspec.check.types import (
     TRIPLE,
     TRUTH,
     TURNS,
-    Kind,
     List,
     Quantity,
+    Type,
     Vector,
 )
 from wmspec.check.units import ACCELERATION, ANGULAR_SPEED, DENSITY, INERTIA, MASS, NUMBER, SPEED, TIME, Dimension, told
@@ -105,13 +105,13 @@ JOINTS = {
 
 @dataclass(frozen=True)
 class Slot:
-    """A property or argument: the kinds it takes, its bounds, the value it has when left out, and what it means.
+    """A property or argument: the types it takes, its bounds, the value it has when left out, and what it means.
 
     `default` is the text of an expression; None means that it must be given unless `optional`. `among` are the words
-    of the kind that make sense here; all of them if it is empty.
+    of the type that make sense here; all of them if it is empty.
     """
 
-    kinds: tuple[Kind, ...]
+    types: tuple[Type, ...]
     meaning: str
     default: str | None = None
     optional: bool = False
@@ -124,7 +124,7 @@ class Slot:
     @property
     def dimension(self) -> Dimension:
         """That of its values, a plain number's if it takes none that has any."""
-        return next((k.dimension for k in self.kinds if isinstance(k, Quantity | Vector)), NUMBER)
+        return next((k.dimension for k in self.types if isinstance(k, Quantity | Vector)), NUMBER)
 
     def fault(self, value: float) -> str:
         """What a value must be and is not, such as `more than 0`; empty if it is within bounds."""
@@ -146,7 +146,7 @@ class Slot:
 BY_MATERIAL = ("color", "roughness", "metallic")
 
 #: What the parameters of shapes take.
-PARAMETERS: dict[str, Kind] = {
+PARAMETERS: dict[str, Type] = {
     "length": A_LENGTH,
     "number": A_NUMBER,
     "angle": AN_ANGLE,
@@ -286,7 +286,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
 }  # fmt: skip
 
 
-SETTINGS: dict[str, Kind] = {
+SETTINGS: dict[str, Type] = {
     "title": TEXT,
     "license": TEXT,
     "source": TEXT,

@@ -248,7 +248,7 @@ def _fault(number: float, slot: Slot | None) -> str:
         return f"{told(number, slot.dimension)} here; it must be {wanted}"
     if not math.isfinite(number):
         return "not finite"
-    if abs(number) > MOST_LENGTH and slot and _LENGTHS.intersection(slot.kinds):
+    if abs(number) > MOST_LENGTH and slot and _LENGTHS.intersection(slot.types):
         return f"{told(number, LENGTH)} here; the most is {told(MOST_LENGTH, LENGTH)}"
     return ""
 
