@@ -397,6 +397,12 @@ def test_a_limit_of_cost_wants_prices(words: Path, tmp_path: Path) -> None:
 def test_a_limit_is_even_over_tasks_and_engines(words: Path, tmp_path: Path) -> None:
     evaluate(words, "-m", "random", "-o", tmp_path / "r.parquet", "--limit", 6)
     assert Counter(row["engine"] for row in rows(tmp_path / "r.parquet")) == {"mujoco": 3, "pybullet": 3}
+    assert len({row["index"] for row in rows(tmp_path / "r.parquet")}) == 3, "the same in both engines"
+    few = {row["id"] for row in rows(tmp_path / "r.parquet")}
+    evaluate(words, "-m", "random", "-o", tmp_path / "r.parquet", "--limit", 10)
+    more = {row["id"] for row in rows(tmp_path / "r.parquet")}
+    assert few < more
+    assert len(more) == 10
     evaluate(words, "-m", "random", "-o", tmp_path / "e.parquet", "--engine", "pybullet")
     assert Counter(row["engine"] for row in rows(tmp_path / "e.parquet")) == {"pybullet": 12}
 

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from wmspec.diagnostics import WmsError, suggestion
+from wmspec.draws import bits
 from wmspec.write.reader import PICTURES, DatasetReader
 from wmspec.write.rows import Row
 
@@ -56,7 +57,8 @@ class Question:
 class Selection:
     """Which questions of a dataset: of these tasks and engines, all without; and at most so many of them.
 
-    A limit takes as many of each task and engine as of the others, and the first of them.
+    A limit takes as many of each task and engine as of the others, the same instances in every engine, spread at random
+    over each task; a higher one takes the same and more.
     """
 
     tasks: tuple[str, ...] = ()
@@ -74,15 +76,18 @@ class Selection:
             for row in dataset.rows(task, ["id", "engine"]):
                 if not self.engines or row["engine"] in self.engines:
                     queues.setdefault((task, row["engine"]), []).append(row["id"])
+        everything = [id for queue in queues.values() for id in queue]
+        if self.limit is None:
+            return everything
         chosen = _evenly(list(queues.values()), self.limit)
-        return [id for queue in queues.values() for id in queue if id in chosen]
+        return [id for id in everything if id in chosen]
 
 
-def _evenly(queues: list[list[str]], limit: int | None) -> set[str]:
-    if limit is None:
-        return {id for queue in queues for id in queue}
-    turns = sorted((turn, queue) for queue, ids in enumerate(queues) for turn in range(len(ids)))
-    return {queues[queue][turn] for turn, queue in turns[:limit]}
+def _evenly(queues: list[list[str]], limit: int) -> set[str]:
+    """The first of every queue, then the second, once they have been shuffled; whatever the engine the same way."""
+    shuffled = [sorted(queue, key=lambda id: bits("limit", id.rpartition("/")[0])) for queue in queues]
+    turns = sorted((turn, queue) for queue, ids in enumerate(shuffled) for turn in range(len(ids)))
+    return {shuffled[queue][turn] for turn, queue in turns[:limit]}
 
 
 def questions(dataset: DatasetReader, ids: Collection[str], pictures: bool = True) -> Iterator[Question]:

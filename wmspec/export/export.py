@@ -5,8 +5,10 @@ from __future__ import annotations
 import base64
 import csv
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import chain
 from pathlib import Path
 
 from wmspec.diagnostics import WmsError
@@ -31,10 +33,17 @@ class Export:
     prompt_name: str
     prompt: Prompt
 
-    @property
-    def tasks(self) -> tuple[str, ...]:
-        """The tasks that have questions."""
-        return tuple(dict.fromkeys(id.partition("/")[0] for id in self.selection.ids(self.dataset)))
+    @cached_property
+    def tasks(self) -> dict[str, list[str]]:
+        """The tasks that have questions, with the questions' ids."""
+        tasks: dict[str, list[str]] = {}
+        for id in self.selection.ids(self.dataset):
+            tasks.setdefault(id.partition("/")[0], []).append(id)
+        return tasks
+
+    def rows(self, task: str) -> Iterator[Row]:
+        """The questions of a task, few in memory at a time."""
+        return exported(self.dataset, self.tasks[task], self.prompt)
 
 
 @dataclass
@@ -94,10 +103,7 @@ def export(what: Export, tool: str, place: Path) -> int:
 
 
 def _tables(what: Export, folder: _Folder) -> int:
-    return sum(
-        write(folder.path(f"data/{task}.parquet"), exported(what.dataset, task, what.selection, what.prompt))
-        for task in what.tasks
-    )
+    return sum(write(folder.path(f"data/{task}.parquet"), what.rows(task)) for task in what.tasks)
 
 
 def _inspect(what: Export, folder: _Folder) -> int:
@@ -124,18 +130,19 @@ def _lmms_eval(what: Export, folder: _Folder) -> int:
 
 def _vlmevalkit(what: Export, folder: _Folder) -> int:
     """One table. Its name has a hash of its content, because VLMEvalKit keeps what it knows of a table by its name."""
-    rows = [_line(row) for task in what.tasks for row in exported(what.dataset, task, what.selection, what.prompt)]
     folder.place.mkdir(parents=True, exist_ok=True)
-    part = folder.place / "table.part"
+    part, count = folder.place / "table.part", 0
     with part.open("w", newline="", encoding="utf-8") as file:
         out = csv.DictWriter(file, ["index", *_TSV], delimiter="\t", lineterminator="\n", restval="")
         out.writeheader()
-        out.writerows({"index": number, **row} for number, row in enumerate(rows))
+        for row in chain.from_iterable(map(what.rows, what.tasks)):
+            out.writerow({"index": count, **_line(row)})
+            count += 1
     table = f"Wmspec_{files.digest(part)[:8]}"
     part.rename(folder.path(f"{table}.tsv"))
     folder.copy("export/files/vlmeval_run.py", "wmspec_run.py")
     folder.copy("export/files/vlmevalkit.md", "README.md", table=table)
-    return len(rows)
+    return count
 
 
 _TSV = ("id", "image", "question", *LETTERS[:8], "answer", "category", "l2-category", "split", "wmspec")
@@ -170,7 +177,7 @@ def _hf(what: Export, folder: _Folder) -> int:
         f"- config_name: {task}\n  data_files:\n  - split: test\n    path: data/{task}.parquet\n" for task in what.tasks
     )
     columns = (f"| `{name}` | {meaning} |\n" for name, (_, meaning) in COLUMNS.items())
-    said = {"configs": "".join(configs), "columns": "".join(columns), "task": what.tasks[0]}
+    said = {"configs": "".join(configs), "columns": "".join(columns), "task": next(iter(what.tasks), "")}
     folder.copy("export/files/hf.md", "README.md", **said)
     return _tables(what, folder)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 
 from wmspec.diagnostics import WmsError
 from wmspec.evaluate.prompt import Prompt
-from wmspec.evaluate.question import Question, Selection, questions
+from wmspec.evaluate.question import Question, questions
 from wmspec.evaluate.request import Ask, Clip, Picture, Text
 from wmspec.write.reader import DatasetReader
 
@@ -48,9 +48,8 @@ SCHEMA = pa.schema([pa.field(n, kind) for n, (kind, _) in COLUMNS.items()], meta
 _GROUP = 64
 
 
-def exported(dataset: DatasetReader, task: str, selection: Selection, prompt: Prompt) -> Iterator[Row]:
-    """The rows of a task, few in memory at a time. Raises WmsError for a prompt that makes films."""
-    ids = [id for id in selection.ids(dataset) if id.partition("/")[0] == task]
+def exported(dataset: DatasetReader, ids: Collection[str], prompt: Prompt) -> Iterator[Row]:
+    """The rows of questions, few in memory at a time. Raises WmsError for a prompt that makes films."""
     return (_row(question, prompt) for question in questions(dataset, ids))
 
 

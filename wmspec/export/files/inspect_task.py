@@ -12,7 +12,7 @@ from typing import Any
 import pyarrow.parquet as pq
 from inspect_ai import Task, task
 from inspect_ai.dataset import MemoryDataset, Sample
-from inspect_ai.model import ChatMessageSystem, ChatMessageUser, ContentImage, ContentText
+from inspect_ai.model import ChatMessageSystem, ChatMessageUser, ContentImage, ContentText, GenerateConfig
 from inspect_ai.scorer import (
     CORRECT,
     INCORRECT,
@@ -79,4 +79,5 @@ def wmspec(task: str = "*", limit: int | None = None) -> Task:
         for path in sorted(_FOLDER.glob(f"data/{task}.parquet"))
         for row in pq.read_table(path).slice(0, limit).to_pylist()
     ]
-    return Task(dataset=MemoryDataset(samples, name="wmspec"), solver=generate(), scorer=right())
+    config = GenerateConfig(temperature=0, max_tokens=1024)
+    return Task(dataset=MemoryDataset(samples, name="wmspec"), solver=generate(), scorer=right(), config=config)
