@@ -53,3 +53,9 @@ def test_the_snippets_are_those_of_the_tests() -> None:
     for snippet in map(textwrap.dedent, snippets):
         row = re.match(r'"\w+": (.*),\n$', snippet, re.DOTALL)
         assert (f"ROW = {row[1]}" if row else snippet) in code
+
+
+def test_the_architecture_names_every_room() -> None:
+    page = (ROOT / "docs/architecture.md").read_text()
+    rooms = {path.parent.name for path in (ROOT / "wmspec").glob("*/__init__.py")}
+    assert {room for room in rooms if f"`wmspec/{room}`" not in page} == set()
