@@ -7,12 +7,11 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 from wmspec.write import film, typeset
 
-_LABEL = typeset.Style(22, bold=True)
-_GAP, _MARGIN = 12, 16
+_LABEL, _GAP, _MARGIN = 26, 12, 16
 #: Pictures a second of a film.
 RATE = 2.0
 
@@ -26,8 +25,11 @@ def montage(rows: Sequence[Sequence[tuple[str, bytes]]]) -> bytes:
 
 
 def _labelled(label: str, png: bytes) -> Image.Image:
+    """In the face that comes with Pillow: the sheet is the same whatever fonts a machine has."""
     picture = opened(png)
-    return typeset.above([typeset.paragraph(label, _LABEL, picture.width), picture], 4)
+    paper = typeset.blank(picture.width, round(1.2 * _LABEL))
+    ImageDraw.Draw(paper).text((0, 0), label, fill=typeset.BLACK, font=ImageFont.load_default(_LABEL))
+    return typeset.above([paper, picture])
 
 
 def clip(pictures: Sequence[bytes]) -> bytes:
