@@ -1,6 +1,8 @@
 """What `wmspec check` prints: for people, for programs, for code hosts."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlparse
@@ -12,6 +14,7 @@ from wmspec.cli import common, main
 from wmspec.parse.codes import CODES
 
 CORPUS = Path(__file__).parents[1] / "corpus"
+ROOT = Path(__file__).parents[2]
 
 
 def run(*args: object, **more: Any) -> Any:
@@ -74,3 +77,13 @@ def test_a_mistake_in_one_file_hides_none_in_the_next(tmp_path: Path) -> None:
     )
     found = json.loads(run(tmp_path / "a.wms", tmp_path / "b.wms", "--json").output)["diagnostics"]
     assert [(Path(d["file"]).name, d["code"]) for d in found] == [("a.wms", "WMS201"), ("b.wms", "WMS402")]
+
+
+def test_a_check_waits_for_nothing_that_it_does_not_need() -> None:
+    """Importing any of these takes longer than the check itself."""
+    spec = ROOT / "specs/prediction/mechanistic/collide.wms"
+    command = [sys.executable, "-X", "importtime", "-m", "wmspec", "check", str(spec)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    imported = {line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.splitlines()}
+    assert "wmspec" in imported
+    assert not imported & {"numpy", "pxr", "trimesh", "scipy", "pydantic", "PIL", "multiprocessing"}

@@ -99,7 +99,7 @@ def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
     try:
         content = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
-        raise WmsError(f"{path}: cannot be read: {error.strerror}", help="give a .csv file") from None
+        raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path)), "give a .csv file") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise WmsError("this is not UTF-8", FilePlace(str(path), line), "save the table as CSV in UTF-8") from None

@@ -1,0 +1,89 @@
+"""The scene that a stage describes, gathered from its prims; all that is wrong with them is told at once."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+
+from pxr import Usd
+
+from wmspec.diagnostics import Report, StageError
+from wmspec.scene.model import Action, Body, Camera, Joint, Observation, Scene
+from wmspec.usd import actions, episode, joints
+from wmspec.usd.bodies import bodies
+from wmspec.usd.cameras import camera, daylight, overview
+from wmspec.usd.filters import filtered
+from wmspec.usd.frames import World
+from wmspec.usd.prims import Names, targets
+from wmspec.usd.unsupported import incomplete
+from wmspec.usd.walk import Found, Walk
+
+
+def scene(stage: Usd.Stage) -> Scene:
+    """The scene of a stage, as `wmspec.usd.read` says."""
+    problems = Report(StageError)
+    incomplete(stage, problems)
+    found, world = Walk(stage, problems).found, World(stage, problems)
+    everything = bodies(list(found.owners.values()), world, problems)
+    known = {body.path: body for body in everything}
+    cameras = _cameras(found, known, world, problems)
+    held = joints.joints(found.joints, known, world, problems)
+    apart: tuple[tuple[str, str], ...] = ()
+    with problems.gathered():
+        apart = filtered(stage, found.filters, found.of("PhysicsCollisionGroup"), found.owners, known, held)
+    deeds = _actions(found, everything, held, world, problems)
+    observations = _observations(found, cameras, problems)
+    with problems.gathered():
+        gravity = episode.gravity(found.of("PhysicsScene"), world)
+    with problems.gathered():
+        task, duration, rate = episode.timing(found.of("WmsEpisode"))
+    with problems.gathered():
+        light, background = daylight(found.of("DistantLight"), found.of("DomeLight"), world)
+    problems.stop_if_failed()
+    return Scene(
+        name=task or PurePath(stage.GetRootLayer().GetDisplayName()).stem,
+        gravity=gravity,
+        bodies=everything,
+        actions=deeds,
+        cameras=tuple(cameras.values()) or (overview(everything),),
+        light=light,
+        background=background,
+        observations=observations,
+        duration=duration,
+        rate=rate,
+        joints=tuple(held.values()),
+        filtered=apart,
+    )
+
+
+def _cameras(found: Found, known: dict[str, Body], world: World, problems: Report) -> dict[str, Camera]:
+    names, cameras = Names(), {}
+    for prim in found.of("Camera"):
+        name = names.give(prim.GetName(), str(prim.GetPath()))
+        with problems.gathered():
+            above = (known.get(str(path)) for path in prim.GetPath().GetAncestorsRange())
+            body = next((body for body in above if body is not None and body.motion != "static"), None)
+            cameras[str(prim.GetPath())] = camera(prim, name, body, world)
+    return cameras
+
+
+def _actions(
+    found: Found, everything: tuple[Body, ...], held: dict[str, Joint], world: World, problems: Report
+) -> tuple[Action, ...]:
+    known, done = {body.path: body for body in everything}, []
+    refused = found.owners.keys() - known.keys()
+    for prim in found.of("WmsAction"):
+        if not refused.isdisjoint(targets(prim, "wms:object")):
+            continue  # what is wrong is already said of its object
+        with problems.gathered():
+            done.append((prim, actions.action(prim, known, held, world)))
+    with problems.gathered():
+        actions.overlapping(done, everything)
+    return tuple(action for _, action in done)
+
+
+def _observations(found: Found, cameras: dict[str, Camera], problems: Report) -> tuple[Observation, ...]:
+    observations = []
+    for prim in found.of("WmsObservation"):
+        with problems.gathered():
+            observations.append(episode.observation(prim, cameras))
+    return tuple(observations)
