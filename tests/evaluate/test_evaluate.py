@@ -24,6 +24,7 @@ from PIL import Image
 from tests.evaluate.loopback import TRIES, loopback
 from tests.evaluate.made import in_numbers, in_pictures, in_words
 from wmspec.cli import main
+from wmspec.diagnostics import WmsError
 from wmspec.evaluate import prompt, results
 from wmspec.evaluate.journal import Journal
 from wmspec.evaluate.model import Reply
@@ -429,6 +430,19 @@ def test_other_settings_do_not_mix(words: Path, tmp_path: Path) -> None:
     assert (
         "prompt, prompt_hash differ" in evaluate(words, "-m", "random", "-o", out, "--prompt", "paper", code=2).output
     )
+
+
+def test_files_of_others_stay(words: Path, tmp_path: Path) -> None:
+    mine = {"r.json": '{"mine": 1}', "s.journal.jsonl": '{"mine": 1}\n', "t.parquet": "mine"}
+    for name, content in mine.items():
+        (tmp_path / name).write_text(content)
+        out = tmp_path / f"{name[0]}.parquet"
+        assert str(tmp_path / name) in evaluate(words, "-m", "oracle", "-o", out, code=2).output
+        assert (tmp_path / name).read_text() == content
+    line = {"asked": {}}
+    (tmp_path / "u").write_text(json.dumps(line) + '\n{"id": "a", "colour": "red"}\n')
+    with pytest.raises(WmsError, match="no journal of this version"):
+        Journal(tmp_path / "u", {})
 
 
 def _start(words: Path, address: str, out: Path) -> subprocess.Popen[bytes]:

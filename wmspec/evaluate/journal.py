@@ -66,7 +66,7 @@ class Journal:
             return {}
         head, *lines = whole.splitlines()
         same(_loaded(head, self.path).get("asked"), asked, self.path)
-        return dict(map(_record, (_loaded(line, self.path) for line in lines)))
+        return dict(_record(_loaded(line, self.path), self.path) for line in lines)
 
     def keep(self, key: Key, reply: Reply) -> None:
         """Write a reply down; when this returns it outlasts a kill and a power cut. Raises WmsError if it cannot."""
@@ -102,10 +102,18 @@ def _loaded(line: bytes, path: Path) -> dict[str, Any]:
     except ValueError:
         value = None
     if not isinstance(value, dict):
-        raise WmsError("not a journal of `wmspec evaluate`", FilePlace(str(path)), "choose another -o, or move it away")
+        raise _other(path)
     return value
 
 
-def _record(value: dict[str, Any]) -> tuple[Key, Reply]:
-    key = (value.pop("id"), value.pop("permutation"), value.pop("sample"))
-    return key, Reply(**value)
+def _record(value: dict[str, Any], path: Path) -> tuple[Key, Reply]:
+    try:
+        key = (value.pop("id"), value.pop("permutation"), value.pop("sample"))
+        return key, Reply(**value)
+    except (KeyError, TypeError):
+        raise _other(path) from None
+
+
+def _other(path: Path) -> WmsError:
+    what = "no journal of this version of `wmspec evaluate`"
+    return WmsError(what, FilePlace(str(path)), "choose another -o, or move it away")

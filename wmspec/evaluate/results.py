@@ -162,6 +162,20 @@ def sidecar(path: Path) -> Path:
     return path.with_suffix(".json")
 
 
+def check_free(path: Path) -> None:
+    """Raises WmsError if what would be written beside results is there, and is something else."""
+    beside = sidecar(path)
+    try:
+        ours = "asked" in json.loads(beside.read_bytes())
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError, TypeError):
+        ours = False
+    if not ours:
+        said = "it is in the way of what is said beside the results"
+        raise WmsError(said, FilePlace(str(beside)), "choose another name with -o")
+
+
 def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
     """Write results, and what they are about. Raises WmsError, and leaves what was there, if that fails."""
     said = json.dumps(about, indent=1, ensure_ascii=False) + "\n"

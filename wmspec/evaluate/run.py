@@ -96,6 +96,7 @@ def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> Ended:
 
     Raises WmsError if nothing more can come of it; the replies are kept then, and the same run goes on with them.
     """
+    results.check_free(output)
     asked, chosen = run.asked(), run.chosen()
     with Journal(output.with_suffix(".journal.jsonl"), asked) as journal:
         have = _before(output, asked) | journal.replies
