@@ -466,6 +466,7 @@ def _start(words: Path, address: str, out: Path) -> subprocess.Popen[bytes]:
     )
 
 
+@pytest.mark.slow
 def test_killed_at_any_moment_no_reply_is_lost_or_doubled(words: Path, tmp_path: Path) -> None:
     out, draw = tmp_path / "r.parquet", random.Random(4)
     journal = out.with_suffix(".journal.jsonl")

@@ -30,7 +30,7 @@ COUNTS = ("11", "13", "12", "10")
             (text, PICTURES, 1)
             for text in ("B", "b", "(b)", "**B**", "B.", " B\n", "[B]", "2", "option B", "Option b.")
         ],
-        *[(text, PICTURES, 2) for text in ("The third", "the third option", "third picture.", "3rd", "Answer: third")],
+        *[(text, PICTURES, 2) for text in ("The third", "the third option", "third one.", "3rd", "Answer: third")],
         *[(text, PICTURES, 3) for text in ("the last one", "\\boxed{D}", "$\\text{D}$", "<answer>D</answer>")],
         *[(text, CUBES, 1) for text in ("the blue cube", "Blue cube.", "a blue cube", "B: the blue cube")],
         ("the cube", CUBES, 3),
@@ -76,6 +76,9 @@ COUNTS = ("11", "13", "12", "10")
                 "In the third picture it moves",
             )
         ],
+        *[(text, PICTURES, None) for text in ("Picture 2", "the third picture", "The answer is image 3.")],
+        ("From picture 1 to picture 2 it falls, so B", PICTURES, 1),
+        ("the second picture", ("the first picture", "the second picture"), 1),
         ("Option A shows a ball; option B shows a cube.", PICTURES, None),
         ("the red cube or the blue cube", CUBES, None),
         ("There is no way to tell", TRUTH, None),

@@ -9,8 +9,8 @@ one option in it (`docs/evaluate.md` has examples):
 4. it mentions one label only, in parentheses or as a capital that stands alone;
 5. it has the words of one option only.
 
-What is denied ("not B") is not chosen. What is thought aloud in <think> is not the reply. Nothing is guessed: a reply
-that no rule reads has no option.
+What is denied ("not B") is not chosen. Where options have letters, "picture 2" is none of them. What is thought aloud in
+<think> is not the reply. Nothing is guessed: a reply that no rule reads has no option.
 """
 
 from __future__ import annotations
@@ -130,6 +130,8 @@ def choice(text: str, options: Sequence[str | None], labels: str = "letters") ->
     """
     reply = cleaned(text)
     shown = _Shown(tuple(_plain(words or "") for words in options), labels == "numbers")
+    if not shown.numbered and not any(_SHOWN_PICTURE.search(words) for words in shown.words):
+        reply = _SHOWN_PICTURE.sub(" ", reply)
     for rule in _RULES:
         places = rule(reply, shown)
         if len(places) == 1:
@@ -155,6 +157,8 @@ def _plain(words: str) -> str:
 
 _NOUN = r"(?:option|choice|answer|candidate|picture|image|number|one)"
 _ORDINAL = rf"(?P<ordinal>{'|'.join((*ORDINALS, *_SHORT, 'last'))})"
+# Where options have letters, a numbered picture is one of those shown with the question.
+_SHOWN_PICTURE = re.compile(rf"(?i)\b(?:the\s+)?(?:(?:picture|image)s?\s*#?\s*\d+|{_ORDINAL}\s+(?:picture|image))\b")
 # A label that is not the beginning of a word or number. A lone "a" (and "A", "I") before a word is none.
 _LABEL = (
     r"(?:[(\[]\s*(?P<inside>[A-Za-z]|\d{1,3})\s*[)\]]"
