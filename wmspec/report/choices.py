@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec.report.intervals import Estimate, means
+from wmspec.report.intervals import Estimate, estimate, means, ratio, resampled
 from wmspec.report.replies import Replies
 
 #: What a counterfactual may change, beside several at once. A change is written as its kind and what it changed.
@@ -60,13 +60,9 @@ class Mistaken:
 
 
 def positions(replies: Replies) -> tuple[Position, ...]:
-    """Accuracy and choices by place, for each system and number of options."""
+    """Accuracy and choices by place, for each number of options and system."""
     table = _shown(replies)
-    return tuple(
-        p
-        for (system, options), of_one in table.groupby(["system", "options"], sort=True)
-        for p in _positions(str(system), int(str(options)), of_one)
-    )
+    return tuple(p for count, of_one in table.groupby("options") for p in _positions(int(str(count)), of_one))
 
 
 def _shown(replies: Replies) -> pd.DataFrame:
@@ -85,15 +81,17 @@ def _placed(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(true=true.argmax(1), chosen=np.where(chosen.any(1), chosen.argmax(1), -1))
 
 
-def _positions(system: str, options: int, table: pd.DataFrame) -> Iterator[Position]:
-    answered = int((table["chosen"] >= 0).sum())
-    for place in range(int(options)):
-        here = table[table["true"] == place]
-        if len(here):
-            (accuracy,), _ = means(here[["right"]].to_numpy(), here["cluster"], ("place", place))
-            yield Position(
-                system, int(options), place, accuracy, float((table["chosen"] == place).sum() / max(1, answered))
-            )
+def _positions(options: int, table: pd.DataFrame) -> Iterator[Position]:
+    cells = table.groupby(["cluster", "system", "true"])["right"]
+    right = cells.sum().unstack(["system", "true"], fill_value=0.0).sort_index(axis=1)
+    count = cells.size().unstack(["system", "true"], fill_value=0).sort_index(axis=1)
+    parts = right.to_numpy(dtype=float), count.to_numpy(dtype=float)
+    drawn = ratio(*resampled(parts, ("place", options)))
+    value = ratio(parts[0].sum(0), parts[1].sum(0))
+    chosen = table[table["chosen"] >= 0].groupby("system")["chosen"].value_counts(normalize=True).to_dict()
+    for j, (system, place) in enumerate(right.columns):
+        accuracy = estimate(value[j], drawn[:, j], int(parts[1][:, j].sum()), int((parts[1][:, j] > 0).sum()))
+        yield Position(str(system), options, int(place), accuracy, float(chosen.get((system, place), 0.0)))
 
 
 # ---------------------------------------------------------------- permutations
