@@ -9,8 +9,8 @@ one option in it (`docs/evaluate.md` has examples):
 4. it mentions one label only, in parentheses or as a capital that stands alone;
 5. it has the words of one option only.
 
-What is denied ("not B") is not chosen. Where options have letters, "picture 2" is none of them. What is thought aloud in
-<think> is not the reply. Nothing is guessed: a reply that no rule reads has no option.
+What is denied ("not B") is not chosen. Where options have letters, "picture 2" is none of them. What is thought aloud
+in <think> is not the reply. Nothing is guessed: a reply that no rule reads has no option.
 """
 
 from __future__ import annotations
