@@ -83,13 +83,14 @@ def _placed(table: pd.DataFrame) -> pd.DataFrame:
 
 def _positions(options: int, table: pd.DataFrame) -> Iterator[Position]:
     cells = table.groupby(["cluster", "system", "true"])["right"]
-    right = cells.sum().unstack(["system", "true"], fill_value=0.0).sort_index(axis=1)
+    right = cells.sum().unstack(["system", "true"], fill_value=0).sort_index(axis=1)
     count = cells.size().unstack(["system", "true"], fill_value=0).sort_index(axis=1)
     parts = right.to_numpy(dtype=float), count.to_numpy(dtype=float)
     drawn = ratio(*resampled(parts, ("place", options)))
     value = ratio(parts[0].sum(0), parts[1].sum(0))
     chosen = table[table["chosen"] >= 0].groupby("system")["chosen"].value_counts(normalize=True).to_dict()
-    for j, (system, place) in enumerate(right.columns):
+    systems, places = (right.columns.get_level_values(level) for level in ("system", "true"))
+    for j, (system, place) in enumerate(zip(systems, places, strict=True)):
         accuracy = estimate(value[j], drawn[:, j], int(parts[1][:, j].sum()), int((parts[1][:, j] > 0).sum()))
         yield Position(str(system), options, int(place), accuracy, float(chosen.get((system, place), 0.0)))
 
