@@ -3,6 +3,10 @@
 import os
 import time
 
+import pytest
+
+from wmspec.diagnostics import GraphicsError, WmsError
+from wmspec.execute import pool
 from wmspec.execute.pool import Effort, Lost, in_order
 
 
@@ -11,12 +15,60 @@ def square(i: int) -> int:
         os._exit(7)
     if i == 3:
         time.sleep(600)
+    if i == 6:
+        raise Unforeseen(f"at {hex(id(i))},\n all of it")
+    if i == 7:
+        return bytearray(1 << 60)[0]
+    if i == 8:
+        raise GraphicsError("there is no display")
+    if i == 9:
+        raise WmsError("it cannot be so", help="make it otherwise")
     return i * i
+
+
+class Unforeseen(Exception):
+    """An error that no worker could send back: it needs more than its text to be made."""
+
+    def __init__(self, text: str, *, lock: object = None) -> None:
+        super().__init__(text)
+        self.lock = lock or (i for i in ())
 
 
 def test_results_are_in_order_and_what_is_lost_is_told() -> None:
     found = list(in_order(square, ((i,) for i in (0, 1, 2, 4, 5)), Effort(workers=2, timeout=60)))
     assert found == [0, 1, Lost("crashed", "the worker process died twice (exit code 7)"), 16, 25]
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_whatever_goes_wrong_costs_its_own_piece(workers: int) -> None:
+    results = list(in_order(square, ((i,) for i in (1, 6, 7, 9, 4)), Effort(workers, timeout=60)))
+    assert results == [
+        1,
+        Lost("error", "Unforeseen: at 0x..., all of it"),
+        Lost("crashed", "there was not enough memory"),
+        Lost("error", "it cannot be so; make it otherwise"),
+        16,
+    ]
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_machine_that_cannot_draw_is_no_fault_of_a_piece(workers: int) -> None:
+    with pytest.raises(GraphicsError, match="no display"):
+        list(in_order(square, ((i,) for i in (1, 8, 4)), Effort(workers, timeout=60)))
+
+
+def test_there_are_no_more_workers_than_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    real = pool.ProcessPool
+
+    def noted(max_workers: int, **options: object) -> object:
+        asked.append(max_workers)
+        return real(max_workers=max_workers, **options)
+
+    monkeypatch.setattr(pool, "ProcessPool", noted)
+    assert list(in_order(square, ((i,) for i in (4, 5)), Effort(workers=500, timeout=60))) == [16, 25]
+    assert list(in_order(square, (), Effort(workers=500, timeout=60))) == []
+    assert asked == [2]
 
 
 def test_what_hangs_is_given_up() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,13 +12,14 @@ import pytest
 
 from tests.dataset.made import filling, make, plan
 from tests.dataset.test_dataset import contents, largest_file
+from wmspec.ask.model import Rejected
 from wmspec.diagnostics import WmsError
 from wmspec.execute.pool import Effort
 from wmspec.write.dataset import Dataset
 from wmspec.write.generate import generate
 from wmspec.write.plan import Shard
 from wmspec.write.reuse import Before
-from wmspec.write.worker import Outcome
+from wmspec.write.worker import Job, Outcome
 
 Made = list[tuple[str, int]]
 Run = Callable[..., Made]
@@ -152,4 +154,86 @@ def test_a_full_disk_is_told_when_an_instance_is_kept(tmp_path: Path, whole: dic
         run()
     assert len(left(tmp_path / "out")) == 2
     assert run() == ALL[2:]
+    assert contents(tmp_path / "out") == whole
+
+
+# ---------------------------------------------------------------- what failed
+
+
+def fails(job: Job, task: str, index: int) -> Outcome:
+    """An instance in which something unforeseen happens, as the third of each task does."""
+    if (task, index) in (ALL[2], ALL[13]):
+        raise ZeroDivisionError("division by zero")
+    return outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index)
+
+
+def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wmspec.write.generate.work", fails)
+    with Dataset.open(tmp_path, PLAN) as dataset:
+        generate(dataset, Effort(0, 1), lambda task, count: None, Before((), PLAN))
+        summary = dataset.finish()
+    assert summary.rejected["error"] == 2 * len(PLAN.engines)
+    listed = json.loads((tmp_path / "manifest.json").read_bytes())["rejected"]["list"]
+    wrong = [r for r in listed if r["reason"] == "error"]
+    assert {(r["task"], r["index"]) for r in wrong} == {ALL[2], ALL[13]}
+    assert {r["detail"] for r in wrong} == {"ZeroDivisionError: division by zero"}
+    assert "| something went wrong" in (tmp_path / "README.md").read_text()
+
+
+def with_lost(folder: Path, *pieces: tuple[str, int]) -> None:
+    """A finished dataset of which these instances took too long."""
+    with Dataset.open(folder, PLAN) as dataset:
+        for shard in dataset.pending():
+            name = shard.task.spec.name
+            rows, rejected = filling(PLAN, shard)
+            late = {i for task, i in pieces if task == name and i in shard.indices}
+            rows = [r for r in rows if r["index"] not in late]
+            rejected = [r for r in rejected if r.index not in late]
+            rejected += [Rejected(name, i, 0, e, "timeout", "too long") for e in PLAN.engines for i in sorted(late)]
+            dataset.write(shard, rows, rejected)
+        dataset.finish()
+
+
+def test_what_took_too_long_is_tried_again_and_nothing_else(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
+    with_lost(tmp_path / "out", ALL[1], ALL[13])
+    assert run() == [ALL[1], ALL[13]]
+    assert contents(tmp_path / "out") == whole
+    assert run() == []
+
+
+def test_what_took_too_long_is_not_reused(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
+    with_lost(tmp_path / "late", ALL[0], ALL[5])
+    assert run(before=[tmp_path / "late"]) == [ALL[0], ALL[5]]
+    assert contents(tmp_path / "out") == whole
+
+
+def test_a_failure_that_was_kept_is_tried_again(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
+    with pytest.raises(Stopped):
+        run(2)
+    with Dataset.open(tmp_path / "out", PLAN) as dataset:
+        shard = next(PLAN.shards())
+        lost = tuple(Rejected(ALL[2][0], ALL[2][1], 0, e, "crashed", "twice") for e in PLAN.engines)
+        dataset.keep(shard, ALL[2][1], Outcome((), lost))
+    assert run() == ALL[2:]
+    assert contents(tmp_path / "out") == whole
+
+
+@pytest.mark.parametrize("moment", range(8))
+def test_trying_again_can_be_killed_at_any_moment(
+    tmp_path: Path, whole: dict[str, bytes], run: Run, monkeypatch: pytest.MonkeyPatch, moment: int
+) -> None:
+    with_lost(tmp_path / "out", ALL[1])
+    real, left_over = Path.replace, [moment]
+
+    def killed(path: Path, target: Path) -> Path:
+        if not left_over[0]:
+            raise KeyboardInterrupt
+        left_over[0] -= 1
+        return real(path, target)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "replace", killed)
+        with pytest.raises(KeyboardInterrupt):
+            run()
+    assert set(run()) <= {ALL[1]}, "nothing else was lost"
     assert contents(tmp_path / "out") == whole

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,8 +138,12 @@ class QuestionRow:
 
 #: Why an instance yields no question. The word before a colon is what is counted.
 Reason = Literal[
-    "ensure", "margin", "alike", "unseen", "overlap", "unstable", "disagreement", "invalid", "crashed", "timeout"
-]
+    "ensure", "margin", "alike", "unseen", "overlap", "unstable", "disagreement", "invalid", "error",
+    "crashed", "timeout",
+]  # fmt: skip
+
+#: Reasons that lie with the machine and with what else it did: another time the instance may yield its questions.
+PASSING: Final = frozenset[Reason](("crashed", "timeout"))
 
 
 @dataclass(frozen=True)

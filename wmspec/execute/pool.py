@@ -1,18 +1,24 @@
-"""Work in several processes: results in order; a worker that dies or hangs costs nothing but its own piece of work."""
+"""Work in several processes: results in order; work that fails, dies or hangs costs nothing but its own piece."""
 
 from __future__ import annotations
 
+import re
 import sys
+import traceback
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain, islice
 from multiprocessing.context import SpawnContext, SpawnProcess
+from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal, TypeVar, cast
 
 from pebble import ProcessExpired, ProcessPool
+
+from wmspec.diagnostics import GraphicsError, WmsError
 
 T = TypeVar("T")
 
@@ -33,9 +39,13 @@ class Effort:
 
 @dataclass(frozen=True)
 class Lost:
-    """A piece of work that failed twice, and how."""
+    """A piece of work that came to nothing, and why.
 
-    kind: Literal["timeout", "crashed"]
+    `timeout` and `crashed` (twice each) depend on the machine and on what else it does: the same piece may succeed at
+    another time. An `error` is its own.
+    """
+
+    kind: Literal["timeout", "crashed", "error"]
     reason: str
 
 
@@ -44,15 +54,21 @@ def in_order(
 ) -> Generator[T | Lost, None, None]:
     """`work(*piece)` for every piece, in order, with only as many under way as keep the workers busy.
 
-    Close it to stop them.
+    Close it to stop them. Raises GraphicsError if a worker does: then this machine cannot draw, whatever the piece.
     """
     if effort.workers == 0:
-        yield from (work(*piece) for piece in pieces)
-        return
-    with _pool(effort.workers) as pool:
+        yield from (_done(work, *piece) for piece in pieces)
+    elif first := list(islice(every := iter(pieces), effort.workers)):
+        yield from _in_workers(work, chain(first, every), effort, len(first))
+
+
+def _in_workers(
+    work: Callable[..., T], pieces: Iterable[tuple[Any, ...]], effort: Effort, workers: int
+) -> Generator[T | Lost, None, None]:
+    with _pool(workers) as pool:
 
         def schedule(piece: tuple[Any, ...]) -> Any:
-            return pool.schedule(work, args=piece, timeout=effort.timeout)
+            return pool.schedule(_done, args=(work, *piece), timeout=effort.timeout)
 
         def result(piece: tuple[Any, ...], future: Any) -> T | Lost:
             try:
@@ -69,10 +85,33 @@ def in_order(
         under_way: deque[tuple[tuple[Any, ...], Any]] = deque()
         for piece in pieces:
             under_way.append((piece, schedule(piece)))
-            if len(under_way) > 4 * effort.workers:
+            if len(under_way) > 4 * workers:
                 yield result(*under_way.popleft())
         while under_way:
             yield result(*under_way.popleft())
+
+
+def _done(work: Callable[..., T], *piece: Any) -> T | Lost:
+    """The work, where it is done, or what went wrong with it."""
+    try:
+        return work(*piece)
+    except GraphicsError:
+        raise
+    except MemoryError:
+        return Lost("crashed", "there was not enough memory")
+    except WmsError as error:
+        return Lost("error", str(error))
+    except Exception as error:  # noqa: BLE001  whatever it is, it must not cost the other pieces
+        return Lost("error", _reason(error))
+
+
+def _reason(error: Exception) -> str:
+    """An error nobody foresaw in one line, the same in every run: what it is, and where in our code it came from."""
+    way = traceback.extract_tb(error.__traceback__)[1:]  # from `_done` on
+    ours = [frame for frame in way if {"wmspec", "backends"} & set(Path(frame.filename).parts)]
+    text = re.sub(r"0x[0-9a-f]{6,}", "0x...", " ".join(str(error).split()))[:300]
+    place = f" ({'/'.join(Path(ours[-1].filename).parts[-2:])}:{ours[-1].lineno})" if ours else ""
+    return f"{type(error).__name__}: {text}{place}"
 
 
 class _Worker(SpawnProcess):

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
 import pyarrow as pa
 
-from wmspec.ask.model import Rejected
+from wmspec.ask.model import PASSING, Rejected
 from wmspec.write import files
 from wmspec.write.plan import Plan, Shard
 from wmspec.write.rows import schema, table
@@ -33,7 +34,10 @@ def keep(folder: Path, plan: Plan, shard: Shard, index: int, outcome: Outcome) -
 
 
 def kept(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
-    """What came of the instances of a shard that were kept, by index. Raises WmsError if they may not be read."""
+    """What came of the instances of a shard that were kept, by index, but for those that are to be tried again.
+
+    Raises WmsError if they may not be read.
+    """
     outcomes = {}
     place = folder / _place(shard)
     with files.explained(place):
@@ -45,8 +49,14 @@ def kept(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
             metadata = rows.schema.metadata
             if metadata[b"plan"].decode() == plan.fingerprint and int(metadata[b"index"]) in shard.indices:
                 rejected = tuple(Rejected(**r) for r in json.loads(metadata[b"rejected"]))
-                outcomes[int(metadata[b"index"])] = Outcome(tuple(rows.to_pylist()), rejected)
+                if not passing(rejected):
+                    outcomes[int(metadata[b"index"])] = Outcome(tuple(rows.to_pylist()), rejected)
     return outcomes
+
+
+def passing(rejected: Iterable[Rejected]) -> set[int]:
+    """The instances that may yield their questions another time."""
+    return {r.index for r in rejected if r.reason in PASSING}
 
 
 def _arrow(content: pa.Table) -> bytes:

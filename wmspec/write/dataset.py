@@ -17,7 +17,7 @@ from wmspec.write.croissant import croissant
 from wmspec.write.manifest import Summary, manifest, summary
 from wmspec.write.plan import Plan, Shard, differences
 from wmspec.write.rows import Row
-from wmspec.write.shards import Record, read_record, sidecar, write_shard
+from wmspec.write.shards import Record, read_outcomes, read_record, sidecar, write_shard
 from wmspec.write.worker import Outcome
 
 _OURS = ("data", files.MANIFEST, files.CARD, files.CROISSANT)
@@ -157,6 +157,8 @@ class Dataset:
                 self._again(shard, "is gone")
             elif files.digest(path) != record.sha256:
                 self._again(shard, "is not as it was written")
+            elif again := checkpoint.passing(record.rejected):
+                self._unmade(shard, record, again)
             else:
                 self._records[shard.path] = record
                 checkpoint.discard(self.folder, shard)  # a run was killed between the shard and this
@@ -166,6 +168,15 @@ class Dataset:
     def _again(self, shard: Shard, why: str) -> None:
         self.notices.append(f"{shard.path} {why}; it is made again")
         (self.folder / sidecar(shard)).unlink()
+
+    def _unmade(self, shard: Shard, record: Record, again: set[int]) -> None:
+        """Make a shard one that is not whole yet: the instances are kept that are not to be tried again."""
+        outcomes = read_outcomes(self.folder, shard, record)
+        for index in outcomes.keys() - again:
+            self.keep(shard, index, outcomes[index])
+        (self.folder / sidecar(shard)).unlink()
+        count = f"{len(again)} instance{'s' if len(again) > 1 else ''}"
+        self.notices.append(f"{shard.task.spec.name}: {count} that crashed or took too long are tried again")
 
     def _put(self, name: str, content: bytes) -> None:
         files.write(self.folder, name, content)

@@ -81,7 +81,8 @@ def _cost(plan: Plan, task: Task, effort: Effort, made: list[tuple[float, Outcom
     whole = [m for m in made if not isinstance(m, Lost)]
     rows = [row for _, outcome in whole for row in outcome.rows]
     lost = (len(made) - len(whole)) * len(task.spec.questions) * len(plan.engines)
-    seconds = sum(s for s, _ in whole) + 2 * effort.timeout * (len(made) - len(whole))  # each was tried twice
+    late = sum(isinstance(m, Lost) and m.kind == "timeout" for m in made)
+    seconds = sum(s for s, _ in whole) + 2 * effort.timeout * late  # each was tried twice
     return Cost(
         task=task.spec.name,
         instances=len(task.indices),

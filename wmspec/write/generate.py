@@ -1,6 +1,7 @@
 """Making a dataset: instances go to worker processes and are kept one by one until their shard is whole and written.
 
-A worker that crashes or hangs costs the instance it was at, which is tried once more and then recorded as failed.
+What goes wrong with an instance costs that one, which is recorded with the reason. A worker that crashes or hangs tries
+it once more, and so does the next run: that may have been the machine's.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ def job_of(plan: Plan, effort: Effort) -> Job:
 
 
 def _lost(plan: Plan, shard: Shard, index: int, lost: Lost) -> Outcome:
-    """What is recorded of an instance that was tried twice: all its questions are rejected in all engines."""
+    """What is recorded of an instance that came to nothing: all its questions are rejected in all engines."""
     spec = shard.task.spec
     rejected = (
         Rejected(spec.name, index, q, engine, lost.kind, lost.reason)

@@ -11,12 +11,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import pyarrow.parquet as pq
-
 from wmspec.diagnostics import WmsError
 from wmspec.write import files
+from wmspec.write.checkpoint import passing
 from wmspec.write.plan import Plan, Shard, Task, differences
-from wmspec.write.shards import Record, read_record
+from wmspec.write.shards import Record, read_outcomes, read_record
 from wmspec.write.worker import Outcome
 
 
@@ -30,11 +29,14 @@ class File:
 
     def outcomes(self, wanted: Iterable[int]) -> dict[int, Outcome]:
         """What came of these of its instances."""
-        rows, rejected = pq.read_table(self.folder / self.shard.path).to_pylist(), self.record.rejected
-        return {
-            i: Outcome(tuple(r for r in rows if r["index"] == i), tuple(r for r in rejected if r.index == i))
-            for i in wanted
-        }
+        outcomes = read_outcomes(self.folder, self.shard, self.record)
+        return {i: outcomes[i] for i in wanted}
+
+    @property
+    def indices(self) -> Iterator[int]:
+        """Its instances, but for those that are to be tried again."""
+        again = passing(self.record.rejected)
+        return (i for i in self.shard.indices if i not in again)
 
 
 class Before:
@@ -45,7 +47,7 @@ class Before:
 
     def __init__(self, folders: Iterable[Path], plan: Plan) -> None:
         reusable = (file for folder in folders for file in _files(folder, plan))
-        self._files = {(f.shard.task.spec.name, index): f for f in reusable for index in f.shard.indices}
+        self._files = {(f.shard.task.spec.name, index): f for f in reusable for index in f.indices}
 
     def outcomes(self, shard: Shard) -> dict[int, Outcome]:
         """What came of the instances of a shard that were made before, by their indices."""

@@ -6,6 +6,8 @@ import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ from wmspec.ask.model import Rejected
 from wmspec.write import files
 from wmspec.write.plan import Plan, Shard
 from wmspec.write.rows import Row, identity, schema, table
+from wmspec.write.worker import Outcome
 
 #: Rows read together: few, because a reader who wants one row decodes the pictures of all.
 ROW_GROUP = 16
@@ -65,6 +68,13 @@ def parquet(content: pa.Table) -> bytes:
     how = {"compression": "zstd", "compression_level": 1, "use_dictionary": texts}
     pq.write_table(content, sink, row_group_size=ROW_GROUP, **how)
     return bytes(sink.getvalue())
+
+
+def read_outcomes(folder: Path, shard: Shard, record: Record) -> dict[int, Outcome]:
+    """What came of every instance of a shard that is as its record says, by index."""
+    every = pq.read_table(folder / shard.path).to_pylist()
+    rows = {index: tuple(same) for index, same in groupby(every, key=itemgetter("index"))}
+    return {i: Outcome(rows.get(i, ()), tuple(r for r in record.rejected if r.index == i)) for i in shard.indices}
 
 
 def sidecar(shard: Shard) -> str:
