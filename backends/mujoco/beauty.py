@@ -15,7 +15,7 @@ import numpy as np
 from wmspec.scene.camera import seeing
 from wmspec.scene.model import Array, Camera, Frame, Scene, Shot
 from wmspec.scene.silence import silence
-from wmspec.scene.tonemap import develop, shrink
+from wmspec.scene.tonemap import shrink, tonemap
 from wmspec.scene.transform import rotation
 
 from .filament import filament
@@ -62,7 +62,7 @@ class Renderer:
             self._data.mocap_pos[i], self._data.mocap_quat[i] = pose.position, pose.orientation
         mujoco.mj_kinematics(self._model, self._data)
         light = self._stage.light(self._data, seeing(self._scene, shot))
-        return Frame(develop(shrink(light, self._side)), frame.ids, frame.depth)
+        return Frame(tonemap(shrink(light, self._side)), frame.ids, frame.depth)
 
     def repaint(self, scene: Scene) -> bool:  # noqa: ARG002
         """Colours are taken over when a renderer is made."""

@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from wmspec.scene.articulations import WORLD, Link, Tree
-from wmspec.scene.com_frame import centred, mount, placed
+from wmspec.scene.com_frame import com_frame, mount, placed
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import TOUCH, Episode, Kick, Vector
 from wmspec.scene.model import Array, Body, Camera, Friction, Geom, Light, Pose, Scene
@@ -34,7 +34,7 @@ def mjcf(scene: Scene, episode: Episode, trees: tuple[Tree, ...] = ()) -> str:
     _options(root, episode, driven=any(limb.drive for tree in trees for limb in tree))
     asset, world, contact = (ET.SubElement(root, tag) for tag in ("asset", "worldbody", "contact"))
     _light(world, scene.light)
-    bodies = tuple(map(centred, scene.bodies))
+    bodies = tuple(map(com_frame, scene.bodies))
     elements = _bodies(world, asset, bodies, trees)
     limbs = {limb.body: limb for tree in trees for limb in tree}
     for i, body in enumerate(bodies):

@@ -13,7 +13,7 @@ from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import Episode, play
 from wmspec.scene.model import Scene, Trace
-from wmspec.scene.readback import honoured
+from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
@@ -61,22 +61,22 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless MuJoCo has the scene's physics."""
     model = world.model
-    honoured("MuJoCo", "the time step", model.opt.timestep, timeline.step)
-    honoured("MuJoCo", "gravity", model.opt.gravity, scene.gravity)
+    readback("MuJoCo", "the time step", model.opt.timestep, timeline.step)
+    readback("MuJoCo", "gravity", model.opt.gravity, scene.gravity)
     for i, body in zip(world.ids, scene.bodies, strict=True):
         if body.inertia is not None:
-            honoured(body.path, "the mass", model.body_mass[i], body.inertia.mass)
-            honoured(body.path, "the inertia", model.body_inertia[i], body.inertia.moments)
+            readback(body.path, "the mass", model.body_mass[i], body.inertia.mass)
+            readback(body.path, "the inertia", model.body_inertia[i], body.inertia.moments)
     for limb in (limb for tree in trees(scene) for limb in tree):
         joint = scene.joints[limb.joint]
         if limb.limits:
-            honoured(joint.path, "the limits", model.joint(joint.name).range, np.clip(limb.limits, -FAR, FAR))
+            readback(joint.path, "the limits", model.joint(joint.name).range, np.clip(limb.limits, -FAR, FAR))
         if limb.drive:
-            honoured(joint.path, "the drive", -model.actuator(joint.name).biasprm[1:3], limb.drive[:2])
+            readback(joint.path, "the drive", -model.actuator(joint.name).biasprm[1:3], limb.drive[:2])
     for i, (a, g, _, h) in enumerate(touchable(scene)):
         pair = mix(g.friction, h.friction)
-        honoured(f"{a.path}/{g.name}", "friction", model.pair_friction[i, :2], [pair.dynamic] * 2)
-        honoured(f"{a.path}/{g.name}", "restitution", model.pair_solref[i], solref(pair, timeline.step))
+        readback(f"{a.path}/{g.name}", "friction", model.pair_friction[i, :2], [pair.dynamic] * 2)
+        readback(f"{a.path}/{g.name}", "restitution", model.pair_solref[i], solref(pair, timeline.step))
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.scene.picture import check
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
-from wmspec.scene.texcoords import unwrap
+from wmspec.scene.texcoords import texcoords
 
 with silence():
     import mujoco
@@ -195,7 +195,7 @@ def _lights(spec: Any, scene: Scene) -> None:
 
 
 def _geom(spec: Any, node: Any, geom: Geom, name: str) -> None:
-    facets = unwrap(geom)
+    facets = texcoords(geom)
     spec.add_mesh(
         name=name,
         uservert=facets.points.ravel(),

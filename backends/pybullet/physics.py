@@ -5,7 +5,7 @@ from __future__ import annotations
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play
 from wmspec.scene.model import Scene, Trace
-from wmspec.scene.readback import honoured
+from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
@@ -46,14 +46,14 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless PyBullet has the scene's physics (it doesn't tell restitution and limits)."""
     engine = pybullet.getPhysicsEngineParameters(physicsClientId=world.client)
-    honoured("PyBullet", "the time step", engine["fixedTimeStep"], timeline.step)
+    readback("PyBullet", "the time step", engine["fixedTimeStep"], timeline.step)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
-    honoured("PyBullet", "gravity", gravity, scene.gravity)
+    readback("PyBullet", "gravity", gravity, scene.gravity)
     for i, (body, rigid) in enumerate(zip(scene.bodies, world.bodies, strict=True)):
         if body.motion != "dynamic":
             continue
         mass, friction, moments = pybullet.getDynamicsInfo(*world.ids[i], physicsClientId=world.client)[:3]
-        honoured(body.path, "the mass", mass, rigid.mass)
-        honoured(body.path, "the inertia", moments, rigid.moments)
+        readback(body.path, "the mass", mass, rigid.mass)
+        readback(body.path, "the inertia", moments, rigid.moments)
         if rigid.pieces:
-            honoured(body.path, "friction", friction**2, rigid.pieces[0].material[1])
+            readback(body.path, "friction", friction**2, rigid.pieces[0].material[1])

@@ -15,7 +15,7 @@ from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import Image, check, halve, quantize
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
-from wmspec.scene.texcoords import unwrap
+from wmspec.scene.texcoords import texcoords
 from wmspec.scene.transform import apply, compose, inverse
 from wmspec.shapes.facets import Facets
 
@@ -170,7 +170,7 @@ def _add(geom: Geom, client: int) -> tuple[tuple[int, ...], Array]:
     if image:
         texture(image)  # says what is wrong with the file, if anything
     number = pybullet.loadTexture(image, physicsClientId=client) if image else None
-    facets, planes = zip(*sides(unwrap(geom)), strict=True)
+    facets, planes = zip(*sides(texcoords(geom)), strict=True)
     bodies = tuple(_side(geom, one, client) for one in facets)
     for body in bodies if image else ():
         pybullet.changeVisualShape(body, -1, textureUniqueId=number, physicsClientId=client)

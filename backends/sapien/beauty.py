@@ -21,7 +21,7 @@ from wmspec.scene.environment import PEAK, cube, radiance
 from wmspec.scene.model import Array, Camera, Frame, Scene, Shot
 from wmspec.scene.shadow import Casters
 from wmspec.scene.silence import silence
-from wmspec.scene.tonemap import develop, shrink
+from wmspec.scene.tonemap import shrink, tonemap
 
 from .denoise import denoise
 from .render import Renderer as Parity
@@ -71,7 +71,7 @@ class Renderer:
         self._sun.pose = _facing(region.center - toward * AWAY, region.center)
         self._world.update_render()
         self._eyes[camera.name].take_picture()
-        return Frame(develop(shrink(self._light(self._eyes[camera.name]), 2)), frame.ids, frame.depth)
+        return Frame(tonemap(shrink(self._light(self._eyes[camera.name]), 2)), frame.ids, frame.depth)
 
     def _light(self, seen: Any) -> Array:
         """Linear light, twice as wide and high as the picture."""

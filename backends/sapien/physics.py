@@ -8,7 +8,7 @@ from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play
 from wmspec.scene.model import Scene, Trace
-from wmspec.scene.readback import honoured
+from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
@@ -62,22 +62,22 @@ def verify_joints(world: World, scene: Scene) -> None:
     for limb in (limb for tree in trees(scene) for limb in tree):
         path = scene.joints[limb.joint].path
         if limb.limits and limb.kind != "ball":
-            honoured(path, "the limits", world.joints[limb.joint].limits[0], limb.limits, tolerance=SINGLE)
+            readback(path, "the limits", world.joints[limb.joint].limits[0], limb.limits, tolerance=SINGLE)
         if limb.drive:
             joint = world.joints[limb.joint]
-            honoured(path, "the drive", [joint.stiffness, joint.damping], limb.drive[:2], tolerance=SINGLE)
+            readback(path, "the drive", [joint.stiffness, joint.damping], limb.drive[:2], tolerance=SINGLE)
 
 
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless SAPIEN has the scene's physics."""
-    honoured("SAPIEN", "the time step", world.scene.get_timestep(), timeline.step, tolerance=SINGLE)
-    honoured("SAPIEN", "gravity", world.system.config.gravity, scene.gravity, tolerance=SINGLE)
+    readback("SAPIEN", "the time step", world.scene.get_timestep(), timeline.step, tolerance=SINGLE)
+    readback("SAPIEN", "gravity", world.system.config.gravity, scene.gravity, tolerance=SINGLE)
     verify_joints(world, scene)
     for body, rigid, part in zip(scene.bodies, world.bodies, world.parts, strict=True):
         if body.motion == "dynamic":
-            honoured(body.path, "the mass", part.mass, rigid.mass, tolerance=SINGLE)
-            honoured(body.path, "the inertia", part.inertia, rigid.moments, tolerance=SINGLE)
+            readback(body.path, "the mass", part.mass, rigid.mass, tolerance=SINGLE)
+            readback(body.path, "the inertia", part.inertia, rigid.moments, tolerance=SINGLE)
         wanted = [mean(*pair) for piece in rigid.pieces for pair in world.lanes if piece.material in pair]
         made = [shape.physical_material for shape in part.collision_shapes]
         have = [[m.static_friction, m.dynamic_friction, m.restitution] for m in made]
-        honoured(body.path, "friction and restitution", have, wanted, tolerance=SINGLE)
+        readback(body.path, "friction and restitution", have, wanted, tolerance=SINGLE)

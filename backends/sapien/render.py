@@ -22,7 +22,7 @@ from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import check, over
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
-from wmspec.scene.texcoords import unwrap
+from wmspec.scene.texcoords import texcoords
 from wmspec.scene.transform import identity, multiply, quaternion
 
 with silence():
@@ -185,7 +185,7 @@ def _body(world: Any, geoms: list[Geom], linear: bool) -> Any:
 
 
 def _shape(geom: Geom, linear: bool) -> Any:
-    facets = unwrap(geom)
+    facets = texcoords(geom)
     st: Array = facets.st * [1, -1] + [0, 1]
     points, normals = facets.points.astype(np.float32), facets.normals.astype(np.float32)
     shape = sapien.render.RenderShapeTriangleMesh(

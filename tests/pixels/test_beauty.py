@@ -15,7 +15,7 @@ from wmspec.execute.backends import backend
 from wmspec.scene.camera import look_at, project
 from wmspec.scene.environment import PEAK, cube, radiance
 from wmspec.scene.model import Camera, Scene, Shot, Surface
-from wmspec.scene.tonemap import develop
+from wmspec.scene.tonemap import tonemap
 from wmspec.shapes import Box, Sphere
 
 SIZE = 96
@@ -75,8 +75,8 @@ def test_the_surroundings_are_as_bright_as_they_say() -> None:
 
 def test_developing_keeps_what_is_dark_and_rolls_off_what_is_bright() -> None:
     dark, bright = np.array([[[0.2, 0.5, 0.1]]]), np.linspace(0.1, 8, 50)[None, :, None] * np.ones(3)
-    assert np.allclose(develop(dark)[0, 0], [124, 188, 89], atol=1)  # IEC 61966-2-1
-    curve = develop(bright)[0, :, 0].astype(int)
+    assert np.allclose(tonemap(dark)[0, 0], [124, 188, 89], atol=1)  # IEC 61966-2-1
+    curve = tonemap(bright)[0, :, 0].astype(int)
     assert np.all(np.diff(curve) >= 0)
     assert curve[-1] <= 255
     assert np.unique(curve).size > 8

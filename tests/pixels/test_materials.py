@@ -16,7 +16,7 @@ from wmspec.materials import MATERIALS, Material
 from wmspec.scene.camera import look_at
 from wmspec.scene.color import texture
 from wmspec.scene.model import Camera, Frame, Geom, Pose, Scene, Shot, Surface
-from wmspec.scene.texcoords import unwrap
+from wmspec.scene.texcoords import texcoords
 from wmspec.scene.transform import identity
 from wmspec.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere
 
@@ -71,7 +71,7 @@ def test_images_keep_the_tint_in_sight(name: str) -> None:
 def test_an_image_is_as_large_as_it_should_be(shape: Shape) -> None:
     """Area of the image per area of the shape is repeats², but for what closing around an axis and poles take."""
     geom = Geom("x", shape, identity(), Surface(texture="x.png", repeats=(10.0, 20.0)))
-    facets = unwrap(geom)
+    facets = texcoords(geom)
     a, b, c = (facets.points[facets.faces[:, i]] for i in range(3))
     s, t, u = (facets.st[facets.faces[:, i]] for i in range(3))
     covered = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
@@ -86,7 +86,7 @@ def test_an_image_is_as_large_as_it_should_be(shape: Shape) -> None:
 
 @pytest.mark.parametrize("shape", [Box((0.3, 0.2, 0.1)), Cylinder(0.1, 0.3), Sphere(0.2)], ids=str)
 def test_images_are_not_mirrored(shape: Shape) -> None:
-    facets = unwrap(Geom("x", shape, identity(), Surface(texture="x.png", repeats=(3.0, 3.0))))
+    facets = texcoords(Geom("x", shape, identity(), Surface(texture="x.png", repeats=(3.0, 3.0))))
     s, t, u = (facets.st[facets.faces[:, i]] for i in range(3))
     first, second = (t - s).T, (u - s).T
     assert np.all(first[0] * second[1] - first[1] * second[0] > -1e-12)

@@ -20,7 +20,7 @@ def mount(body: Body) -> Pose:
     return _clean(inverse(_center(body)))
 
 
-def centred(body: Body) -> Body:
+def com_frame(body: Body) -> Body:
     """The same body, described in its centre-of-mass frame."""
     if body.inertia is None:
         return body

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from wmspec.scene.articulations import Link, Tree, trees
-from wmspec.scene.com_frame import centred
+from wmspec.scene.com_frame import com_frame
 from wmspec.scene.model import Array, Drive, Joint, Scene
 from wmspec.scene.numbers import placed
 from wmspec.scene.transform import compose, cross, rotate, rotation
@@ -29,15 +29,15 @@ def _driven(scene: Scene) -> Iterator[tuple[Joint, Drive, float]]:
     """The joints with drives, and the acceleration that a force gives to them."""
     for tree in trees(scene) if any(joint.drive for joint in scene.joints) else ():
         lightness = mobility(scene, tree)
-        for limb in tree:
-            if limb.joint >= 0 and (drive := scene.joints[limb.joint].drive):
-                yield scene.joints[limb.joint], drive, lightness[limb.joint]
+        for link in tree:
+            if link.joint >= 0 and (drive := scene.joints[link.joint].drive):
+                yield scene.joints[link.joint], drive, lightness[link.joint]
 
 
 def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
     """For each joint of one coordinate, the acceleration per force at the start, 1/kg or 1/(kg m²)."""
-    bodies = [centred(scene.bodies[limb.body]) for limb in tree]
-    columns = [column for limb in tree for column in _columns(scene, tree, limb)]
+    bodies = [com_frame(scene.bodies[link.body]) for link in tree]
+    columns = [column for link in tree for column in _columns(scene, tree, link)]
     mass = np.zeros((len(columns), len(columns)))
     for i, body in enumerate(bodies):
         assert body.inertia is not None
@@ -46,18 +46,18 @@ def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
         speeds = np.array([column[i] for column in columns])
         mass += body.inertia.mass * speeds[:, :3] @ speeds[:, :3].T + speeds[:, 3:] @ inertia @ speeds[:, 3:].T
     lightness = np.diag(np.linalg.inv(mass)) if columns else np.zeros(0)
-    numbers = [limb.joint for limb in tree for _ in _columns(scene, tree, limb)]
+    numbers = [link.joint for link in tree for _ in _columns(scene, tree, link)]
     return dict(zip(numbers, lightness.tolist(), strict=True))
 
 
-def _columns(scene: Scene, tree: Tree, limb: Link) -> list[Array]:
+def _columns(scene: Scene, tree: Tree, link: Link) -> list[Array]:
     """For each way that a joint moves: the linear and angular velocities (N, 6) of the tree's bodies."""
-    bodies = [centred(scene.bodies[one.body]) for one in tree]
-    at = next(body for body, one in zip(bodies, tree, strict=True) if one is limb)
-    joint = compose(at.pose, placed(limb.below))
+    bodies = [com_frame(scene.bodies[one.body]) for one in tree]
+    at = next(body for body, one in zip(bodies, tree, strict=True) if one is link)
+    joint = compose(at.pose, placed(link.below))
     axes = [rotate(joint.orientation, axis) for axis in np.eye(3)]
-    slides, turns = {"free": (3, 3), "ball": (0, 3), "hinge": (0, 1), "slider": (1, 0), "fixed": (0, 0)}[limb.kind]
-    carried = _below(tree, limb)
+    slides, turns = {"free": (3, 3), "ball": (0, 3), "hinge": (0, 1), "slider": (1, 0), "fixed": (0, 0)}[link.kind]
+    carried = _below(tree, link)
     columns = []
     for axis, slide in [(a, True) for a in axes[:slides]] + [(a, False) for a in axes[:turns]]:
         column = np.zeros((len(tree), 6))
@@ -69,8 +69,8 @@ def _columns(scene: Scene, tree: Tree, limb: Link) -> list[Array]:
     return columns
 
 
-def _below(tree: Tree, limb: Link) -> set[int]:
-    found = {limb.body}
+def _below(tree: Tree, link: Link) -> set[int]:
+    found = {link.body}
     for other in tree:
         if other.parent in found:
             found.add(other.body)

@@ -74,7 +74,7 @@ def _tied(scene: Scene) -> Iterator[Diagnostic]:
             )
     releases = {a.body: a.start for a in scene.actions if isinstance(a, Release)}
     for tree in trees(scene):
-        names = [scene.bodies[limb.body].name for limb in tree]
+        names = [scene.bodies[link.body].name for link in tree]
         held = [name for name in names if name in releases]
         if len(held) > 1:
             yield Diagnostic(

@@ -9,7 +9,7 @@ from wmspec.diagnostics import StageError
 from wmspec.places import PrimPlace
 
 
-def honoured(where: str, what: str, got: ArrayLike, expected: ArrayLike, *, tolerance: float = 1e-9) -> None:
+def readback(where: str, what: str, got: ArrayLike, expected: ArrayLike, *, tolerance: float = 1e-9) -> None:
     """Raise StageError unless the engine has the `expected` number(s), up to a relative `tolerance`."""
     have, want = np.asarray(got, float), np.asarray(expected, float)
     if have.shape != want.shape or not np.allclose(have, want, rtol=tolerance, atol=1e-12):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmspec.scene.articulations import Tree, trees
-from wmspec.scene.com_frame import centred, placed
+from wmspec.scene.com_frame import com_frame, placed
 from wmspec.scene.contact import apart, colliders
 from wmspec.scene.episode import Episode, Vector
 from wmspec.scene.model import Body, Geom, Scene
@@ -63,7 +63,7 @@ def assembly(scene: Scene, episode: Episode) -> Assembly:
 
 def rigids(scene: Scene) -> tuple[Rigid, ...]:
     """The scene's bodies, in order."""
-    return tuple(_rigid(centred(body)) for body in scene.bodies)
+    return tuple(_rigid(com_frame(body)) for body in scene.bodies)
 
 
 def _rigid(body: Body) -> Rigid:

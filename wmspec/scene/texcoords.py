@@ -14,7 +14,7 @@ from wmspec.scene.model import Array, Geom
 from wmspec.shapes.facets import Facets, tessellate
 
 
-def unwrap(geom: Geom) -> Facets:
+def texcoords(geom: Geom) -> Facets:
     """The triangles of a geometry, with the texture coordinates at which its image is to be read."""
     facets, repeats = tessellate(geom.shape), geom.surface.repeats
     if geom.surface.texture is None or repeats is None:

@@ -8,7 +8,7 @@ from math import ceil
 import numpy as np
 
 from wmspec.scene.articulations import jointed, trees
-from wmspec.scene.com_frame import centred, mount
+from wmspec.scene.com_frame import com_frame, mount
 from wmspec.scene.episode import Aim, Drag, Episode, Hold, Kick, Push
 from wmspec.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer
 from wmspec.scene.numbers import floats, numbers
@@ -27,7 +27,7 @@ def episode(scene: Scene, steps_per_second: int) -> Episode:
         substeps=substeps,
         samples=round(scene.duration * scene.rate) + 1,
         gravity=floats(scene.gravity),
-        start=tuple(numbers(centred(body).pose) for body in scene.bodies),
+        start=tuple(numbers(com_frame(body).pose) for body in scene.bodies),
         mounts=tuple(numbers(mount(body)) for body in scene.bodies),
         dynamic=tuple(i for i, body in enumerate(scene.bodies) if body.motion == "dynamic"),
         kicks=kicks(scene, held, rate),
@@ -74,8 +74,8 @@ def pushes(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Push, ...]:
     Velocities of joints can't be kicked as those of free bodies are, but half a step less of gravity is the same.
     """
     index, tied = _index(scene), jointed(scene)
-    together = {i: tree for tree in trees(scene) for i in (limb.body for limb in tree)}
-    later = {limb.body: hold.until for hold in held for limb in together.get(hold.body, ())}
+    together = {i: tree for tree in trees(scene) for i in (link.body for link in tree)}
+    later = {link.body: hold.until for hold in held for link in together.get(hold.body, ())}
     lifts = [
         Push(later.get(i, 0), later.get(i, 0), i, floats(-body.inertia.mass * scene.gravity / 2))
         for i, body in enumerate(scene.bodies)

@@ -15,7 +15,7 @@ from wmspec.scene.model import Array
 START, DESATURATION = 0.76, 0.15
 
 
-def develop(light: Array) -> NDArray[np.uint8]:
+def tonemap(light: Array) -> NDArray[np.uint8]:
     """The bytes (h, w, 3) of linear light (h, w, 3), where 1 is a white surface that faces the sun."""
     peak = light.max(axis=-1, keepdims=True)
     beyond = np.maximum(peak, START) - START

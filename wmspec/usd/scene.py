@@ -30,7 +30,7 @@ def scene(stage: Usd.Stage) -> Scene:
     apart: tuple[tuple[str, str], ...] = ()
     with problems.gathered():
         apart = filtered(stage, found.filters, found.of("PhysicsCollisionGroup"), found.owners, known, held)
-    deeds = _actions(found, everything, held, world, problems)
+    actions_done = _actions(found, everything, held, world, problems)
     observations = _observations(found, cameras, problems)
     with problems.gathered():
         gravity = episode.gravity(found.of("PhysicsScene"), world)
@@ -43,7 +43,7 @@ def scene(stage: Usd.Stage) -> Scene:
         name=task or PurePath(stage.GetRootLayer().GetDisplayName()).stem,
         gravity=gravity,
         bodies=everything,
-        actions=deeds,
+        actions=actions_done,
         cameras=tuple(cameras.values()) or (overview(everything),),
         light=light,
         background=background,

@@ -9,7 +9,7 @@ import numpy as np
 
 from wmspec.diagnostics import EngineError
 from wmspec.scene.bounds import upright
-from wmspec.scene.com_frame import centred
+from wmspec.scene.com_frame import com_frame
 from wmspec.scene.contact import apart, colliders, may_touch
 from wmspec.scene.model import Pose, Scene
 from wmspec.scene.transform import multiply, rotation, turning
@@ -19,7 +19,7 @@ class World:
     """The scene's bodies by number, in their centre-of-mass frames: `wmspec.scene.episode.World`."""
 
     def __init__(self, scene: Scene, step: float) -> None:
-        self.bodies = [centred(body) for body in scene.bodies]
+        self.bodies = [com_frame(body) for body in scene.bodies]
         self.h, self.gravity, self.now = step, scene.gravity, 0.0
         self.position = np.array([body.pose.position for body in self.bodies])
         self.turn = np.array([body.pose.orientation for body in self.bodies])
