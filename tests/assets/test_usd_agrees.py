@@ -225,7 +225,7 @@ def pairs(found: Scene, wanted: Scene) -> Iterator[tuple[str, str]]:
         if body.motion == "static":
             continue
         near = min(left.values(), key=lambda other: (frame(other, body), other.name))
-        assert frame(near, body) < 1e-6
+        assert frame(near, body) < 1e-5  # joints of a stage are written in single precision, ten metres away
         del left[near.name]
         yield body.name, near.name
 

@@ -56,9 +56,9 @@ def test_beauty(engine: str) -> None:
     assert dark.mean() < 0.85 * bright.mean()
 
 
-def test_pybullet_names_those_that_can() -> None:
+def test_an_engine_without_the_look_says_so() -> None:
     installed("pybullet")
-    with pytest.raises(WmsError, match="mujoco or sapien"):
+    with pytest.raises(WmsError, match="PyBullet can't draw the look 'beauty'; let another engine draw"):
         backend("pybullet").renderer(metal(), SIZE, SIZE, "beauty")
 
 
