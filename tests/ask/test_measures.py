@@ -14,7 +14,7 @@ from wmspec.ask.measure import Measured
 from wmspec.ask.observed import Observed
 from wmspec.check.evaluate import evaluate
 from wmspec.check.functions import FUNCTIONS
-from wmspec.check.ir import Call, Items, Value
+from wmspec.check.ir import Call, Items, Operation, Option, Value
 from wmspec.check.make import observe, task, thing
 from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
@@ -67,7 +67,7 @@ def test_every_measured_function_of_the_language_is_measured() -> None:
         if row.measured:
             given = list(signature(resolve_name(row.measured)).parameters.values())
             assert len(given) == 1 + len(row.parameters) + len(row.options), name
-            assert [p.name for p in given if p.default is not p.empty] == list(row.options), name
+            assert [p.name.rstrip("_") for p in given if p.default is not p.empty] == list(row.options), name
 
 
 def test_when_it_moved() -> None:
@@ -191,3 +191,113 @@ def test_what_is_absent_cannot_be_measured() -> None:
         of(measured(a=straight(0, 0, 0), floor=straight(0, 0, 0)), "visible", "a", "front")
     with pytest.raises(WmsError, match="`top`"):
         of(measured(a=straight(0, 0, 0)), "visible", "a", "top")
+
+
+def at_times(m: Measured, function: str, *names: str, **options: float | str) -> object:
+    """A function of names, with options."""
+    given = tuple(Option(name=n.rstrip("_"), value=Value(value=v)) for n, v in options.items())
+    return evaluate(Call(function=function, arguments=tuple(Value(value=n) for n in names), options=given), m)
+
+
+def thrown(speed: float = 4.0, g: float = 10.0) -> np.ndarray:
+    """Straight up, with a path that is a parabola."""
+    return np.stack([np.zeros(len(T)), np.zeros(len(T)), 0.05 + speed * T - g * T**2 / 2], axis=1)
+
+
+def test_at_a_time() -> None:
+    m = measured(a=straight(0.5, 1.5, 0.4), b=straight(0, 0, 0, y=0.3), up=thrown())
+    assert at_times(m, "position", "a", at=1.0) == pytest.approx((0.2, 0, 0.05))
+    assert at_times(m, "displacement", "a", at=1.0) == pytest.approx(0.2)
+    assert at_times(m, "distance", "a", "b", at=0.5) == pytest.approx(0.3)
+    assert at_times(m, "height", "up", at=0.3) == pytest.approx(0.05 + 1.2 - 0.45)
+    assert at_times(m, "speed", "up", at=0.0) == pytest.approx(4)
+    assert at_times(m, "speed", "up", at=0.2) == pytest.approx(2)
+    assert at_times(m, "speed", "a", from_=0.25, to=0.75) == pytest.approx(0.2)
+    assert [at_times(m, "moved", "a", to=0.5), at_times(m, "moved", "a", from_=1.5)] == [False, False]
+    assert at_times(m, "moved", "a", from_=1.0, to=1.1) is True
+    assert [at_times(m, "at_rest", "a", at=t) for t in (0.25, 1.0, 1.55, 1.75)] == [True, False, False, True]
+    assert m.readings["speed(a, from: 0.25 s, to: 0.75 s)"] == pytest.approx(0.2)
+    assert m.readings["position(a, at: 1 s).x"] == pytest.approx(0.2)
+
+
+def test_a_heading_at_a_time_is_that_of_the_motion() -> None:
+    corner = straight(0, 1, 0.3) + np.where(T[:, None] > 1, (T[:, None] - 1) * [0, 0.3, 0], 0)
+    m = measured(a=corner, up=thrown())
+    assert at_times(m, "heading", "a", at=0.5) == pytest.approx(0, abs=1e-9)
+    assert at_times(m, "heading", "a", at=1.5) == pytest.approx(math.pi / 2)
+    with pytest.raises(WmsError, match="no heading then"):
+        at_times(m, "heading", "up", at=0.5)
+
+
+def test_the_highest_point() -> None:
+    m = measured(a=straight(0, 1, 0.3), up=thrown())
+    assert of(m, "highest", "up") == pytest.approx(0.85, abs=1e-4)
+    assert of(m, "when_highest", "up") == pytest.approx(0.4, abs=1 / RATE)
+    assert at_times(m, "when_highest", "up", from_=0.5) == pytest.approx(0.5)
+    assert at_times(m, "highest", "up", to=0.2) == pytest.approx(0.05 + 0.8 - 0.2)
+    with pytest.raises(WmsError, match="stays at its height"):
+        of(m, "when_highest", "a")
+
+
+def test_touches_and_their_order() -> None:
+    still = {name: straight(0, 0, 0) for name in "abcd"}
+    met = (Contact("a", "b", 0.5, 0.6), Contact("c", "a", 0.9, 1.2), Contact("a", "b", 1.5, 1.5))
+    m = measured(contacts=met, **still)
+    assert of(m, "contact_time", "a", "b") == 0.5
+    assert at_times(m, "contact_time", "b", "a", from_=1.0) == 1.5
+    assert at_times(m, "contact_time", "a", "c", from_=1.0) == 1.0  # they have touched since before
+    assert [at_times(m, "contact", "a", "c", to=t) for t in (0.75, 1.0)] == [False, True]
+    assert [at_times(m, "contact", "a", "c", from_=t) for t in (1.0, 1.25)] == [True, False]
+    assert of(m, "touches_first", "a", ["c", "b", "d"]) == "b"
+    assert of(m, "touches_first", "a", ["c", "b"], 0.5) == "neither"
+    assert of(m, "touches_first", "d", ["a", "b"], 0.5) == "neither"
+    with pytest.raises(WmsError, match="do not touch"):
+        of(m, "contact_time", "a", "d")
+    with pytest.raises(WmsError, match="touches none of a, b"):
+        of(m, "touches_first", "d", ["a", "b"])
+
+
+def test_what_touches_two_at_once_touches_neither_first() -> None:
+    m = measured(contacts=(Contact("a", "b", 0, 2), Contact("a", "c", 0, 1)), **{n: straight(0, 0, 0) for n in "abc"})
+    with pytest.raises(WmsError, match="at once"):
+        of(m, "touches_first", "a", ["b", "c"])
+
+
+@pytest.mark.parametrize("function", ["height", "speed", "toppled", "at_rest", "heading", "displacement"])
+def test_a_time_outside_the_episode_has_no_value(function: str) -> None:
+    for time in (-0.1, 2.1):
+        with pytest.raises(WmsError, match="outside the episode"):
+            at_times(measured(a=straight(0, 2, 0.1)), function, "a", at=time)
+    with pytest.raises(WmsError, match="ends before it begins"):
+        at_times(measured(a=straight(0, 2, 0.1)), "speed", "a", from_=1.0, to=1.0)
+
+
+@pytest.mark.parametrize(
+    ("turned", "word"), [(0, "behind"), (90, "right_of"), (180, "in_front_of"), (-90, "left_of"), (30, "behind")]
+)
+def test_a_relation_is_seen_as_the_viewer_is_turned(turned: float, word: str) -> None:
+    """An object looks along its own x; `b` is to the right of `a`, +x, so ahead of who is not turned."""
+    facing = np.tile(turn((0, 0, 1), math.radians(turned)), (len(T), 1))
+    still = {"a": straight(0, 0, 0), "b": straight(0, 0, 0) + np.array([0.3, 0, 0]), "eye": straight(0, 0, 0, y=-1)}
+    m = measured(turned={"eye": facing}, **still)
+    assert at_times(m, "relation", "b", "a", seen_from="eye") == word
+    assert of(m, "relation", "b", "a") == "right_of"
+
+
+def test_who_looks_up_has_no_left() -> None:
+    up = np.tile(turn((0, 1, 0), -math.pi / 2), (len(T), 1))
+    m = measured(turned={"eye": up}, a=straight(0, 0, 0), b=straight(0, 0, 0), eye=straight(0, 0, 0))
+    with pytest.raises(WmsError, match="straight up or down"):
+        at_times(m, "relation", "b", "a", seen_from="eye")
+
+
+def test_of_each_of_a_list() -> None:
+    m = measured(a=straight(0, 1, 0.3), b=straight(0, 0, 0), c=straight(0, 1, 0.1))
+    names = Items(items=tuple(Value(value=n) for n in "abc"))
+    far = Call(function="displacement", arguments=(names,), each=0)
+    assert evaluate(far, m) == pytest.approx((0.3, 0, 0.1))
+    assert evaluate(Call(function="sum", arguments=(far,)), m) == pytest.approx(0.4)
+    moved = Call(function="moved", arguments=(names,), each=0)
+    assert [evaluate(Call(function=f, arguments=(moved,)), m) for f in ("count", "any", "all")] == [2, True, False]
+    beyond = Operation(operator=">", operands=(far, Value(value=0.2)), each=0)
+    assert evaluate(beyond, m) == (True, False, False)

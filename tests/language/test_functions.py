@@ -17,6 +17,7 @@ from wmspec.design.design import Design
 from wmspec.diagnostics import WmsError
 from wmspec.layout.cavities import room
 from wmspec.layout.values import Values
+from wmspec.layout.view import gaze, seen
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 TRAY = {
@@ -160,3 +161,31 @@ def test_the_place_of_a_property_that_is_out_of_bounds_is_told() -> None:
     shrunk = thing("object", "a", size=ir.Operation(operator="-", operands=(ir.Value(value=0.1), ir.Value(value=0.2))))
     with pytest.raises(WmsError, match=r"`size` of `a` is -10 cm here; it must be more than 0"):
         values(shrunk).pose("a")
+
+
+def test_the_least_of_none_has_no_value() -> None:
+    for name in ("min", "max"):
+        with pytest.raises(WmsError, match="none to choose from"):
+            values().call(name, ((),))
+    assert values().call("sum", ((),)) == 0
+    assert (values().call("any", ((),)), values().call("all", ((),))) == (False, True)
+
+
+def test_items_from_the_end() -> None:
+    assert values().call("nth", (("a", "b", "c"), -1.0)) == "c"
+    with pytest.raises(WmsError, match="only 3 are there"):
+        values().call("nth", (("a", "b", "c"), -4.0))
+
+
+@given(st.floats(-180, 180), st.floats(0.01, 1))
+def test_what_is_placed_for_a_viewer_is_seen_there_by_it(turned: float, far: float) -> None:
+    """A place to somebody's left is to the left as that one sees it, and as far."""
+    found = values(thing("object", "eye", yaw=math.radians(turned), at=(0, 0, 0)), thing("object", "a", at=(1, 2, 0)))
+    for name, expected in {
+        "left_of": (-far, 0),
+        "right_of": (far, 0),
+        "behind": (0, far),
+        "in_front_of": (0, -far),
+    }.items():
+        _, x, y = found.call(name, ("a", far), seen_from="eye")
+        assert seen(gaze(found, "eye"), x - 1, y - 2) == pytest.approx(expected, abs=1e-9)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wmspec.ask import outcome
+from wmspec.ask.gaze import gaze
 from wmspec.ask.measure import Measured
 from wmspec.diagnostics import WmsError
 from wmspec.layout.functions import extreme
@@ -45,6 +46,22 @@ def first(measured: Measured, names: tuple[str, ...], tie: float | None = None) 
     return onsets[0][0]
 
 
-def relation(measured: Measured, a: str, b: str) -> str:
-    """Where the first is from the second, as the cameras show it."""
-    return outcome.relation(measured.observed, a, b, front(measured.values))
+def touches_first(measured: Measured, name: str, others: tuple[str, ...], tie: float | None = None) -> str:
+    """Which of the others it touches first."""
+    touched = [other for other in others if measured.call("contact", (name, other))]
+    times = sorted((float(measured.call("contact_time", (name, other))), other) for other in touched)
+    if not times and tie is None:
+        raise WmsError(f"`{name}` touches none of {', '.join(others)}, so none is first")
+    if not times or (tie is not None and len(times) > 1 and times[1][0] - times[0][0] < tie):
+        return NEITHER
+    if len(times) > 1 and times[0][0] == times[1][0]:
+        raise WmsError(f"`{name}` touches {times[0][1]} and {times[1][1]} at once, so neither is first")
+    return times[0][1]
+
+
+def relation(measured: Measured, a: str, b: str, at: float | None = None, seen_from: str | None = None) -> str:
+    """Where the first is from the second, as the cameras show it or as a viewer sees it."""
+    observed = measured.observed
+    time = observed.window[1] if at is None else float(observed.trace.time[observed.moment(at)])
+    way = front(measured.values) if seen_from is None else gaze(observed, seen_from, time)
+    return outcome.relation(observed, a, b, way, time)

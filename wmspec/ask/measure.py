@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from keyword import iskeyword
 from pkgutil import resolve_name
 from typing import Any
 
 from wmspec.ask.observed import Observed
 from wmspec.check.functions import FUNCTIONS
+from wmspec.check.types import POINT3
 from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
 
@@ -31,20 +33,28 @@ class Measured:
         """A property of the spec, as it was before the episode."""
         return self.values.property(owner, name)
 
-    def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
-        """A measured function, or one of the design. An option of a function, if given, is its last argument."""
+    def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
+        """A measured function, or one of the design."""
         row = FUNCTIONS.get(function)
         if row is None or not row.measured:
-            return self.values.call(function, arguments)
+            return self.values.call(function, arguments, **options)
         measure = resolve_name(row.measured)
+        given = {f"{name}_" if iskeyword(name) else name: value for name, value in options.items()}
         if row.chooses:
-            return measure(self, *arguments)
-        value = measure(self.observed, *arguments)
+            return measure(self, *arguments, **given)
+        value = measure(self.observed, *arguments, **given)
+        call = f"{function}({', '.join([*map(str, arguments), *(f'{n}: {v:g} s' for n, v in options.items())])})"
         if isinstance(value, float | bool):
-            if not math.isfinite(value):
-                raise WmsError(f"{function} of {', '.join(map(str, arguments))} is not finite")
-            self.readings[f"{function}({', '.join(map(str, arguments))})"] = float(value)
+            self._read(call, float(value))
+        elif row.result == POINT3:
+            for axis, part in zip("xyz", value, strict=True):
+                self._read(f"{call}.{axis}", part)
         return value
+
+    def _read(self, call: str, value: float) -> None:
+        if not math.isfinite(value):
+            raise WmsError(f"{call} is not finite")
+        self.readings[call] = value
 
     def each(self, function: str, names: tuple[str, ...]) -> dict[str, float]:
         """A measure of each of the bodies."""

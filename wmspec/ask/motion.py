@@ -14,15 +14,26 @@ from wmspec.diagnostics import WmsError
 from wmspec.scene.model import Array
 
 
-def speed(observed: Observed, name: str) -> float:
-    """The length of the path over the time observed (m/s); 0 if there is only one look."""
+def speed(
+    observed: Observed, name: str, from_: float | None = None, to: float | None = None, at: float | None = None
+) -> float:
+    """The length of the path over its time (m/s): of what is observed, or between two times; 0 of a single look.
+
+    At a time, how fast it is then.
+    """
+    if at is not None:
+        return float(np.linalg.norm(_velocity(observed, name, at)))
     start, stop = observed.window
-    return float(_steps(observed.path(name)).sum() / (stop - start)) if stop > start else 0.0
+    if from_ is None and to is None:
+        return float(_steps(observed.path(name)).sum() / (stop - start)) if stop > start else 0.0
+    during = observed.span(from_, to, observed.window)
+    times = observed.trace.time[during]
+    return float(_steps(observed.track(name)[during]).sum() / (times[-1] - times[0]))
 
 
-def moved(observed: Observed, name: str) -> bool:
-    """Whether it was ever more than 2 mm from where it was first seen."""
-    path = observed.path(name)
+def moved(observed: Observed, name: str, from_: float | None = None, to: float | None = None) -> bool:
+    """Whether it was ever more than 2 mm from where it was first seen, or from where it was at a time."""
+    path = observed.track(name)[observed.span(from_, to, observed.window)]
     return bool((np.linalg.norm(path - path[0], axis=1) > MOVED).any())
 
 
@@ -41,11 +52,17 @@ def moving_time(observed: Observed, name: str) -> float:
     return float(observed.times[last] - observed.times[first])
 
 
-def heading(observed: Observed, name: str) -> Bearing:
+def heading(observed: Observed, name: str, at: float | None = None) -> Bearing:
     """The direction (rad, anticlockwise from +x, in (-pi, pi]) from where it was first to where it was last.
 
-    Raises WmsError if it ends within 2 mm of where it began.
+    At a time, that in which it moves then. Raises WmsError if it ends within 2 mm of where it began, or is then slower
+    than 1 cm/s over the ground.
     """
+    if at is not None:
+        x, y, _ = _velocity(observed, name, at)
+        if math.hypot(x, y) < STILL:
+            raise WmsError(f"`{name}` does not move over the ground at {at:g} s, so it has no heading then")
+        return Bearing(math.atan2(y, x))
     path = observed.path(name)
     x, y, _ = path[-1] - path[0]
     if math.hypot(x, y) <= MOVED:
@@ -72,6 +89,15 @@ def trajectory(observed: Observed, name: str) -> str:
     if word is None:
         raise WmsError(f"the path of `{name}` has no form that has a name")
     return word
+
+
+def _velocity(observed: Observed, name: str, at: float) -> Array:
+    """How the middle of a body moves (3,) m/s at a time: from the samples beside it, second order at the ends too."""
+    i, times = observed.moment(at), observed.trace.time
+    if len(times) < 3:
+        raise WmsError("the episode is too short for anything to move in it")
+    velocity: Array = np.gradient(observed.track(name), times, axis=0, edge_order=2)[i]
+    return velocity
 
 
 def _steps(path: Array) -> Array:

@@ -45,6 +45,33 @@ class Observed:
         first, last = (self.trace.sample(t) for t in self.window)
         return self.trace.time[first : last + 1]
 
+    def moment(self, at: float | None = None) -> int:
+        """The sample nearest to a time (s), the last if there is none. Raises WmsError if it is outside the episode."""
+        if at is None:
+            return len(self.trace.time) - 1
+        end = float(self.trace.time[-1])
+        if not -1e-9 <= at <= end + 0.5 / self.scene.rate:
+            raise WmsError(f"{at:g} s is outside the episode, which lasts {end:g} s")
+        return self.trace.sample(at)
+
+    def span(self, start: float | None, stop: float | None, default: tuple[float, float]) -> slice:
+        """The samples from one time (s) to another, those of `default` where there is none.
+
+        Raises WmsError if they are outside the episode, or if it ends before it begins.
+        """
+        first, last = (
+            self.moment(default[0] if start is None else start),
+            self.moment(default[1] if stop is None else stop),
+        )
+        if (start is not None or stop is not None) and last <= first:
+            raise WmsError("the span of time that is asked about ends before it begins")
+        return slice(first, last + 1)
+
+    @property
+    def whole(self) -> tuple[float, float]:
+        """The first and the last moment (s) of the episode."""
+        return 0.0, float(self.trace.time[-1])
+
     def index(self, name: str) -> int:
         """Which body of the scene has the name. Raises WmsError if there is none, as where an object is not present."""
         if name not in self._index:

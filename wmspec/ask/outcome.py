@@ -1,4 +1,4 @@
-"""What had become of bodies at the end of an episode, and where they were when last seen."""
+"""Where and how bodies are at the end of an episode, or at a time of it (s)."""
 
 from __future__ import annotations
 
@@ -17,57 +17,60 @@ UP = np.array([0.0, 0.0, 1.0])
 DIAGONAL = 1.2
 
 
-def displacement(observed: Observed, name: str) -> float:
-    """How far (m) the middle of a body is at the end from where it began."""
+def position(observed: Observed, name: str, at: float | None = None) -> tuple[float, float, float]:
+    """Where the middle of a body is (m)."""
+    x, y, z = observed.track(name)[observed.moment(at)].tolist()
+    return x, y, z
+
+
+def displacement(observed: Observed, name: str, at: float | None = None) -> float:
+    """How far (m) the middle of a body is from where it began."""
     track = observed.track(name)
-    return float(np.linalg.norm(track[-1] - track[0]))
+    return float(np.linalg.norm(track[observed.moment(at)] - track[0]))
 
 
-def distance(observed: Observed, a: str, b: str) -> float:
-    """How far apart (m) the middles of two bodies are at the end."""
-    return float(np.linalg.norm(observed.track(a)[-1] - observed.track(b)[-1]))
+def distance(observed: Observed, a: str, b: str, at: float | None = None) -> float:
+    """How far apart (m) the middles of two bodies are."""
+    i = observed.moment(at)
+    return float(np.linalg.norm(observed.track(a)[i] - observed.track(b)[i]))
 
 
-def height(observed: Observed, name: str) -> float:
-    """How high (m) above the origin of the world the middle of a body is at the end."""
-    return float(observed.track(name)[-1, 2])
+def height(observed: Observed, name: str, at: float | None = None) -> float:
+    """How high (m) above the origin of the world the middle of a body is."""
+    return float(observed.track(name)[observed.moment(at), 2])
 
 
-def contact(observed: Observed, a: str, b: str) -> bool:
-    """Whether two bodies touched at any time."""
-    pair = {observed.body(a).name, observed.body(b).name}
-    return any({c.first, c.second} == pair for c in observed.trace.contacts)
-
-
-def at_rest(observed: Observed, name: str) -> bool:
-    """Whether no point of a body was faster than 1 cm/s during the last 0.1 s."""
-    i, late = observed.index(name), observed.trace.time >= observed.trace.time[-1] - REST
+def at_rest(observed: Observed, name: str, at: float | None = None) -> bool:
+    """Whether no point of a body is faster than 1 cm/s during the 0.1 s before."""
+    i, times = observed.index(name), observed.trace.time
+    last = times[observed.moment(at)]
+    late = (times >= last - REST) & (times <= last)
     along = np.linalg.norm(observed.trace.linear_velocity[late, i], axis=1)
     around = np.linalg.norm(observed.trace.angular_velocity[late, i], axis=1) * observed.radius(name)
     return bool((along + around < STILL).all())
 
 
-def toppled(observed: Observed, name: str) -> bool:
-    """Whether what pointed up in a body at the start points more than 45 degrees away from up at the end."""
-    first, last = observed.trace.orientation[[0, -1], observed.index(name)]
+def toppled(observed: Observed, name: str, at: float | None = None) -> bool:
+    """Whether what pointed up in a body at the start points more than 45 degrees away from up."""
+    first, last = observed.trace.orientation[[0, observed.moment(at)], observed.index(name)]
     return bool(rotate(last, rotate(conjugate(first), UP))[2] < math.cos(math.pi / 4))
 
 
-def contains(observed: Observed, outer: str, inner: str) -> bool:
-    """Whether the middle of `inner` ended within the upright box around `outer`."""
-    low, high = observed.box(outer, float(observed.trace.time[-1]))
-    middle = observed.track(inner)[-1]
+def contains(observed: Observed, outer: str, inner: str, at: float | None = None) -> bool:
+    """Whether the middle of `inner` is within the upright box around `outer`."""
+    i = observed.moment(at)
+    low, high = observed.box(outer, float(observed.trace.time[i]))
+    middle = observed.track(inner)[i]
     return bool((low <= middle).all() and (middle <= high).all())
 
 
-def relation(observed: Observed, a: str, b: str, way: int) -> str:
-    """Where `a` was from `b` at the last look, a word of the vocabulary `relation`, for who looks that `way` (`front`).
+def relation(observed: Observed, a: str, b: str, way: float, at: float) -> str:
+    """Where `a` is from `b` at a time (s), a word of the vocabulary `relation`, for who looks that `way` (`view.seen`).
 
     `above` and `below` hold where their upright boxes share ground and one's middle is beyond the other's box. Raises
     WmsError where it lies diagonally, so that two words would fit.
     """
-    last = observed.window[1]
-    here, there = observed.box(a, last), observed.box(b, last)
+    here, there = observed.box(a, at), observed.box(b, at)
     if _share_ground(here, there):
         middle, other = here.mean(axis=0)[2], there.mean(axis=0)[2]
         if middle > there[1, 2] or other < here[0, 2]:

@@ -95,8 +95,11 @@ def written(expr: ir.Expr) -> str:
             return f"[{', '.join(map(written, expr.items))}]"
         case ir.Call(function="present", arguments=(ir.Items(items=(ir.Value(value=str(first)), *_)),)):
             return first.rpartition("_")[0]  # a set, by its own name
+        case ir.Call(function="nth", arguments=(items, ir.Value(value=float(number)))):
+            return f"{written(items)}[{number:g}]"
         case ir.Call():
-            return f"{expr.function}({', '.join(map(written, expr.arguments))})"
+            options = (f"{option.name}: {written(option.value)}" for option in expr.options)
+            return f"{expr.function}({', '.join([*map(written, expr.arguments), *options])})"
         case ir.Operation():
             return _operation(expr.operator, [_operand(o) for o in expr.operands])
 

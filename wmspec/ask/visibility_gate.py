@@ -24,11 +24,14 @@ def named(question: Question, values: Values) -> set[str]:
     """The objects that the text, the options or the answer speak of and that are there."""
     spoken: list[Expr] = [part.value for part in question.text if isinstance(part, Said)]
     spoken += [question.answer] if question.options is None else [question.answer, question.options]
+    joined = {t.name: t for t in values.spec.things if t.kind == "joint"}
     names: set[str] = set()
     for part in (p for expr in spoken for p in parts(expr)):
         if isinstance(part, Value | Ref):
             value = evaluate(part, values)
             names.update(v for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, str))
+    for joint in names & joined.keys():  # what is said of a joint is seen on what it moves
+        names.add(str(values.property(joint, "of")))
     return names
 
 

@@ -6,14 +6,36 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import ir
 from wmspec.check.functions import FUNCTIONS, Function
-from wmspec.check.typed import Typed, joined
-from wmspec.check.types import ITEM, LABEL, OBJECT, QUANTITY, List, Quantity, Type, article
+from wmspec.check.typed import Typed, constant, fits, joined
+from wmspec.check.types import (
+    CAMERA,
+    COUNTED,
+    ITEM,
+    JOINT,
+    LABEL,
+    OBJECT,
+    QUANTITY,
+    TRUTH,
+    VIEWER,
+    List,
+    Quantity,
+    Type,
+    Word,
+    article,
+)
 from wmspec.check.verbs import VERBS
 from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
+from wmspec.places import Span
 
 if TYPE_CHECKING:
     from wmspec.check.expressions import Expressions
+
+#: What stands for several types in the table of functions.
+_MEANT: dict[Type, tuple[Type, ...]] = {COUNTED: (List(OBJECT), List(TRUTH)), VIEWER: (CAMERA, OBJECT)}
+
+#: The measures of joints: of which kind of joint each is, and that of the other kind.
+MOVES = {"angle": ("hinge", "extension"), "extension": ("slider", "angle")}
 
 
 def call(check: Expressions, e: s.Call) -> Typed:
@@ -30,7 +52,10 @@ def call(check: Expressions, e: s.Call) -> Typed:
     wanted = function.parameters + function.parameters[-1:] * (len(positional) - least)
     given = [_argument(check, name, a, kind) for a, kind in zip(positional, wanted, strict=True)]
     options = _options(check, e, name, function)
-    arguments = (*(g.expr for g in given), *options)
+    each = _each(check, name, function, positional, given)
+    if each is not None:
+        given[each] = Typed(given[each].expr, _item(given[each].type))
+    arguments = tuple(g.expr for g in given)
     if name == "toward":
         if check.subject is None:
             check.fail("WMS205", "`toward` needs an acting object: it is for the arguments of actions", e.span)
@@ -38,7 +63,10 @@ def call(check: Expressions, e: s.Call) -> Typed:
     kind = _result(check, name, function, positional, given)
     if kind == OBJECT and options:  # of equals it gives `neither`
         kind = LABEL
-    return Typed(ir.Call(function=name, arguments=arguments), kind)
+    if JOINT in function.parameters:
+        _moves(check, name, positional[0], given[0])
+    expr = ir.Call(function=name, arguments=arguments, options=options, each=each)
+    return Typed(expr, kind if each is None else List(kind))
 
 
 def _function(check: Expressions, e: s.Call) -> tuple[str, Function]:
@@ -61,19 +89,74 @@ def _result(check: Expressions, name: str, function: Function, written: list[s.A
     return function.result
 
 
+def _each(
+    check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]
+) -> int | None:
+    """The argument that is a list where one is wanted: what is said then holds of each of its items."""
+    lists = [i for i, typed in enumerate(given) if _listed(function, i) and isinstance(typed.type, List)]
+    if len(lists) > 1:
+        check.fail("WMS302", f"`{name}` is measured of each item of one list, and this is a second",
+                   written[lists[1]].span, "name one thing here")  # fmt: skip
+    return lists[0] if lists else None
+
+
+def _listed(function: Function, i: int) -> bool:
+    """Whether a list may stand for the parameter of that number: one thing is wanted, and there are many results."""
+    return not function.repeated and function.parameters[i] in (OBJECT, QUANTITY) and _spread(function.result)
+
+
+def _spread(result: Type) -> bool:
+    return result in (TRUTH, QUANTITY) or isinstance(result, Quantity | Word)
+
+
+def _item(kind: Type) -> Type:
+    assert isinstance(kind, List)
+    assert kind.item is not None
+    return kind.item
+
+
+def _moves(check: Expressions, name: str, written: s.Argument, joint: Typed) -> None:
+    """Complain of a joint that has no such measure: hinges have angles, and sliders extensions."""
+    block = check.scope.names.get(str(joint.expr.value)) if isinstance(joint.expr, ir.Value) else None
+    if not isinstance(block, s.Block) or block.model is None:
+        return
+    kind, (wanted, other) = block.model.id, MOVES[name]
+    if kind != wanted:
+        remedy = f"write `{other}({written.span.text})`" if kind == MOVES[other][0] else "ask of a body that it moves"
+        check.fail(
+            "WMS302", f"`{name}` is of a {wanted}, and `{written.span.text}` is a {kind} joint", written.span, remedy
+        )
+
+
 def _argument(check: Expressions, function: str, argument: s.Argument, kind: Type) -> Typed:
     if kind == List(ITEM):
         typed = check.infer(argument.value)
         if not isinstance(typed.type, List) or typed.type.item is None:
             check.fail("WMS302", f"`{function}` wants a list of items to choose from", argument.span, "write `[a, b]`")
         return typed
+    if kind in _MEANT:
+        return check.value(argument.value, _MEANT[kind], f"`{function}`")
     if kind != QUANTITY:
-        return check.value(argument.value, (kind,), f"`{function}`")
+        return _one_or_each(check, function, argument, kind)
     typed = check.infer(argument.value)
-    if not isinstance(typed.type, Quantity):
+    item = typed.type.item if isinstance(typed.type, List) else typed.type
+    if not isinstance(item, Quantity):
         what = article(str(typed.type))
-        check.fail("WMS302", f"`{function}` wants quantities, but this is {what}", argument.span)
-    return typed
+        remedy = "write `count(...)` to count those that hold" if typed.type == List(TRUTH) else ""
+        check.fail("WMS302", f"`{function}` wants quantities, but this is {what}", argument.span, remedy)
+    return Typed(typed.expr, item) if FUNCTIONS[function].repeated else typed
+
+
+def _one_or_each(check: Expressions, function: str, argument: s.Argument, kind: Type) -> Typed:
+    """An argument of a type, or a list of objects where one is wanted and the function may be of each."""
+    if kind != OBJECT or not _spread(FUNCTIONS[function].result):
+        return check.value(argument.value, (kind,), f"`{function}`")
+    typed = check.infer(argument.value, (kind,))
+    if fits(typed.type, List(OBJECT)) and typed.type != List(None):
+        return Typed(typed.expr, List(OBJECT))
+    if not fits(typed.type, kind):
+        check.misfit(argument.span, typed.type, (kind,), f"`{function}`")
+    return Typed(typed.expr, kind)
 
 
 def _common(check: Expressions, function: str, written: list[s.Argument], given: list[Typed]) -> Type:
@@ -87,8 +170,9 @@ def _common(check: Expressions, function: str, written: list[s.Argument], given:
     return kind
 
 
-def _options(check: Expressions, e: s.Call, name: str, function: Function) -> list[ir.Expr]:
-    found: list[ir.Expr] = []
+def _options(check: Expressions, e: s.Call, name: str, function: Function) -> tuple[ir.Option, ...]:
+    found: dict[str, ir.Expr] = {}
+    spans: dict[str, Span] = {}
     for argument in e.arguments:
         if argument.name is None:
             continue
@@ -98,10 +182,25 @@ def _options(check: Expressions, e: s.Call, name: str, function: Function) -> li
                 suggestion(option.id, function.options) if function.options else f"write `{signature(name, function)}`"
             )
             check.fail("WMS205", f"`{name}` has no option `{option.id}`", option.span, hint)
-        if found:
+        if option.id in found:
             check.fail("WMS205", f"`{option.id}` is given twice", argument.span, "remove one")
-        found.append(check.value(argument.value, (function.options[option.id],), f"`{option.id}`").expr)
-    return found
+        kind = function.options[option.id]
+        found[option.id] = check.value(argument.value, _MEANT.get(kind, (kind,)), f"`{option.id}`").expr
+        spans[option.id] = argument.span
+    _in_order(check, name, found, spans)
+    return tuple(ir.Option(name=option, value=found[option]) for option in function.options if option in found)
+
+
+def _in_order(check: Expressions, name: str, found: dict[str, ir.Expr], spans: dict[str, Span]) -> None:
+    """Complain of a time beside a span of time, and of a span that ends before it begins."""
+    if "at" in found and (span := spans.get("from", spans.get("to"))):
+        check.fail("WMS205", f"`{name}` is measured at a time or during a span, not both", span, "remove it, or `at`")
+    start, stop = (constant(found[option]) if option in found else None for option in ("from", "to"))
+    if start is not None and stop is not None and start >= stop:
+        check.fail("WMS304", "this span of time ends before it begins", spans["to"], "let `to` be later than `from`")
+    for option in ("at", "from", "to"):
+        if option in found and (time := constant(found[option])) is not None and time < 0:
+            check.fail("WMS304", "no time of an episode is before 0 s", spans[option], "make it 0 s or later")
 
 
 def signature(name: str, function: Function) -> str:

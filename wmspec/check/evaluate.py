@@ -19,8 +19,8 @@ class Environment(Protocol):
     def property(self, owner: str, name: str) -> Any:
         """A property of an object, camera or light, or an argument of an action."""
 
-    def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
-        """A function of arguments that have been evaluated."""
+    def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
+        """A function of arguments and options that have been evaluated."""
 
 
 class NoValue(ImpossibleValue):
@@ -62,9 +62,22 @@ def evaluate(expr: Expr, env: Environment) -> Any:
         case Items():
             return tuple(evaluate(e, env) for e in expr.items)
         case Call():
-            return env.call(expr.function, tuple(evaluate(e, env) for e in expr.arguments))
+            return _call(expr, env)
+        case Operation(each=int(i)):
+            values = [evaluate(e, env) for e in expr.operands]
+            rows = ([*values[:i], item, *values[i + 1 :]] for item in values[i])
+            return tuple(_operate(expr.operator, tuple(Value(value=v) for v in row), env) for row in rows)
         case Operation():
             return _operate(expr.operator, expr.operands, env)
+
+
+def _call(expr: Call, env: Environment) -> Any:
+    arguments = tuple(evaluate(e, env) for e in expr.arguments)
+    options = {option.name: evaluate(option.value, env) for option in expr.options}
+    if expr.each is None:
+        return env.call(expr.function, arguments, **options)
+    before, items, after = arguments[: expr.each], arguments[expr.each], arguments[expr.each + 1 :]
+    return tuple(env.call(expr.function, (*before, item, *after), **options) for item in items)
 
 
 def _operate(operator: str, operands: tuple[Expr, ...], env: Environment) -> Any:
@@ -95,5 +108,6 @@ def parts(expr: Expr) -> Iterator[Expr]:
                 stack.extend(node.items)
             case Call():
                 stack.extend(node.arguments)
+                stack.extend(option.value for option in node.options)
             case Operation():
                 stack.extend(node.operands)

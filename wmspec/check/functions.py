@@ -11,14 +11,18 @@ from wmspec.check.types import (
     AN_ANGLE,
     CAMERA,
     COLOR,
+    COUNTED,
     ITEM,
+    JOINT,
     OBJECT,
     PATH,
     PICTURE,
     PLACE,
+    POINT3,
     QUANTITY,
     RELATION,
     TRUTH,
+    VIEWER,
     List,
     Quantity,
     Type,
@@ -30,7 +34,8 @@ from wmspec.check.units import SPEED, VOLUME
 class Function:
     """A function: its parameters and its result. `options` are parameters that may be left out, by name; each is written
 
-    `name: value`. With `repeated`, the last of the parameters may be given any number of times. `measured` is what
+    `name: value`, and a keyword of Python has `_` after it there. Where one thing is wanted a list may stand, if the
+    result is a truth value, a quantity or a word: then it is a list of those. With `repeated`, the last of the parameters may be given any number of times. `measured` is what
     measures it on the executed episode, if that is what it does: `module:function`, called with what was `Observed` and
     the arguments, names for bodies and cameras. What `chooses` among bodies by another measure is given `Measured`.
     """
@@ -45,25 +50,30 @@ class Function:
 
 
 _TIE: dict[str, Type] = {"tie": A_NUMBER}
+_SEEN: dict[str, Type] = {"seen_from": VIEWER}
+_AT: dict[str, Type] = {"at": A_TIME}
+_DURING: dict[str, Type] = {"from": A_TIME, "to": A_TIME}
 _OBJECTS = List(OBJECT)
+_TRUTHS = List(TRUTH)
 _FRACTION = A_NUMBER
 
 FUNCTIONS: dict[str, Function] = {
     # places
     "toward": Function("the heading from the acting object to another", (OBJECT,), AN_ANGLE),
     "opposite": Function("the heading the other way", (AN_ANGLE,), AN_ANGLE),
-    "left_of": Function("the place so far to the left of an object's middle, seen from the front", (OBJECT, A_LENGTH), PLACE),
-    "right_of": Function("the place so far to the right of an object's middle, seen from the front", (OBJECT, A_LENGTH), PLACE),
-    "in_front_of": Function("the place so much nearer to the front than an object's middle", (OBJECT, A_LENGTH), PLACE),
-    "behind": Function("the place so much further from the front than an object's middle", (OBJECT, A_LENGTH), PLACE),
+    "left_of": Function("the place so far to the left of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
+    "right_of": Function("the place so far to the right of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
+    "in_front_of": Function("the place so much nearer to the front, or to a viewer, than an object's middle", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
+    "behind": Function("the place so much further from the front, or from a viewer, than an object's middle", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
     "polar": Function("the place at a distance and heading from an object's middle", (OBJECT, A_LENGTH, AN_ANGLE), PLACE),
     "between": Function("the place half way between two objects", (OBJECT, OBJECT), PLACE),
     # colours
     "rgb": Function("a colour by its sRGB parts, 0 to 1", (A_NUMBER, A_NUMBER, A_NUMBER), COLOR),
     "shade": Function("a shade of a colour: 0 is the darkest that is still that colour, 1 the lightest", (COLOR, A_NUMBER), COLOR),
     # sums
-    "min": Function("the smallest of quantities of one kind", (QUANTITY,), QUANTITY, repeated=True),
-    "max": Function("the largest of quantities of one kind", (QUANTITY,), QUANTITY, repeated=True),
+    "min": Function("the smallest of quantities of one kind, or of lists of them", (QUANTITY,), QUANTITY, repeated=True),
+    "max": Function("the largest of quantities of one kind, or of lists of them", (QUANTITY,), QUANTITY, repeated=True),
+    "sum": Function("quantities of one kind, or lists of them, added up", (QUANTITY,), QUANTITY, repeated=True),
     "abs": Function("the size of a quantity without its sign", (QUANTITY,), QUANTITY),
     "floor": Function("the whole number below", (A_NUMBER,), A_NUMBER),
     "mod": Function("what is left of the first after taking away the second as often as it fits", (QUANTITY, QUANTITY), QUANTITY),
@@ -72,7 +82,9 @@ FUNCTIONS: dict[str, Function] = {
     "sin": Function("of an angle", (AN_ANGLE,), A_NUMBER),
     "cos": Function("of an angle", (AN_ANGLE,), A_NUMBER),
     # what is there
-    "count": Function("how many of the objects are there", (_OBJECTS,), A_NUMBER),
+    "count": Function("how many of the objects are there, or how many of the truth values are true", (COUNTED,), A_NUMBER),
+    "any": Function("whether at least one of them is true", (_TRUTHS,), TRUTH),
+    "all": Function("whether all of them are true", (_TRUTHS,), TRUTH),
     "volume": Function("how much room an object takes", (OBJECT,), Quantity(VOLUME)),
     "largest": Function("the one with the largest volume", (_OBJECTS,), OBJECT, options=_TIE),
     "smallest": Function("the one with the smallest volume", (_OBJECTS,), OBJECT, options=_TIE),
@@ -81,27 +93,35 @@ FUNCTIONS: dict[str, Function] = {
     "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, options=_TIE),
     "fits": Function("whether an object fits into the hollow of a compound one, without turning it", (OBJECT, OBJECT), TRUTH),
     # what happened while observed
-    "speed": Function("distance travelled while observed, over that time", (OBJECT,), Quantity(SPEED), "wmspec.ask.motion:speed"),
+    "speed": Function("distance travelled while observed, over that time; or how fast it is at a time", (OBJECT,), Quantity(SPEED), "wmspec.ask.motion:speed", {**_DURING, **_AT}),
     "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, "wmspec.ask.choices:fastest", _TIE, chooses=True),
     "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, "wmspec.ask.choices:slowest", _TIE, chooses=True),
-    "moved": Function("whether it moved while observed", (OBJECT,), TRUTH, "wmspec.ask.motion:moved"),
+    "moved": Function("whether it moved while observed", (OBJECT,), TRUTH, "wmspec.ask.motion:moved", _DURING),
     "mover": Function("the one that travelled furthest", (_OBJECTS,), OBJECT, "wmspec.ask.choices:mover", chooses=True),
     "onset": Function("when it first moved", (OBJECT,), A_TIME, "wmspec.ask.motion:onset"),
     "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, "wmspec.ask.motion:moving_time"),
     "first": Function("the one that moved first", (_OBJECTS,), OBJECT, "wmspec.ask.choices:first", {"tie": A_TIME}, chooses=True),
     "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, "wmspec.ask.choices:longest", _TIE, chooses=True),
-    "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it", (OBJECT,), AN_ANGLE, "wmspec.ask.motion:heading"),
+    "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it; or the way that it moves at a time", (OBJECT,), AN_ANGLE, "wmspec.ask.motion:heading", _AT),
     "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, "wmspec.ask.motion:heads_to"),
     "trajectory": Function("the form of its path", (OBJECT,), PATH, "wmspec.ask.motion:trajectory"),
     # how it was and how it ended
-    "displacement": Function("how far it is at the end from where it began", (OBJECT,), A_LENGTH, "wmspec.ask.outcome:displacement"),
-    "distance": Function("between the middles of two objects, at the end", (OBJECT, OBJECT), A_LENGTH, "wmspec.ask.outcome:distance"),
-    "relation": Function("where the first is from the second when last seen, as the pictures show it", (OBJECT, OBJECT), RELATION, "wmspec.ask.choices:relation", chooses=True),
-    "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, "wmspec.ask.outcome:contact"),
-    "at_rest": Function("whether it stands still at the end", (OBJECT,), TRUTH, "wmspec.ask.outcome:at_rest"),
-    "toppled": Function("whether it ended more than half way tipped over", (OBJECT,), TRUTH, "wmspec.ask.outcome:toppled"),
-    "height": Function("how high its middle is at the end", (OBJECT,), A_LENGTH, "wmspec.ask.outcome:height"),
-    "contains": Function("whether the first ended with the second within its upright box", (OBJECT, OBJECT), TRUTH, "wmspec.ask.outcome:contains"),
+    "position": Function("where its middle is at the end, or at a time", (OBJECT,), POINT3, "wmspec.ask.outcome:position", _AT),
+    "displacement": Function("how far it is at the end, or at a time, from where it began", (OBJECT,), A_LENGTH, "wmspec.ask.outcome:displacement", _AT),
+    "distance": Function("between the middles of two objects, at the end or at a time", (OBJECT, OBJECT), A_LENGTH, "wmspec.ask.outcome:distance", _AT),
+    "relation": Function("where the first is from the second when last seen, or at a time, as the pictures show it or as a viewer sees it", (OBJECT, OBJECT), RELATION, "wmspec.ask.choices:relation", {**_AT, **_SEEN}, chooses=True),
+    "at_rest": Function("whether it stands still at the end, or at a time", (OBJECT,), TRUTH, "wmspec.ask.outcome:at_rest", _AT),
+    "toppled": Function("whether it is more than half way tipped over at the end, or at a time", (OBJECT,), TRUTH, "wmspec.ask.outcome:toppled", _AT),
+    "height": Function("how high its middle is at the end, or at a time", (OBJECT,), A_LENGTH, "wmspec.ask.outcome:height", _AT),
+    "contains": Function("whether the first has the second within its upright box at the end, or at a time", (OBJECT, OBJECT), TRUTH, "wmspec.ask.outcome:contains", _AT),
+    "angle": Function("how far a hinge has turned from 0, at the end or at a time", (JOINT,), AN_ANGLE, "wmspec.ask.joints:angle", _AT),
+    "extension": Function("how far a slider has slid from 0, at the end or at a time", (JOINT,), A_LENGTH, "wmspec.ask.joints:extension", _AT),
+    # what happened when
+    "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, "wmspec.ask.events:contact", _DURING),
+    "contact_time": Function("when the two first touch", (OBJECT, OBJECT), A_TIME, "wmspec.ask.events:contact_time", _DURING),
+    "touches_first": Function("which of the others it touches first", (OBJECT, _OBJECTS), OBJECT, "wmspec.ask.choices:touches_first", {"tie": A_TIME}, chooses=True),
+    "highest": Function("the greatest height of its middle", (OBJECT,), A_LENGTH, "wmspec.ask.events:highest", _DURING),
+    "when_highest": Function("when its middle is highest", (OBJECT,), A_TIME, "wmspec.ask.events:when_highest", _DURING),
     # what is seen
     "visible": Function("the share of the picture that shows it, least over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.ask.visibility:visible"),
     "occluded": Function("the share of it that others hide, most over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.ask.visibility:occluded"),

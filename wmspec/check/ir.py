@@ -57,22 +57,36 @@ class Property(Node):
 
 
 class Operation(Node):
-    """An operator applied to operands: `+ - * / == != < <= > >= and or not if`, and `x y z` of a point."""
+    """An operator applied to operands: `+ - * / == != < <= > >= and or not if`, and `x y z` of a point.
+
+    With `each`, the operand of that number is a list, and it is applied to every item of that: the value is a list.
+    """
 
     kind: Literal["operation"] = "operation"
     operator: str
     operands: tuple[Expr, ...]
+    each: int | None = None
+
+
+class Option(Node):
+    """An option of a function that is given, by its name."""
+
+    name: str
+    value: Expr
 
 
 class Call(Node):
-    """A function of `functions.FUNCTIONS` applied to arguments, an option that is given last.
+    """A function of `functions.FUNCTIONS` applied to arguments. `each` is as of an operation.
 
-    `present` is the one function that has no row there: of things, those that are there.
+    Two functions have no row there: `present`, of things those that are there, and `nth`, of a list the item with a
+    number, counted from the end if it is below 0.
     """
 
     kind: Literal["call"] = "call"
     function: str
     arguments: tuple[Expr, ...]
+    options: tuple[Option, ...] = ()
+    each: int | None = None
 
 
 class Items(Node):

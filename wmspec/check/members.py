@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check import actions, ir
-from wmspec.check.names import BLOCKS
+from wmspec.check.names import BLOCKS, present
 from wmspec.check.owners import Owner, owner, parts
 from wmspec.check.typed import Failed, Typed, constant
 from wmspec.check.types import (
@@ -111,7 +111,7 @@ def setting(check: Expressions, of: Owner, p: s.Property, slot: Slot) -> Typed:
 
 
 def index(check: Expressions, e: s.Index) -> Typed:
-    """`blocks[2]`: a member of a set of objects."""
+    """`blocks[2]`: a member of a set of objects; `blocks[-1]`, the last of those that are there."""
     declared = check.scope.names.get(e.value.id) if isinstance(e.value, s.Name) else None
     if not isinstance(declared, s.Block) or declared.kind != "objects":
         found = check.infer(e.value)
@@ -124,7 +124,10 @@ def index(check: Expressions, e: s.Index) -> Typed:
     if number is None:
         check.fail("WMS304", "which member of a set is meant is a constant", e.index.span,
                    "a factor can hold the members themselves: `in [blocks[0], blocks[1]]`")  # fmt: skip
-    if number != int(number) or not 0 <= number < len(members):
+    if number != int(number) or not -len(members) <= number < len(members):
         message = f"`{declared.name.id}` has members 0 to {len(members) - 1}"
-        check.fail("WMS304", message, e.index.span)
+        check.fail("WMS304", message, e.index.span, "count from the end with `-1`, the last that is there")
+    if number < 0:
+        last = ir.Call(function="nth", arguments=(present(members), ir.Value(value=number)))
+        return Typed(last, OBJECT)
     return Typed(ir.Value(value=members[int(number)]), OBJECT)

@@ -66,7 +66,7 @@ def _declared(check: Expressions, e: s.Name, declared: Declaration) -> Typed:
             made = check.once(("let", e.id), e.span, lambda: check.infer(declared.value))
             return Typed(ir.Ref(name=e.id), made.type)
         case s.Block(kind="objects"):
-            return Typed(_present(check.scope.members(e.id)), List(OBJECT))
+            return Typed(present(check.scope.members(e.id)), List(OBJECT))
         case s.Block():
             return Typed(ir.Value(value=e.id), BLOCKS[declared.kind])
         case s.Action():
@@ -75,7 +75,7 @@ def _declared(check: Expressions, e: s.Name, declared: Declaration) -> Typed:
             check.fail("WMS302", "a template is not a value", e.span, f"make one: `object NAME : {e.id} {{ ... }}`")
 
 
-def _present(members: tuple[str, ...]) -> ir.Expr:
+def present(members: tuple[str, ...]) -> ir.Expr:
     """Those members of a set that are there."""
     everyone = ir.Items(items=tuple(ir.Value(value=m) for m in members))
     return ir.Call(function="present", arguments=(everyone,))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check.typed import ZERO, Typed, joined, operation
-from wmspec.check.types import TRUTH, Quantity, Type, article
+from wmspec.check.types import TRUTH, List, Plain, Quantity, Type, Word, article
 from wmspec.check.units import NUMBER
 from wmspec.parse import syntax as s
 
@@ -20,11 +20,18 @@ def operation_of(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -
     if e.operator == "if":
         return _conditional(check, e, wanted)
     if e.operator in ("and", "or", "not"):
-        operands = [check.value(o, (TRUTH,), f"`{e.operator}`") for o in e.operands]
-        return operation(e.operator, operands, TRUTH)
+        return _truth(check, e)
     if e.operator in COMPARISONS:
         return _comparison(check, e)
     return _arithmetic(check, e)
+
+
+def _truth(check: Expressions, e: s.Operation) -> Typed:
+    """`and`, `or` and `not`; of a list of truth values `not` is of each."""
+    if e.operator == "not" and (typed := check.infer(e.operands[0], (TRUTH,))).type == List(TRUTH):
+        return operation("not", [typed], List(TRUTH), 0)
+    operands = [check.value(o, (TRUTH,), f"`{e.operator}`") for o in e.operands]
+    return operation(e.operator, operands, TRUTH)
 
 
 def _conditional(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -> Typed:
@@ -38,17 +45,40 @@ def _conditional(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -
 
 def _comparison(check: Expressions, e: s.Operation) -> Typed:
     left = check.infer(e.operands[0])
-    right = check.infer(e.operands[1], (left.type,))
+    right = check.infer(e.operands[1], (_single(left.type),))
+    each = _each(check, e, [left, right])
+    if each is not None:
+        left, right = Typed(left.expr, _single(left.type)), Typed(right.expr, _single(right.type))
     if joined(left.type, right.type) is None:
         what = f"`{e.operator}`, after {article(str(left.type))},"
         check.misfit(e.operands[1].span, right.type, (left.type,), what)
     if e.operator not in ("==", "!=") and not isinstance(left.type, Quantity):
         check.fail("WMS302", f"`{e.operator}` compares quantities, not {left.type}s", e.span, "use `==` or `!=`")
-    return operation(e.operator, [left, right], TRUTH)
+    return operation(e.operator, [left, right], TRUTH if each is None else List(TRUTH), each)
+
+
+def _single(kind: Type) -> Type:
+    """The type of each item of a list that an operator is applied to, or of what is no such list."""
+    return kind.item if isinstance(kind, List) and isinstance(kind.item, Quantity | Word | Plain) else kind
+
+
+def _each(check: Expressions, e: s.Operation, operands: list[Typed]) -> int | None:
+    """The operand that is a list, of whose items the operator holds each; two lists can only be the same or not."""
+    lists = [i for i, o in enumerate(operands) if _single(o.type) != o.type]
+    if len(lists) > 1 and e.operator not in ("==", "!="):
+        message = f"`{e.operator}` goes over the items of one list, and this is a second"
+        check.fail("WMS302", message, e.operands[lists[1]].span, "compare with one value, such as `max(...)` of it")
+    return lists[0] if len(lists) == 1 else None
 
 
 def _arithmetic(check: Expressions, e: s.Operation) -> Typed:
     operands = [check.infer(o) for o in e.operands]
+    each = _each(check, e, operands)
+    typed = _arithmetic_of(check, e, [Typed(o.expr, _single(o.type)) for o in operands], each)
+    return typed if each is None else Typed(typed.expr, List(typed.type))
+
+
+def _arithmetic_of(check: Expressions, e: s.Operation, operands: list[Typed], each: int | None) -> Typed:
     kinds = []
     for operand, written in zip(operands, e.operands, strict=True):
         if not isinstance(operand.type, Quantity):
@@ -57,13 +87,13 @@ def _arithmetic(check: Expressions, e: s.Operation) -> Typed:
         kinds.append(operand.type)
     dimensions = [NUMBER if k.dimension == ZERO and e.operator in "*/" else k.dimension for k in kinds]
     if len(operands) == 1:
-        return operation("-", operands, kinds[0])
+        return operation("-", operands, kinds[0], each)
     if e.operator == "*":
-        return operation("*", operands, Quantity(dimensions[0] * dimensions[1]))
+        return operation("*", operands, Quantity(dimensions[0] * dimensions[1]), each)
     if e.operator == "/":
-        return operation("/", operands, Quantity(dimensions[0] / dimensions[1]))
+        return operation("/", operands, Quantity(dimensions[0] / dimensions[1]), each)
     kind = joined(*kinds)
     if kind is None:
         what = f"`{e.operator}`, after {article(str(kinds[0]))},"
         check.misfit(e.operands[1].span, kinds[1], (kinds[0],), what)
-    return operation(e.operator, operands, kind)
+    return operation(e.operator, operands, kind, each)

@@ -42,7 +42,7 @@ def _needs(thing: ir.Thing) -> Iterator[tuple[str, str]]:
         if isinstance(value, ir.Value) and name != "at":
             yield str(value.value), name
         if isinstance(value, ir.Call) and name == "at":
-            for argument in value.arguments:
+            for argument in (*value.arguments, *(option.value for option in value.options)):
                 if isinstance(argument, ir.Value) and isinstance(argument.value, str):
                     yield argument.value, name
 

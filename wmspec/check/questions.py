@@ -22,6 +22,7 @@ from wmspec.check.types import (
     List,
     Quantity,
     Type,
+    Vector,
     Word,
     article,
 )
@@ -125,7 +126,7 @@ class Questions:
         noun = article(str(answer.type))
         rule = broken(rules, answer.type, places.keys())
         if rules.spoken and _spoken(answer.type) is None and answer.type != TRUTH:
-            self.check.fail("WMS502", f"{noun} is no answer to a question", clause.value.span)
+            self.check.fail("WMS502", f"{noun} is no answer to a question", clause.value.span, _made_one(answer.type))
         if rule is not None:
             self.check.fail("WMS502", rule.message.format(answer=noun), places[rule.at], rule.remedy)
         if "options" in clauses:
@@ -214,6 +215,15 @@ class Questions:
             found.append(ir.Said(value=typed.expr, sort=sort))
         found.append(_unescape(raw[end:-1]))
         return tuple(part for part in found if part != "")
+
+
+def _made_one(of: Type) -> str:
+    """How several values become one that can be an answer; empty if there is no short way to say it."""
+    if of == List(TRUTH):
+        return "write `count(...)`, `any(...)` or `all(...)` of it"
+    if isinstance(of, List) and isinstance(of.item, Quantity):
+        return "write `sum(...)`, `min(...)` or `max(...)` of it"
+    return "ask for one of its parts: `.x`, `.y`" if isinstance(of, Vector) else ""
 
 
 def _unescape(text: str) -> str:

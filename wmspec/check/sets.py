@@ -116,7 +116,7 @@ class _Numbers:
             self._known[name] = evaluate(self._lets[name], self)
         return self._known[name]
 
-    def property(self, *_: Any) -> Any:
+    def property(self, *_: Any, **_options: Any) -> Any:
         raise AssertionError("a set's number has no properties in it")
 
     call = property

@@ -62,10 +62,10 @@ def _side_by_side(a: Type, b: Type) -> bool:
     return a in _LABELS and (b in _LABELS or (isinstance(b, Word) and a in (NEITHER, LABEL)))
 
 
-def operation(operator: str, operands: list[Typed], result: Type) -> Typed:
-    """An operator applied to operands; of constant numbers, its value."""
+def operation(operator: str, operands: list[Typed], result: Type, each: int | None = None) -> Typed:
+    """An operator applied to operands; of constant numbers, its value. `each` is as of `ir.Operation`."""
     values = [o.expr.value for o in operands if isinstance(o.expr, ir.Value) and isinstance(o.expr.value, float)]
-    expr = ir.Operation(operator=operator, operands=tuple(o.expr for o in operands))
+    expr = ir.Operation(operator=operator, operands=tuple(o.expr for o in operands), each=each)
     if len(values) == len(operands) and (folded := constant(expr)) is not None:
         return Typed(ir.Value(value=folded), result)
     return Typed(expr, result)

@@ -91,6 +91,10 @@ LIGHT = Plain("light")
 WORLD = Plain("world")
 #: In a function's parameters and result: a quantity of whatever dimension, the same for all of them.
 QUANTITY = Plain("quantity")
+#: In a function's parameters: things to count, or truth values of which those that hold are counted.
+COUNTED = Plain("list of objects or truth values")
+#: In a function's options: from where something is seen.
+VIEWER = Plain("camera or object")
 #: Where something is in the world, as a relation to something else: a point on the ground that is no pair of numbers.
 PLACE = Plain("place")
 #: An object, a text or `neither`: what the options of one question may hold side by side.

@@ -77,8 +77,8 @@ class _Known:
     def property(self, owner: str, name: str) -> Any:
         return self._scene.property(owner, name)
 
-    def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
-        return self._scene.call(function, arguments)
+    def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
+        return self._scene.call(function, arguments, **options)
 
 
 def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:

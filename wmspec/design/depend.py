@@ -90,8 +90,8 @@ class Dependencies:
                     found.add(name)
                 case Property(owner=owner, name=name):
                     found |= {f"{named}.{name}" for named in self._named(owner)}
-                case Call(function=function, arguments=arguments) if function in _LOOKS_AT:
-                    for argument in arguments:
+                case Call(function=function, arguments=arguments, options=options) if function in _LOOKS_AT:
+                    for argument in (*arguments, *(option.value for option in options)):
                         found |= {f"{n}.{aspect}" for n in self._named(argument) for aspect in _LOOKS_AT[function]}
         return frozenset(found)
 
@@ -119,6 +119,9 @@ class Dependencies:
             turns = ("pose",) if near.name == thing.of else ("start",) if near.kind == "joint" else ("form", *_TURN)
             yield from (f"{near.name}.{name}" for name in turns)
         yield from (f"{thing.name}.{name}" for name in PLACEMENT)
+        if thing.kind == "camera":
+            yield from (f"{thing.name}.look_at", f"{thing.name}.ride")
+            yield from (f"{base}.pose" for base in self._ridden(thing))
         for way in ("on", "inside"):
             if way in thing.properties:
                 yield from (f"{base}.pose" for base in self._named(thing.properties[way].value))
@@ -128,6 +131,10 @@ class Dependencies:
                     yield from (f"{other.name}.{n}" for n in (*_SCATTER, "form", "at", "on", "pitch", "roll"))
         for drop in self._acting(("drop",), thing.name):
             yield from (f"{drop.name}.{name}" for name in ("there", "object", "height"))
+
+    def _ridden(self, camera: Thing) -> frozenset[str]:
+        """What carries a camera."""
+        return self._named(camera.properties["ride"].value) if "ride" in camera.properties else frozenset()
 
     def _there(self, action: Thing) -> Iterator[str]:
         if "object" in action.properties:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from wmspec.check.evaluate import NoValue
@@ -11,6 +11,7 @@ from wmspec.layout import geometry
 from wmspec.layout.cavities import fits
 from wmspec.layout.motion import angle
 from wmspec.layout.surfaces import WORLD
+from wmspec.layout.view import gaze, seen
 from wmspec.materials import colors
 
 if TYPE_CHECKING:
@@ -19,10 +20,10 @@ if TYPE_CHECKING:
 Location = tuple[str, float, float]
 
 
-def call(values: Values, function: str, arguments: tuple[Any, ...]) -> Any:
+def call(values: Values, function: str, arguments: tuple[Any, ...], options: Mapping[str, Any]) -> Any:
     """The value of a function of the design. Raises WmsError if it has none."""
     try:
-        return FUNCTIONS[function](values, *arguments)
+        return FUNCTIONS[function](values, *arguments, **options)
     except (OverflowError, ValueError, ZeroDivisionError):  # of numbers that are infinite, of lists that are empty
         raise NoValue(f"`{function}` has no value here") from None
 
@@ -35,10 +36,13 @@ def _toward(values: Values, subject: str, target: str) -> float:
     return math.atan2(to_y - y, to_x - x)
 
 
-def _beside(dx: float, dy: float) -> Callable[[Values, str, float], Location]:
-    def beside(values: Values, owner: str, far: float) -> Location:
+def _beside(dx: float, dy: float) -> Callable[..., Location]:
+    """A place so far to the right and to the back, for who looks as the world's front does or as a viewer."""
+
+    def beside(values: Values, owner: str, far: float, seen_from: str | None = None) -> Location:
         x, y, _ = values.pose(owner).position
-        return (WORLD, x + dx * far, y + dy * far)
+        right, back = (dx, dy) if seen_from is None else seen(-gaze(values, seen_from), dx, dy)
+        return (WORLD, x + right * far, y + back * far)
 
     return beside
 
@@ -73,6 +77,15 @@ def _mod(_values: Values, a: float, b: float) -> float:
     return float(a) - b * math.floor(a / b)  # also of a direction, which has no multiples
 
 
+def _extreme(choose: Callable[[list[float]], float]) -> Callable[..., float]:
+    def extreme_of(_values: Values, *given: Any) -> float:
+        if not (numbers := _numbers(given)):
+            raise NoValue("there is none to choose from")
+        return choose(numbers)
+
+    return extreme_of
+
+
 def _sqrt(_values: Values, x: float) -> float:
     if x < 0:
         raise NoValue(f"`sqrt` of {x:g}, which has no root")
@@ -86,6 +99,14 @@ def _present(values: Values, objects: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in objects if values.there(name))
 
 
+def _nth(_values: Values, items: tuple[Any, ...], number: float) -> Any:
+    """The item with a number, from the end if it is below 0."""
+    i = int(number)
+    if not -len(items) <= i < len(items):
+        raise NoValue(f"number {i} is asked for, and only {len(items)} are there")
+    return items[i]
+
+
 def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> str:
     """The name with the largest or smallest of sizes; of equals the first, or `neither` within `tie` times."""
     ordered = sorted(sizes, key=lambda name: -sizes[name] if most else sizes[name])
@@ -96,6 +117,11 @@ def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> st
         if high <= low * tie:
             return "neither"
     return ordered[0]
+
+
+def _count(values: Values, items: tuple[str | bool, ...]) -> float:
+    """How many objects are there, or how many truth values are true."""
+    return float(sum(item if isinstance(item, bool) else values.there(item) for item in items))
 
 
 def _pick(size: Callable[[Values, str], float], most: bool) -> Callable[..., str]:
@@ -120,8 +146,9 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "between": _between,
     "rgb": lambda _, *parts: colors.word(parts),
     "shade": lambda _, color, share: colors.shade(color, share),
-    "min": lambda _, *given: min(_numbers(given), default=0.0),
-    "max": lambda _, *given: max(_numbers(given), default=0.0),
+    "min": _extreme(min),
+    "max": _extreme(max),
+    "sum": lambda _, *given: math.fsum(_numbers(given)),
     "abs": lambda _, x: abs(x),
     "floor": lambda _, x: float(math.floor(x)),
     "mod": _mod,
@@ -130,7 +157,10 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sin": lambda _, a: math.sin(a),
     "cos": lambda _, a: math.cos(a),
     "present": _present,
-    "count": lambda values, objects: float(len(_present(values, objects))),
+    "nth": _nth,
+    "count": _count,
+    "any": lambda _, truths: any(truths),
+    "all": lambda _, truths: all(truths),
     "volume": geometry.volume,
     "largest": _pick(geometry.volume, most=True),
     "smallest": _pick(geometry.volume, most=False),

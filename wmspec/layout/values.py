@@ -83,9 +83,9 @@ class Values:
         self._known[key] = constant
         return constant
 
-    def call(self, function: str, arguments: tuple[Any, ...]) -> Any:
+    def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
         """A function of the design."""
-        return functions.call(self, function, arguments)
+        return functions.call(self, function, arguments, options)
 
     def once(self, key: tuple[str, str], make: Callable[[], T]) -> T:
         """What is worked out only once; `key` is its owner and name. Raises WmsError if it needs itself."""

@@ -5,10 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from wmspec.check.evaluate import NoValue
 from wmspec.space import add, rotate, times
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
+
+#: What points so little aside looks straight up or down.
+UPRIGHT = 1e-6
 
 
 def front(values: Values) -> int:
@@ -24,17 +28,39 @@ def front(values: Values) -> int:
 
 
 def facing(values: Values, camera: str) -> int:
-    """The way that a camera looks at the start, as `front` counts; of one that looks straight down, its upper edge."""
-    ahead = add(values.property(camera, "look_at"), times(-1.0, values.property(camera, "at")))
+    """The way that a camera looks at the start, as `front` counts."""
+    return round(gaze(values, camera)) % 4
+
+
+def gaze(values: Values, viewer: str) -> float:
+    """The way that a camera or an object looks at the start, in quarter turns anticlockwise from +y.
+
+    An object looks along its own x; a camera that looks straight down, to its upper edge. Raises NoValue for an object
+    that looks straight up or down.
+    """
+    if not values.has(viewer, "look_at"):
+        ahead = rotate(values.pose(viewer).orientation, (1.0, 0.0, 0.0))
+        if math.hypot(ahead[0], ahead[1]) <= UPRIGHT:
+            raise NoValue(f"`{viewer}` looks straight up or down, so nothing is on its left")
+        return quarters(ahead[0], ahead[1])
+    ahead = add(values.property(viewer, "look_at"), times(-1.0, values.property(viewer, "at")))
     if math.hypot(ahead[0], ahead[1]) <= 1e-9 * math.hypot(*ahead):
         ahead = (0.0, 1.0, 0.0)
-    if values.has(camera, "ride"):
-        ahead = rotate(values.pose(values.property(camera, "ride")).orientation, ahead)
-    return round(math.atan2(-ahead[0], ahead[1]) / (math.pi / 2)) % 4
+    if values.has(viewer, "ride"):
+        ahead = rotate(values.pose(values.property(viewer, "ride")).orientation, ahead)
+    return quarters(ahead[0], ahead[1])
 
 
-def seen(way: int, x: float, y: float) -> tuple[float, float]:
+def quarters(x: float, y: float) -> float:
+    """The quarter turns, anticlockwise from +y, to a direction on the ground."""
+    return math.atan2(-x, y) / (math.pi / 2)
+
+
+def seen(way: float, x: float, y: float) -> tuple[float, float]:
     """How far (m) to the right and to the back something is for who looks that way, from its x and y in the world."""
-    for _ in range(way):
+    whole = math.floor(way)
+    for _ in range(whole % 4):  # exact where nothing is left over
         x, y = y, -x
-    return x, y
+    rest = (way - whole) * math.pi / 2
+    sine, cosine = math.sin(rest), math.cos(rest)
+    return (x * cosine + y * sine, y * cosine - x * sine) if rest else (x, y)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 from wmspec.check import units
-from wmspec.check.evaluate import parts
-from wmspec.check.ir import Call
+from wmspec.check.evaluate import NoValue, evaluate, parts
+from wmspec.check.ir import Call, Expr, Question
+from wmspec.check.measured import measured
 from wmspec.check.verbs import VERBS
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told_of
@@ -64,14 +67,19 @@ def turned_camera(scene: Scene) -> Iterator[Breach]:
     """A camera that has on its left what `relation` does not call so."""
     spec = scene.values.spec
     answers = (part for question in spec.questions for part in parts(question.answer))
-    if not any(isinstance(part, Call) and part.function == "relation" for part in answers):
+    if not any(isinstance(part, Call) and part.function == "relation" and not _from(part) for part in answers):
         return
     way = front(scene.values)
     for observation in spec.observations:
         if facing(scene.values, observation.camera) != way:
             what = f"`{observation.camera}` looks another way than `relation`, which goes by the world's front"
-            remedy = "observe only from one side, or say in the question that it is meant as seen from the front"
+            remedy = f"observe only from one side, or say from which it is meant: `seen_from: {observation.camera}`"
             yield Breach(what, observation.place, remedy, about=observation.camera)
+
+
+def _from(relation: Call) -> bool:
+    """Whether it says for whom it is meant."""
+    return any(option.name == "seen_from" for option in relation.options)
 
 
 @rule("WMS304")
@@ -98,7 +106,50 @@ def picture_after_the_end(scene: Scene) -> Iterator[Breach]:
             yield outside(time, scene.values, question.place)
 
 
-RULES = (objects_inside_one_another, blind_camera, turned_camera, late_action, picture_after_the_end)
+@rule("WMS304", "error")
+def measure_outside_the_episode(scene: Scene) -> Iterator[Breach]:
+    """A measure at a time that is not executed, or during a span that ends before it begins."""
+    values = scene.values
+    for question in values.spec.questions:
+        if not asked(question, values):
+            continue
+        for expr, place in _measuring(question):
+            for call in (part for part in parts(expr) if isinstance(part, Call)):
+                times = dict(_times(call, values))
+                if late := [time for time in times.values() if not values.during(time)]:
+                    lasts = f"the episode, which lasts {units.told(values.ref('end'), units.TIME)} {scene.where}"
+                    what = f"`{call.function}` at {units.told(late[0], units.TIME)} is outside {lasts}"
+                    yield Breach(what, place, "ask for an earlier time, or set a longer `horizon`")
+                elif times.get("from", 0.0) >= times.get("to", math.inf):
+                    what = f"the time of `{call.function}` ends before it begins {scene.where}"
+                    yield Breach(what, place, "let `to` be later than `from`")
+
+
+def _measuring(question: Question) -> Iterator[tuple[Expr, Location]]:
+    """The expressions of a question that are measured on the episode."""
+    yield question.answer, question.place
+    yield from ((ensure.condition, ensure.place) for ensure in question.ensures)
+    yield from ((margin.value, margin.place) for margin in question.margins)
+    if question.difference is not None:
+        yield question.difference.value, question.place
+
+
+def _times(call: Call, values: Values) -> Iterator[tuple[str, float]]:
+    """The times (s) at which a function is measured, by their options, as far as they are known before the episode."""
+    for option in call.options:
+        if option.name in ("at", "from", "to") and not measured(values.spec, option.value):
+            with suppress(NoValue):
+                yield option.name, float(evaluate(option.value, values))
+
+
+RULES = (
+    objects_inside_one_another,
+    blind_camera,
+    turned_camera,
+    late_action,
+    picture_after_the_end,
+    measure_outside_the_episode,
+)
 
 
 def outside(time: float, values: Values, place: Location) -> Breach:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from wmspec.check.functions import FUNCTIONS
-from wmspec.check.types import TRUTH, Quantity
+from wmspec.check.types import TRUTH, Quantity, Vector
 
 #: SI units that people read better in another: its sign, and how many of it make one.
 READABLE = {"m": ("cm", 100.0), "rad": ("°", 180 / math.pi), "kg": ("g", 1000.0), "m/s": ("cm/s", 100.0)}
@@ -36,4 +36,5 @@ def reading(name: str, value: float) -> str:
     function = FUNCTIONS.get(name.partition("(")[0])
     if function is not None and function.result == TRUTH:
         return human(bool(value))
-    return human(value, function.result.dimension.symbol if function and isinstance(function.result, Quantity) else "")
+    result = function.result if function is not None else None
+    return human(value, result.dimension.symbol if isinstance(result, Quantity | Vector) else "")
