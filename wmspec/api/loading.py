@@ -87,6 +87,21 @@ def diagnose(*paths: PathOrText) -> Diagnosis:
     return Diagnosis(report.diagnostics, tasks)
 
 
+def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnosis, tuple[Task, ...]]:
+    """The same for a text that is to be the file at `path`, and its tasks if it has no mistakes.
+
+    Unless it is `tried`, no scenes are built.
+    """
+    from wmspec.lint.dry_run import dry_run
+    from wmspec.parse.load import shown
+
+    report = Report()
+    program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, report)
+    tasks = tuple(Task(spec, program, path) for spec in check_program(program, report))
+    sizes = tuple((task.name, dry_run(task.spec, report) if tried else 0) for task in tasks)
+    return Diagnosis(report.diagnostics, sizes), () if report.failed else tasks
+
+
 def spec_files(paths: Iterable[Path]) -> list[Path]:
     """The spec files meant: a file as it is, a folder as every .wms below it. Raises WmsError where there is none."""
     files: list[Path] = []

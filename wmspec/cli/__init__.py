@@ -15,8 +15,10 @@ from wmspec import __version__
 from wmspec.diagnostics import WmsError
 
 COMMANDS = (
+    "new",
     "check",
     "fmt",
+    "watch",
     "explain",
     "list",
     "compile",

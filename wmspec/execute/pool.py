@@ -114,6 +114,30 @@ def _reason(error: Exception) -> str:
     return f"{type(error).__name__}: {text}{place}"
 
 
+class Helper:
+    """One process that stays, for one piece of work after the other: who waits for it is safe from whatever it does."""
+
+    def __init__(self, timeout: float) -> None:
+        self._pool: Any = ProcessPool(max_workers=1, max_tasks=PIECES_PER_WORKER, context=_Context())
+        self._timeout = timeout
+
+    def do(self, work: Callable[..., T], *piece: Any) -> T | Lost:
+        """`work(*piece)`, or what became of it; it is tried once."""
+        try:
+            return cast(T, self._pool.schedule(_done, args=(work, *piece), timeout=self._timeout).result())
+        except GraphicsError as error:
+            return Lost("error", str(error))
+        except FutureTimeout:
+            return Lost("timeout", f"took longer than {self._timeout:g} s")
+        except ProcessExpired as error:
+            return Lost("crashed", f"the worker process died (exit code {error.exitcode})")
+
+    def close(self) -> None:
+        """Stop it, whatever it is doing."""
+        self._pool.stop()
+        self._pool.join()
+
+
 class _Worker(SpawnProcess):
     """A process that imports wmspec and not the script that asked for it, which therefore needs no `__main__` guard."""
 

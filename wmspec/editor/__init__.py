@@ -1,0 +1,1 @@
+"""Help for those who write specs: a language server, a page that redraws on save, first specs, grammars for editors."""
