@@ -70,13 +70,13 @@ def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, .
     if spec.plan.kind in ("sample", "latin", "groups"):
         domains = dict(sorted(domains.items()))
     try:
-        found = tuple(_tied(domains, conditions))
+        columns = tuple(_tied(domains, conditions))
     except TooMuch as much:
         raise _too_much(much, conditions) from None
     constant = [c for c in conditions if not c.scope and not c.allowed]
-    if constant or not all(c.size for c in found):
+    if constant or not all(c.size for c in columns):
         raise _nothing_left(domains, conditions)
-    return found
+    return columns
 
 
 def _tied(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Iterator[Column]:
@@ -115,12 +115,14 @@ def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
 
 def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> SpecError:
     """Names the smallest set of conditions that leaves no combination."""
-    said = {c.said: c for c in reversed(conditions)}
-    guilty = _smallest(sorted(said), lambda some: _satisfiable(domains, [c for c in conditions if c.said in some]))
-    first, *more = (said[i] for i in guilty)
+    by_require = {c.said: c for c in reversed(conditions)}
+    guilty = _smallest(
+        sorted(by_require), lambda some: _satisfiable(domains, [c for c in conditions if c.said in some])
+    )
+    first, *more = (by_require[i] for i in guilty)
     names = [n for n in domains if any(n in c.scope for c in conditions if c.said in guilty)]
     whose = f"{'combination' if len(names) > 1 else 'value'} of {', '.join(names)}" if names else "instance"
-    met = " and ".join(said[i].text for i in guilty)
+    met = " and ".join(by_require[i].text for i in guilty)
     notes = tuple(Note("together with this", c.place) for c in more)
     remedy = "weaken a condition, or widen a domain"
     return SpecError(f"no {whose} meets {met}", first.place, remedy, code="WMS402", notes=notes)
@@ -171,7 +173,7 @@ def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Cons
 
 def _baseline(spec: TaskSpec, conditions: Sequence[Constraint]) -> dict[str, Level]:
     """What is named; of the other factors the first value, or the first that a conditional domain has then."""
-    found: dict[str, Level] = {
+    levels: dict[str, Level] = {
         f.name: spec.plan.baseline.get(f.name, f.domain.values[0])
         for f in spec.factors
         if not f.nuisance and isinstance(f.domain, Choices)
@@ -179,9 +181,9 @@ def _baseline(spec: TaskSpec, conditions: Sequence[Constraint]) -> dict[str, Lev
     for condition in conditions:
         name = condition.scope[0] if condition.conditional else ""
         if name and name not in spec.plan.baseline:
-            choices = (value for value in condition.domains[name] if condition.holds(found | {name: value}))
-            found[name] = next(choices, found[name])
-    return found
+            choices = (value for value in condition.domains[name] if condition.holds(levels | {name: value}))
+            levels[name] = next(choices, levels[name])
+    return levels
 
 
 def _ranks(columns: Sequence[Column], values: Mapping[str, Level]) -> Ranks | None:

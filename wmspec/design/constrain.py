@@ -86,9 +86,9 @@ def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
 
     Raises SpecError where a condition depends on what has no separate values to try, or there is too much to try.
     """
-    found = tuple(_constraints(spec))
+    made = tuple(_constraints(spec))
     tries = 0
-    for constraint in found:
+    for constraint in made:
         tries += constraint.tries
         if tries > MOST_TRIED:
             names = ", ".join(constraint.scope)
@@ -99,7 +99,7 @@ def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
                 "split it into conditions on fewer factors, joined by `and`",
                 code="WMS404",
             )
-    return found
+    return made
 
 
 def _constraints(spec: TaskSpec) -> Iterator[Constraint]:
@@ -107,20 +107,20 @@ def _constraints(spec: TaskSpec) -> Iterator[Constraint]:
     depend = Dependencies(spec)
     order = [f.name for f in spec.factors]
     conditional = [f for f in spec.factors if isinstance(f.domain, Choices) and f.domain.when is not None]
-    for said, require in enumerate(spec.requires):
+    for number, require in enumerate(spec.requires):
         for condition in _conjuncts(require.condition):
             tied = depend.expression(condition) & set(order)
             scope = tuple(name for name in order if name in tied)
             _separate(scope, domains, spec, require.place)
-            yield Constraint(spec, said, f"`{require.text}`", require.place, scope, (condition,), domains)
-    for said, factor in enumerate(conditional, start=len(spec.requires)):
+            yield Constraint(spec, number, f"`{require.text}`", require.place, scope, (condition,), domains)
+    for number, factor in enumerate(conditional, start=len(spec.requires)):
         assert isinstance(factor.domain, Choices)
         when = factor.domain.when or ()
         tied = frozenset[str]().union(*(depend.expression(e) for e in when)) & set(order)
         scope = (factor.name, *(name for name in order if name in tied and name != factor.name))
         _separate(scope, domains, spec, factor.place)
         text = f"the domain of `{factor.name}`"
-        yield Constraint(spec, said, text, factor.place, scope, when, domains, conditional=True)
+        yield Constraint(spec, number, text, factor.place, scope, when, domains, conditional=True)
 
 
 def _conjuncts(condition: Expr) -> Iterator[Expr]:

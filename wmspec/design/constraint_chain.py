@@ -76,10 +76,10 @@ class Chain:
             rank -= before * rest
             total = (reached[k] - before) * rest
             at.append(levels[k])
-        found = [0] * len(at)
+        by_factor = [0] * len(at)
         for v, level in zip(self._order, at, strict=True):
-            found[v] = level
-        return tuple(found)
+            by_factor[v] = level
+        return tuple(by_factor)
 
     def values(self, rank: int) -> tuple[Level, ...]:
         """Combination number `rank`."""

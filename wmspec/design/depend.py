@@ -58,16 +58,16 @@ class Dependencies:
     # ------------------------------------------------------------ from one to the next
 
     def _reached(self, sources: Iterable[str]) -> frozenset[str]:
-        found: set[str] = set()
+        reached: set[str] = set()
         waiting = list(sources)
         while waiting:
             source = waiting.pop()
-            if source not in found:
-                found.add(source)
+            if source not in reached:
+                reached.add(source)
                 if source not in self._next:
                     self._next[source] = self._step(source)
                 waiting += self._next[source]
-        return frozenset(found - self._lets.keys())
+        return frozenset(reached - self._lets.keys())
 
     def _step(self, source: str) -> frozenset[str]:
         """What a source is made of directly."""
@@ -83,17 +83,17 @@ class Dependencies:
 
     def _direct(self, expr: Expr) -> frozenset[str]:
         """What is named in an expression."""
-        found: set[str] = set()
+        direct: set[str] = set()
         for part in parts(expr):
             match part:
                 case Ref(name=name):
-                    found.add(name)
+                    direct.add(name)
                 case Property(owner=owner, name=name):
-                    found |= {f"{named}.{name}" for named in self._named(owner)}
+                    direct |= {f"{named}.{name}" for named in self._named(owner)}
                 case Call(function=function, arguments=arguments, options=options) if function in _LOOKS_AT:
                     for argument in (*arguments, *(option.value for option in options)):
-                        found |= {f"{n}.{aspect}" for n in self._named(argument) for aspect in _LOOKS_AT[function]}
-        return frozenset(found)
+                        direct |= {f"{n}.{aspect}" for n in self._named(argument) for aspect in _LOOKS_AT[function]}
+        return frozenset(direct)
 
     # ------------------------------------------------------------ what one property is made of
 
@@ -170,20 +170,20 @@ class Dependencies:
 
     def _named(self, expr: Expr) -> frozenset[str]:
         """The names of the things that a value may be, or that a list may hold."""
-        found: set[str] = set()
+        named: set[str] = set()
         for part in parts(expr):
             match part:
                 case Value(value=str(name)) if name in self._things:
-                    found.add(name)
+                    named.add(name)
                 case Ref(name=name) if name in self._lets:
-                    found |= self._named(self._lets[name])
+                    named |= self._named(self._lets[name])
                 case Ref(name=name) if isinstance(domain := self._domains.get(name), Choices):
-                    found |= {v for v in domain.values if isinstance(v, str) and v in self._things}
+                    named |= {v for v in domain.values if isinstance(v, str) and v in self._things}
                 case Property(owner=owner, name=name):
                     for thing in self._named(owner):
                         if name in self._things[thing].properties:
-                            found |= self._named(self._things[thing].properties[name].value)
-        return frozenset(found)
+                            named |= self._named(self._things[thing].properties[name].value)
+        return frozenset(named)
 
 
 _TOGETHER: dict[str, Callable[[Dependencies, Thing], Iterator[str | Expr]]] = {

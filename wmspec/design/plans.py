@@ -37,11 +37,11 @@ class Factorial:
 
     def ranks(self, position: int) -> Ranks:
         """The digits of the position."""
-        found = []
+        ranks = []
         for size in reversed(self._sizes):
             position, rank = divmod(position, size)
-            found.append(rank)
-        return tuple(found[::-1])
+            ranks.append(rank)
+        return tuple(ranks[::-1])
 
     def position(self, ranks: Ranks) -> int | None:
         """The number of these digits."""
@@ -87,10 +87,10 @@ class Sample:
 
     def ranks(self, position: int) -> Ranks:
         """What stands at a position."""
-        found = [0] * len(self._digits)
+        ranks = [0] * len(self._digits)
         for at, spread, digit in self._digits:
-            found[at] = spread.rank(digit(position))
-        return tuple(found)
+            ranks[at] = spread.rank(digit(position))
+        return tuple(ranks)
 
     def position(self, ranks: Ranks) -> int | None:
         """Where a combination was sampled; None if it was not."""

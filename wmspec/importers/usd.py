@@ -64,8 +64,8 @@ class _Usd:
         self.stage, self.folder, self.shown, self.faults = stage, folder.resolve(), shown, faults
         self.problems = Report(StageError)
         self.world = World(stage, self.problems)
-        self.found = Walk(stage, self.problems, _ASIDE).found
-        self.owners = tuple(self.found.owners.values())
+        self.census = Walk(stage, self.problems, _ASIDE).census
+        self.owners = tuple(self.census.owners.values())
         self.materials = Materials((piece for owner in self.owners for piece in owner.pieces), pictured=True)
 
     def asset(self) -> Asset:
@@ -76,11 +76,11 @@ class _Usd:
             note(self.problems.diagnostics, self.shown, self.faults, self.folder)
             return Asset({whole.name: whole}, {})
         bodies, shapes = self._bodies()
-        held = joints.joints(self.found.joints, bodies, self.world, self.problems)
+        held = joints.joints(self.census.joints, bodies, self.world, self.problems)
         apart: tuple[tuple[str, str], ...] = ()
         with self.problems.gathered():
-            groups = self.found.of("PhysicsCollisionGroup")
-            apart = filtered(self.stage, self.found.filters, groups, self.found.owners, bodies, held)
+            groups = self.census.of("PhysicsCollisionGroup")
+            apart = filtered(self.stage, self.census.filters, groups, self.census.owners, bodies, held)
         note(self.problems.diagnostics, self.shown, self.faults, self.folder)
         found = Stage(bodies, shapes, apart, self.shown)
         return Asset(found.links, {}) if self.faults.diagnostics else found.asset(tuple(held.values()), self.faults)

@@ -58,14 +58,14 @@ def _shift(values: Values, owner: str) -> Pose:
     """What the joints from the asset's frame to a link, where they start, do to all that is beyond them."""
     of = base(values, owner) or owner
     holders = values.once((of, "holders"), lambda: _holders(values, of))
-    found, link = HERE, owner
+    shift, link = HERE, owner
     for _ in holders:  # at most through all of them
         if link not in holders:
             break
         joint = holders[link]
-        found = _moved(values, joint).then(found)
+        shift = _moved(values, joint).then(shift)
         link = values.property(joint.name, "to") if values.has(joint.name, "to") else ""
-    return found
+    return shift
 
 
 def _holders(values: Values, of: str) -> dict[str, Thing]:

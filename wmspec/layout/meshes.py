@@ -65,10 +65,10 @@ def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileM
     if file.suffix.lower() not in (STAGES if prim else FILES["file"]):
         raise ImpossibleValue(f"{file.name} is no mesh that can be read", help=f"use one of {', '.join(FILES['file'])}")
     try:
-        found = file.stat()
+        status = file.stat()
     except OSError as error:
         raise ImpossibleValue(f"{name} cannot be read: {error.strerror}") from None
-    made = _load(path, found.st_mtime_ns, found.st_size, scale, collision)
+    made = _load(path, status.st_mtime_ns, status.st_size, scale, collision)
     if solid and made.volume <= 0 and collision != "surface":
         raise ImpossibleValue(f"{path} has no volume", help="use a mesh that is not flat")
     return made
@@ -79,8 +79,8 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
     import numpy as np
 
     stretch = np.broadcast_to(np.asarray(scale, float), 3)
-    found = _of_stage(path) if parted(path)[1] else _of_file(path)
-    points, faces = found.points * stretch, found.faces[:, :: -1 if np.sign(stretch).prod() < 0 else 1]
+    whole = _of_stage(path) if parted(path)[1] else _of_file(path)
+    points, faces = whole.points * stretch, whole.faces[:, :: -1 if np.sign(stretch).prod() < 0 else 1]
     low, high = points.min(axis=0), points.max(axis=0)
     if not (size := float((high - low).max())) <= MOST_LENGTH:
         what = f"{size / 1000:g} km large with this scale; the most is {MOST_LENGTH / 1000:g} km"
@@ -92,7 +92,7 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
     if collision == "ball":
         touched = (low + high)[None] / 2
         radius = float(np.linalg.norm(points - touched, axis=1).max())
-    return FileMesh(points, np.asarray(faces, np.int32), found.st, touched=touched, room=volume, radius=radius)
+    return FileMesh(points, np.asarray(faces, np.int32), whole.st, touched=touched, room=volume, radius=radius)
 
 
 def _of_stage(path: str) -> Mesh:
@@ -100,10 +100,10 @@ def _of_stage(path: str) -> Mesh:
     from wmspec.importers.usd_file import mesh
 
     name, prim = parted(path)
-    found = mesh(located(name), None, name, prim)
-    if isinstance(found, tuple):
-        raise ImpossibleValue("; ".join(f"{mistake.place}: {mistake.message}" for mistake in found))
-    return found
+    read = mesh(located(name), None, name, prim)
+    if isinstance(read, tuple):
+        raise ImpossibleValue("; ".join(f"{mistake.place}: {mistake.message}" for mistake in read))
+    return read
 
 
 def _of_file(path: str) -> Mesh:
@@ -112,17 +112,17 @@ def _of_file(path: str) -> Mesh:
     import trimesh
 
     try:
-        found: Any = trimesh.load(located(path), force="mesh", process=False, skip_materials=True)
+        loaded: Any = trimesh.load(located(path), force="mesh", process=False, skip_materials=True)
         if path.lower().endswith(".dae"):  # which says its unit; the others mean metres, or nothing
-            found.apply_scale(trimesh.units.unit_conversion(found.units, "m"))
+            loaded.apply_scale(trimesh.units.unit_conversion(loaded.units, "m"))
     except Exception as error:  # noqa: BLE001  a parser of files of others can fail in any way
         raise ImpossibleValue(f"{path} is broken: {str(error) or type(error).__name__}") from None
-    if not len(found.faces):
+    if not len(loaded.faces):
         raise ImpossibleValue(f"{path} is broken: it has no faces")
     with np.errstate(invalid="ignore"):  # of what is flat trimesh divides by 0
-        inside_out = found.volume < 0
-    points, faces = np.asarray(found.vertices, float), np.asarray(found.faces)
-    st = getattr(found.visual, "uv", None)
+        inside_out = loaded.volume < 0
+    points, faces = np.asarray(loaded.vertices, float), np.asarray(loaded.faces)
+    st = getattr(loaded.visual, "uv", None)
     st = None if st is None else np.asarray(st, float)[:, :2]
     return Mesh(points, faces[:, :: -1 if inside_out else 1], st)
 

@@ -70,12 +70,12 @@ def way(values: Values, action: Thing, origin: Vector) -> tuple[tuple[Vector, ..
     """The points (m, in the world) of a path that begins at `origin`, and the times (s) since its start."""
     form, length, width, leads = (values.property(action.name, n) for n in ("path", "length", "width", "direction"))
     points = paths.named(form, length, width) if isinstance(form, str) else form
-    found, moments = paths.walked(paths.turned(points, angle(leads)), values.property(action.name, "duration"))
-    if len(found) < 2 or moments[-1] <= 0:
+    line, moments = paths.walked(paths.turned(points, angle(leads)), values.property(action.name, "duration"))
+    if len(line) < 2 or moments[-1] <= 0:
         raise ImpossibleValue(
             f"the path of `{action.name}` leads nowhere", action.place, "give it a length and a time above 0"
         )
-    return tuple(add(origin, point) for point in found), moments
+    return tuple(add(origin, point) for point in line), moments
 
 
 def angle(direction: str | float) -> float:

@@ -24,8 +24,8 @@ def named(form: str, length: float, width: float) -> tuple[Vector, ...]:
 def turned(points: Sequence[Sequence[float]], angle: float) -> tuple[Vector, ...]:
     """Points (x, y) or (x, y, z) turned about the vertical, the origin first."""
     cos, sin = math.cos(angle), math.sin(angle)
-    found = tuple((cos * x - sin * y, sin * x + cos * y, z[0] if z else 0.0) for x, y, *z in points)
-    return found if found and found[0] == ORIGIN else (ORIGIN, *found)
+    around = tuple((cos * x - sin * y, sin * x + cos * y, z[0] if z else 0.0) for x, y, *z in points)
+    return around if around and around[0] == ORIGIN else (ORIGIN, *around)
 
 
 def walked(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...], tuple[float, ...]]:

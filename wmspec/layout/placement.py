@@ -33,10 +33,10 @@ def frame(values: Values, base: str) -> Pose:
 def _placed(values: Values, owner: str) -> Pose:
     """Where an object is itself placed, or the frame of an asset by its base."""
     at = scatter.place(values, owner) if values.has(owner, "scatter") else values.property(owner, "at")
-    found = rest(values, owner, at, *own_turn(values, owner))
+    resting = rest(values, owner, at, *own_turn(values, owner))
     links = assets.links(values, owner)
     heights = [values.property(a.name, "height") for link in links for a in values.acting("drop", link)]
-    return Pose(add(found.position, (0.0, 0.0, max(heights))), found.orientation) if heights else found
+    return Pose(add(resting.position, (0.0, 0.0, max(heights))), resting.orientation) if heights else resting
 
 
 def rest(values: Values, owner: str, at: tuple[Any, ...], yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Pose:

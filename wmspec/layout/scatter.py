@@ -28,8 +28,8 @@ TRIES = 1000
 def place(values: Values, owner: str) -> tuple[float, float]:
     """Where a scattered object is: (x, y) on what it rests on, else on the ground."""
     base = _base(values, owner)
-    found = values.once((base, "scattered"), lambda: _scattered(values, base))
-    return found[owner]
+    places = values.once((base, "scattered"), lambda: _scattered(values, base))
+    return places[owner]
 
 
 def _base(values: Values, owner: str) -> str:

@@ -70,12 +70,12 @@ class Face:
 
 def upward(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
     """The faces of a placed solid that look up, the most level one first."""
-    found = []
+    faces = []
     for normal, offset in solid.flats:
         turned = rotate(pose.orientation, normal)
         if turned[2] > 1e-9:
-            found.append(Face(pose.apply(times(offset, normal)), turned, yaw))
-    yield from sorted(found, key=lambda face: -face.normal[2])
+            faces.append(Face(pose.apply(times(offset, normal)), turned, yaw))
+    yield from sorted(faces, key=lambda face: -face.normal[2])
 
 
 def surface(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:

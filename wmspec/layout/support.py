@@ -27,10 +27,10 @@ def supported(name: str, values: Values) -> None:
         low = high = pose.then(made[0].pose).position
     least, most = bounds(pieces(values, base), values.pose(base))
     if any(low[i] > most[i] + 1e-9 or high[i] < least[i] - 1e-9 for i in range(2)):
-        said = "scatter" if values.has(name, "scatter") else "at"
+        word = "scatter" if values.has(name, "scatter") else "at"
         size = " by ".join(units.told(most[i] - least[i], units.LENGTH) for i in range(2))
         raise ImpossibleValue(
             f"`{name}` is in the air beside `{base}`, on which it should rest and which is {size} large",
-            values.place(name, said),
+            values.place(name, word),
             "move it there, or leave `on:` out and say `at: (x, y, z)`",
         )

@@ -34,12 +34,12 @@ def under(values: Values, owner: str, at: tuple[Any, ...]) -> Face | None:
 
 def holder(values: Values, owner: str) -> tuple[str, str] | None:
     """What an object rests `on` or `inside`, and which of the two; None if on nothing."""
-    found = [(way, values.property(owner, way)) for way in ("on", "inside") if values.has(owner, way)]
-    if len(found) == 2:
+    holders = [(way, values.property(owner, way)) for way in ("on", "inside") if values.has(owner, way)]
+    if len(holders) == 2:
         raise ImpossibleValue(f"`{owner}` is both `on` and `inside`", values.place(owner, "inside"), "keep one of them")
-    if found and found[0][1] == owner:
-        raise ImpossibleValue(f"`{owner}` cannot rest on itself", values.place(owner, found[0][0]))
-    return found[0] if found else None
+    if holders and holders[0][1] == owner:
+        raise ImpossibleValue(f"`{owner}` cannot rest on itself", values.place(owner, holders[0][0]))
+    return holders[0] if holders else None
 
 
 # ---------------------------------------------------------------- on top
@@ -87,8 +87,8 @@ def seen_from(face: Face, at: tuple[Any, ...]) -> tuple[float, float]:
 def bottom(values: Values, base: str, at: tuple[Any, ...]) -> Face:
     """The point at `at` in the hollow of a compound object: on its lowest part there, or on what that stands on."""
     x, y = _ground(values, base, at)
-    found = min(_floors(values, base, x, y), key=lambda face: face.height(x, y), default=None)
-    face = found or _below(values, base, x, y)
+    floor = min(_floors(values, base, x, y), key=lambda face: face.height(x, y), default=None)
+    face = floor or _below(values, base, x, y)
     return Face((x, y, face.height(x, y)), face.normal)
 
 

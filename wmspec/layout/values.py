@@ -136,29 +136,29 @@ class Values:
 
     @cached_property
     def _parts(self) -> dict[str, tuple[str, ...]]:
-        found: dict[str, tuple[str, ...]] = {}
+        parts: dict[str, tuple[str, ...]] = {}
         for thing in self.spec.things:
             if thing.kind == "part":
-                found[thing.of] = (*found.get(thing.of, ()), thing.name)
-        return found
+                parts[thing.of] = (*parts.get(thing.of, ()), thing.name)
+        return parts
 
     @cached_property
     def assets(self) -> dict[str, tuple[Thing, ...]]:
         """The links and joints of every asset, without its base, by the name of that."""
-        found: dict[str, tuple[Thing, ...]] = {}
+        assets: dict[str, tuple[Thing, ...]] = {}
         for thing in self.spec.things:
             if thing.kind in ("object", "joint") and thing.of:
-                found[thing.of] = (*found.get(thing.of, ()), thing)
-        return found
+                assets[thing.of] = (*assets.get(thing.of, ()), thing)
+        return assets
 
     @cached_property
     def _actions(self) -> dict[str, list[Thing]]:
         """The actions on objects by their verbs, without those of robots."""
-        found: dict[str, list[Thing]] = {}
+        actions: dict[str, list[Thing]] = {}
         for thing in self.spec.things:
             if thing.kind == "action" and not thing.of:
-                found.setdefault(thing.verb, []).append(thing)
-        return found
+                actions.setdefault(thing.verb, []).append(thing)
+        return actions
 
     @cached_property
     def world(self) -> str | None:

@@ -57,7 +57,7 @@ def trees(scene: Scene) -> tuple[Tree, ...]:
     links = [_ends(joint, scene.bodies, index) for joint in scene.joints]
     seen: set[int] = set()
     used: set[int] = set()
-    found = [tuple(_grow(root, scene, links, seen, used)) for root in _roots(links) if root not in seen]
+    grown = [tuple(_grow(root, scene, links, seen, used)) for root in _roots(links) if root not in seen]
     for j in sorted(set(range(len(links))) - used):
         raise StageError(
             "it closes a loop of joints, or holds bodies to the world a second time, "
@@ -65,7 +65,7 @@ def trees(scene: Scene) -> tuple[Tree, ...]:
             PrimPlace(scene.joints[j].path),
             "deactivate it",
         )
-    return tuple(sorted(found, key=lambda tree: tree[0].body))
+    return tuple(sorted(grown, key=lambda tree: tree[0].body))
 
 
 def jointed(scene: Scene) -> frozenset[str]:
@@ -127,10 +127,10 @@ def _limb(scene: Scene, number: int, parent: int, child: int) -> Link:
         upper, lower = lower, str(joint.first)
         above, below = compose(joint.second_frame, _OVER), compose(joint.first_frame, _OVER)
     bodies = {body.name: body for body in scene.bodies}
-    found = relative(bodies, upper, lower, above, below)
-    start = coordinate(joint, found)
+    between = relative(bodies, upper, lower, above, below)
+    start = coordinate(joint, between)
     if joint.kind == "ball" and joint.limits is None:  # any two frames do: these are the same at the start
-        below = Pose(below.position, compose(below, inverse(found)).orientation)
+        below = Pose(below.position, compose(below, inverse(between)).orientation)
     if upper is not None:
         above = compose(bodies[upper].pose if parent == WORLD else mount(bodies[upper]), above)
     drive = joint.drive
@@ -155,15 +155,15 @@ def relative(bodies: Mapping[str, Body], upper: str | None, lower: str, above: P
     return compose(inverse(outer), compose(bodies[lower].pose, below))
 
 
-def coordinate(joint: Joint, found: Pose) -> float:
-    """The joint's coordinate where its second frame is `found` in the first. Raises StageError if they don't fit."""
-    gap, turn = found.position.copy(), turned(found.orientation)
+def coordinate(joint: Joint, between: Pose) -> float:
+    """The joint's coordinate where its second frame is `between` in the first. Raises StageError if they don't fit."""
+    gap, turn = between.position.copy(), turned(between.orientation)
     start = 0.0
     match joint.kind:
         case "slider":
             start, gap[0] = float(gap[0]), 0.0
         case "hinge":
-            q = found.orientation
+            q = between.orientation
             start = _within(2 * atan2(q[1], q[0]), joint.limits)
             turn = np.array([0.0, 2 * q[2], 2 * q[3]])
         case "ball":

@@ -42,8 +42,8 @@ def _pieces(points: bytes, faces: bytes) -> tuple[Mesh, ...]:
     solid = coacd.Mesh(np.frombuffer(points).reshape(-1, 3), np.frombuffer(faces, np.int32).reshape(-1, 3))
     with silence():
         coacd.set_log_level("error")
-        found = coacd.run_coacd(solid, threshold=CONCAVITY, **SEARCH)
-    return tuple(_hull(np.asarray(corners, np.float64)) for corners, _ in found)
+        parts = coacd.run_coacd(solid, threshold=CONCAVITY, **SEARCH)
+    return tuple(_hull(np.asarray(corners, np.float64)) for corners, _ in parts)
 
 
 def _hull(corners: Array) -> Mesh:

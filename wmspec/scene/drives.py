@@ -70,8 +70,8 @@ def _columns(scene: Scene, tree: Tree, link: Link) -> list[Array]:
 
 
 def _below(tree: Tree, link: Link) -> set[int]:
-    found = {link.body}
+    hanging = {link.body}
     for other in tree:
-        if other.parent in found:
-            found.add(other.body)
-    return found
+        if other.parent in hanging:
+            hanging.add(other.body)
+    return hanging

@@ -18,9 +18,9 @@ def problems(scene: Scene) -> Iterator[Diagnostic]:
     for first, second in scene.filtered:
         if first not in bodies or second not in bodies:
             yield Diagnostic(f"the filtered pair {first}, {second} names no two bodies")
-    found = [(joint, problem) for joint in scene.joints for problem in _joint(joint, bodies, moves(scene))]
-    yield from (problem.at(PrimPlace(joint.path)) for joint, problem in found)
-    if not found:
+    wrong = [(joint, problem) for joint in scene.joints for problem in _joint(joint, bodies, moves(scene))]
+    yield from (problem.at(PrimPlace(joint.path)) for joint, problem in wrong)
+    if not wrong:
         yield from _tied(scene)
 
 

@@ -17,7 +17,7 @@ def overlap(a: Shape, at_a: Pose, b: Shape, at_b: Pose, least: float) -> float:
     """The diameter (m) of the largest ball within both shapes; 0 if it is less than `least`. Meshes count as hulls.
 
     The depth of a point below the surface of a convex shape is a concave function of the point. So is the smaller of
-    two such depths, and its maximum is found by cutting planes (Kelley, J. SIAM 8, 1960).
+    two such depths, and its maximum is deepest by cutting planes (Kelley, J. SIAM 8, 1960).
     """
     from scipy.optimize import linprog
 
@@ -27,20 +27,20 @@ def overlap(a: Shape, at_a: Pose, b: Shape, at_b: Pose, least: float) -> float:
         return 0.0
     limits = [*zip(low, high, strict=True), (None, None)]
     here, slopes, offsets = (low + high) / 2, [], []
-    found = -np.inf
+    deepest = -np.inf
     for _ in range(200):
         for shape, pose in ((a, at_a), (b, at_b)):
             depth, slope = _depth(shape, pose, here)
             slopes.append([*-slope, 1.0])
             offsets.append(depth - slope @ here)
-        found = max(found, min(offsets[i] - np.dot(slopes[i][:3], here) for i in (-2, -1)))
+        deepest = max(deepest, min(offsets[i] - np.dot(slopes[i][:3], here) for i in (-2, -1)))
         best = linprog([0, 0, 0, -1], slopes, offsets, bounds=limits)
         here, most = best.x[:3], best.x[3]
         if 2 * most < least:
             return 0.0
-        if most - found < PRECISION / 2:
+        if most - deepest < PRECISION / 2:
             break
-    return 2 * float(found) if 2 * found >= least else 0.0
+    return 2 * float(deepest) if 2 * deepest >= least else 0.0
 
 
 def _depth(shape: Shape, pose: Pose, point: Array) -> tuple[float, Array]:

@@ -61,8 +61,8 @@ def track(scene: Scene, index: int, steps_per_second: int) -> Track:
 
 def moves_of(actions: Sequence[Action], body: Body) -> list[Move]:
     """What moves the kinematic body, in order of time."""
-    found = [a for a in actions if isinstance(a, Glide | Follow | Teleport) and a.body == body.name]
-    return sorted(found, key=lambda move: (move.start, ended(move)))
+    moves = [a for a in actions if isinstance(a, Glide | Follow | Teleport) and a.body == body.name]
+    return sorted(moves, key=lambda move: (move.start, ended(move)))
 
 
 def ended(move: Move) -> float:

@@ -57,8 +57,8 @@ def kicks(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Kick, ...]:
 
 def holds(scene: Scene, rate: int) -> tuple[Hold, ...]:
     """What is held at first."""
-    found = {_index(scene)[a.body]: round(a.start * rate) for a in scene.actions if isinstance(a, Release)}
-    return tuple(Hold(until, body) for body, until in sorted(found.items()) if until)
+    ends = {_index(scene)[a.body]: round(a.start * rate) for a in scene.actions if isinstance(a, Release)}
+    return tuple(Hold(until, body) for body, until in sorted(ends.items()) if until)
 
 
 def aims(scene: Scene, rate: int) -> tuple[Aim, ...]:

@@ -23,11 +23,11 @@ LYING, ALONG = 0.5, 0.99
 
 def carriers(spec: TaskSpec, values: Values) -> dict[str, str]:
     """The objects that are carried, which makes them kinematic, each with one of the actions that carry it."""
-    found: dict[str, str] = {}
+    carrying: dict[str, str] = {}
     for action in spec.things:
         if action.kind == "action" and not action.of and action.verb in motion.CARRYING and values.there(action.name):
-            found.setdefault(values.property(action.name, "object"), action.name)
-    return found
+            carrying.setdefault(values.property(action.name, "object"), action.name)
+    return carrying
 
 
 def carrier_sources(spec: TaskSpec) -> frozenset[str]:

@@ -48,17 +48,17 @@ def diff(a: Usd.Stage, b: Usd.Stage) -> tuple[Difference, ...]:
     Values are compared exactly. A value that is authored equals the same value that is a schema's fallback. Asset paths
     are compared as they are authored.
     """
-    found = list(_facets("/", _stage_metadata(a), _stage_metadata(b)))
+    facets = list(_facets("/", _stage_metadata(a), _stage_metadata(b)))
     before, after = _prims(a), _prims(b)
     for path in before.keys() | after.keys():
         x, y = before.get(path), after.get(path)
         if x and y:
-            found += _facets(path, _prim(x, y), _prim(y, x))
+            facets += _facets(path, _prim(x, y), _prim(y, x))
             for name in {*x.GetAuthoredPropertyNames(), *y.GetAuthoredPropertyNames()}:
-                found += _property_differences(f"{path}.{name}", x.GetProperty(name), y.GetProperty(name))
+                facets += _property_differences(f"{path}.{name}", x.GetProperty(name), y.GetProperty(name))
         else:
-            found.append(Difference(path, _type(x), _type(y)))
-    return tuple(sorted(found, key=lambda d: d.path))
+            facets.append(Difference(path, _type(x), _type(y)))
+    return tuple(sorted(facets, key=lambda d: d.path))
 
 
 def _facets(path: str, a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[Difference]:

@@ -72,16 +72,16 @@ class Document:
 
     def differing(self, other: Document) -> dict[str, frozenset[str]]:
         """What differs: property paths (prim paths for a type or a whole prim), with the sources of both sides."""
-        found: dict[str, frozenset[str]] = {}
+        sources: dict[str, frozenset[str]] = {}
         for path in self.prims.keys() | other.prims.keys():
             a, b = self.prims.get(path), other.prims.get(path)
             if a is None or b is None or (a.type, a.schemas) != (b.type, b.schemas):
-                found[path] = (a.sources if a else frozenset()) | (b.sources if b else frozenset())
+                sources[path] = (a.sources if a else frozenset()) | (b.sources if b else frozenset())
             for name in (_names(a) | _names(b)) if a and b else ():
                 x, y = _property(a, name), _property(b, name)
                 if x is None or y is None or _content(x) != _content(y):
-                    found[f"{path}.{name}"] = (x.sources if x else frozenset()) | (y.sources if y else frozenset())
-        return dict(sorted(found.items()))
+                    sources[f"{path}.{name}"] = (x.sources if x else frozenset()) | (y.sources if y else frozenset())
+        return dict(sorted(sources.items()))
 
 
 def _names(prim: Prim) -> set[str]:

@@ -89,11 +89,11 @@ def observed(spec: TaskSpec, values: Values) -> list[tuple[str, tuple[float, ...
     Raises WmsError if one is outside the episode.
     """
     end = values.ref("end")
-    found: dict[str, set[float]] = {}
+    seen: dict[str, set[float]] = {}
     for observation in spec.observations:
         times = evaluate(observation.times, values)
         for time in times:
             if not values.during(time):
                 raise ImpossibleValue(f"{time:g} s is outside the episode, which lasts {end:g} s", observation.place)
-        found.setdefault(observation.camera, set()).update(times)
-    return [(camera, tuple(sorted(times))) for camera, times in found.items()]
+        seen.setdefault(observation.camera, set()).update(times)
+    return [(camera, tuple(sorted(times))) for camera, times in seen.items()]

@@ -71,11 +71,11 @@ def _order(layer: Sdf.Layer, base: Document, document: Document) -> None:
 
 
 def _children(document: Document) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
+    children: dict[str, list[str]] = {}
     for path in document.prims:
         parent, _, name = path.rpartition("/")
-        found.setdefault(parent, []).append(name)
-    return {parent: names for parent, names in found.items() if parent}
+        children.setdefault(parent, []).append(name)
+    return {parent: names for parent, names in children.items() if parent}
 
 
 def compose(document: Document) -> Usd.Stage:

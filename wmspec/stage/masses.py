@@ -42,8 +42,8 @@ def _moments(name: str, values: Values) -> tuple[float, ...]:
     moments: tuple[float, ...] = values.property(name, "moments")
     largest, rest = max(moments), sum(moments) - max(moments)
     if largest > rest * (1 + 1e-6):
-        told, place = ", ".join(f"{m:g}" for m in moments), values.place(name, "moments")
-        raise ImpossibleValue(f"no solid has the moments ({told}) of `{name}`: one is above the others' sum", place)
+        numbers, place = ", ".join(f"{m:g}" for m in moments), values.place(name, "moments")
+        raise ImpossibleValue(f"no solid has the moments ({numbers}) of `{name}`: one is above the others' sum", place)
     return tuple(min(m, rest * (1 - ROUNDING)) if m == largest else m for m in moments)
 
 

@@ -44,8 +44,8 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
         body.set("physics:kinematicEnabled", "bool", carried, *carriers)
     if values.has(name, "damping"):
         spun = "spin_damping" if values.has(name, "spin_damping") else "damping"
-        for kind, said in (("linear", "damping"), ("angular", spun)):
-            body.set(f"physxRigidBody:{kind}Damping", "float", values.property(name, said), f"{name}.{said}")
+        for kind, word in (("linear", "damping"), ("angular", spun)):
+            body.set(f"physxRigidBody:{kind}Damping", "float", values.property(name, word), f"{name}.{word}")
     _moving(body, name, values)
     if passed:
         others = tuple(object_path(other) for other in passed)
@@ -59,20 +59,20 @@ def _moving(body: Prim, name: str, values: Values) -> None:
     """How it moves at the start, which a link of an asset says along the axes of that."""
     base = assets.base(values, name)
     turned = frame(values, base).orientation if base else LEVEL
-    for said, attribute, unit in (("velocity", "velocity", 1.0), ("spin", "angularVelocity", 180 / math.pi)):
-        if not values.has(name, said):
+    for word, attribute, unit in (("velocity", "velocity", 1.0), ("spin", "angularVelocity", 180 / math.pi)):
+        if not values.has(name, word):
             continue
         if values.property(name, "fixed"):
-            place = values.place(name, said)
-            raise ImpossibleValue(f"`{name}` is fixed, so it has no `{said}`", place)
-        way = times(unit, rotate(turned, values.property(name, said)))
-        body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{said}", *((f"{base}.pose",) if base else ()))
+            place = values.place(name, word)
+            raise ImpossibleValue(f"`{name}` is fixed, so it has no `{word}`", place)
+        way = times(unit, rotate(turned, values.property(name, word)))
+        body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{word}", *((f"{base}.pose",) if base else ()))
 
 
 def _passed(name: str, values: Values) -> tuple[str, ...]:
     """The objects that are there and that it passes through."""
-    said = values.property(name, "passes") if values.has(name, "passes") else ()
-    return tuple(other for other in said if other != name and values.there(other))
+    passes = values.property(name, "passes") if values.has(name, "passes") else ()
+    return tuple(other for other in passes if other != name and values.there(other))
 
 
 def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:

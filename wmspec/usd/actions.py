@@ -57,10 +57,10 @@ def _driven(prim: Usd.Prim, joints: Mapping[str, Joint]) -> str:
     return joint.name
 
 
-def overlapping(found: Sequence[tuple[Usd.Prim, Action]], bodies: Sequence[Body]) -> None:
+def overlapping(performed: Sequence[tuple[Usd.Prim, Action]], bodies: Sequence[Body]) -> None:
     """Refuse two actions that move one body at the same time."""
-    prims = {id(action): prim for prim, action in found}
-    for first, second in overlaps([action for _, action in found], bodies):
+    prims = {id(action): prim for prim, action in performed}
+    for first, second in overlaps([action for _, action in performed], bodies):
         reason = f"it starts while {prims[id(first)].GetPath()} still moves {second.body}"
         refuse(prims[id(second)], reason, "let one end before the other starts")
 
@@ -128,11 +128,11 @@ VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, World], Action]]] 
 """Verb -> the action, and what reads it, given the name of the body or joint that it is done to."""
 
 
-def _orientation(prim: Usd.Prim, found: Gf.Quatd, world: World) -> Array:
+def _orientation(prim: Usd.Prim, turn: Gf.Quatd, world: World) -> Array:
     """A quaternion in the stage's world axes, in ours."""
-    if not math.isclose(found.GetLength(), 1.0, abs_tol=1e-6):
-        refuse(prim, f"its orientation {found} is no unit quaternion", "author quaternions of length 1")
-    return quaternion(world.upright.ExtractRotationQuat() * found)
+    if not math.isclose(turn.GetLength(), 1.0, abs_tol=1e-6):
+        refuse(prim, f"its orientation {turn} is no unit quaternion", "author quaternions of length 1")
+    return quaternion(world.upright.ExtractRotationQuat() * turn)
 
 
 def _velocity(prim: Usd.Prim, world: World) -> Array:

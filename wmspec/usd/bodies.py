@@ -22,12 +22,12 @@ from wmspec.usd.walk import Owner
 def bodies(owners: Sequence[Owner], world: World, problems: Report) -> tuple[Body, ...]:
     """The bodies, in the stage's order; what is wrong with them goes to `problems`."""
     materials = Materials(piece for owner in owners for piece in owner.pieces)
-    names, found = Names(), []
+    names, read = Names(), []
     for owner in owners:
         name = names.give(owner.prim.GetName(), str(owner.prim.GetPath()))
         with problems.gathered():
-            found.append(_body(owner, name, world, materials))
-    return tuple(found)
+            read.append(_body(owner, name, world, materials))
+    return tuple(read)
 
 
 def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
@@ -36,19 +36,19 @@ def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
     inverse = place.rigid.GetInverse()
     down = rotate(conjugate(place.pose.orientation), DOWN)
     problems, names = Report(StageError), Names()
-    found: list[Geom] = []
+    pieces: list[Geom] = []
     colliders: list[tuple[Placed, float]] = []
     for piece in owner.pieces:
         with problems.gathered():
             here = placed(piece.prim, split(world.matrix(piece.prim) * inverse, piece.prim))
             below = str(piece.prim.GetPath()).removeprefix(path)
             touched = collider(here, owner.motion, down) if piece.collides else ()
-            found += geoms(piece, here, touched, names.give(below or prim.GetName()), names, materials)
+            pieces += geoms(piece, here, touched, names.give(below or prim.GetName()), names, materials)
             if piece.collides:
                 colliders.append((here, materials.density(piece.prim)))
     problems.stop_if_failed()
     inertia = body_inertia(prim, place, colliders, world) if owner.motion == "dynamic" else None
-    return body(owner, name, place.pose, tuple(found), inertia, world)
+    return body(owner, name, place.pose, tuple(pieces), inertia, world)
 
 
 def body(owner: Owner, name: str, pose: Pose, geoms: tuple[Geom, ...], inertia: Inertia | None, world: World) -> Body:

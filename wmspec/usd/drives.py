@@ -20,14 +20,14 @@ def drive(prim: Usd.Prim, name: str, world: World) -> Drive | None:
     Raises:
         StageError: if it drives a ball joint or something that the joint does not leave free, or by acceleration.
     """
-    found = [api.partition(":")[2] for api in applied(prim) if api.startswith("PhysicsDriveAPI:")]
+    driven = [api.partition(":")[2] for api in applied(prim) if api.startswith("PhysicsDriveAPI:")]
     names = {name, {"rot": "angular", "tra": "linear"}.get(name[:3], name)}
-    strange = [other for other in found if other not in names and _drives(prim, other)]
+    strange = [other for other in driven if other not in names and _drives(prim, other)]
     if strange and not name:
         refuse(prim, f"its drive '{strange[0]}' is of a ball joint", "remove that PhysicsDriveAPI, or use hinges")
     if strange:
         refuse(prim, f"its drive '{strange[0]}' is of no axis that it leaves free", "remove that PhysicsDriveAPI")
-    mine = next((other for other in found if other in names), None)
+    mine = next((other for other in driven if other in names), None)
     if mine is None or not _drives(prim, mine):
         return None
     if value(prim, f"drive:{mine}:physics:type", "force") != "force":

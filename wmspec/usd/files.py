@@ -25,7 +25,7 @@ def opened(path: Path, shown: str) -> Usd.Stage:
 
 def _complaint(error: Exception, path: Path, shown: str) -> str:
     """The first thing that pxr complains about a file, told as `shown`, without where in its own source."""
-    said = str(error).partition(" : '")[2].partition("'\n")[0] or str(error) or type(error).__name__
+    complaint = str(error).partition(" : '")[2].partition("'\n")[0] or str(error) or type(error).__name__
     for name in (f"<{path.resolve()}>", str(path.resolve())):
-        said = said.replace(name, shown)
-    return " ".join(said.replace("</", "<").split())[: 120 + len(shown)]
+        complaint = complaint.replace(name, shown)
+    return " ".join(complaint.replace("</", "<").split())[: 120 + len(shown)]

@@ -32,7 +32,7 @@ def filtered(
     """
     colliders = {path: [p.prim.GetPath() for p in owner.pieces if p.collides] for path, owner in owners.items()}
     blocked = {*_listed(prims, colliders), *_grouped(stage, groups, colliders)}
-    found = {pair for prim in prims for pair in _alone(prim, bodies, joints)}
+    passing = {pair for prim in prims for pair in _alone(prim, bodies, joints)}
     owner_of = {str(collider): path for path, all_ in colliders.items() for collider in all_}
     for a, b in {(owner_of[a], owner_of[b]) for a, b in blocked}:
         pairs = [(str(p), str(q)) for p, q in product(colliders[a], colliders[b])]
@@ -41,9 +41,9 @@ def filtered(
         if not all(pair in blocked or pair[::-1] in blocked for pair in pairs):
             prim = stage.GetPrimAtPath(a)
             refuse(prim, f"only some of its colliders pass through {b}", "filter all colliders of both bodies, or none")
-        found.add((bodies[a].name, bodies[b].name))
+        passing.add((bodies[a].name, bodies[b].name))
     order = {body.name: i for i, body in enumerate(bodies.values())}
-    return tuple(sorted({(a, b) if order[a] < order[b] else (b, a) for a, b in found}))
+    return tuple(sorted({(a, b) if order[a] < order[b] else (b, a) for a, b in passing}))
 
 
 def _listed(prims: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path]]) -> Iterator[Pair]:

@@ -111,10 +111,10 @@ class World:
         return vector(self.upright.TransformDir(Gf.Vec3d(v)))
 
 
-def _unit(stage: Usd.Stage, name: str, found: float) -> float:
-    if not 0 < found < math.inf:
-        refuse(stage.GetPseudoRoot(), f"{name} = {found:g}", "author a finite number above 0")
-    return found
+def _unit(stage: Usd.Stage, name: str, number: float) -> float:
+    if not 0 < number < math.inf:
+        refuse(stage.GetPseudoRoot(), f"{name} = {number:g}", "author a finite number above 0")
+    return number
 
 
 def _placed(compute: Callable[[Usd.Prim], Gf.Matrix4d], prim: Usd.Prim) -> Gf.Matrix4d:

@@ -56,8 +56,8 @@ def _repeats(shader: UsdShade.Shader, st: str) -> tuple[float, float] | None:
 
 
 def _scale(transform: UsdShade.Shader) -> tuple[float, float]:
-    found: Any = source(transform, "scale")
-    s, t = (1.0, 1.0) if found is None else Gf.Vec2f(found)
+    scale: Any = source(transform, "scale")
+    s, t = (1.0, 1.0) if scale is None else Gf.Vec2f(scale)
     moved = any(source(transform, name) not in (None, plain) for name, plain in _PLAIN.items())
     if moved or not (0 < s < float("inf") and 0 < t < float("inf")):
         refuse(

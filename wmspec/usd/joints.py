@@ -37,7 +37,7 @@ class _Way:
 
 def joints(prims: list[Usd.Prim], bodies: Mapping[str, Body], world: World, problems: Report) -> dict[str, Joint]:
     """The joints by their paths; those that hold nothing that can move are left out. `bodies` by their paths."""
-    names, found = Names(), {}
+    names, by_path = Names(), {}
     for body in bodies.values():
         names.give(body.name)
     for prim in prims:
@@ -45,8 +45,8 @@ def joints(prims: list[Usd.Prim], bodies: Mapping[str, Body], world: World, prob
             if value(prim, "physics:jointEnabled", True):
                 joint = _joint(prim, names.give(prim.GetName(), str(prim.GetPath())), bodies, world)
                 if joint is not None:
-                    found[joint.path] = joint
-    return found
+                    by_path[joint.path] = joint
+    return by_path
 
 
 def _joint(prim: Usd.Prim, name: str, bodies: Mapping[str, Body], world: World) -> Joint | None:

@@ -39,8 +39,8 @@ def body_inertia(prim: Usd.Prim, place: Place, colliders: Sequence[tuple[Placed,
     if not colliders:
         return _authored_alone(prim, place, mass, world)
     common = _amount(prim, "density")
-    found = [_collider_inertia(c, common or own, world) for c, own in colliders]
-    total = found[0] if len(found) == 1 else _merge(found)
+    parts = [_collider_inertia(c, common or own, world) for c, own in colliders]
+    total = parts[0] if len(parts) == 1 else _merge(parts)
     if mass:
         total = replace(total, mass=mass, moments=total.moments * (mass / total.mass))
     return _override(prim, Place(Gf.Matrix4d(1.0), place.stretch), total, world)
@@ -53,12 +53,12 @@ def _collider_inertia(c: Placed, density: float, world: World) -> Inertia:
         if isinstance(c.shape, Mesh) and not as_hull(c.prim, c.shape):
             size, unit = whole(c.shape, c.pose, lambda: [s for s, _ in collider(c, "static") if isinstance(s, Mesh)])
             mass = mass or (per_volume or WATER) * size
-            found = replace(unit, mass=mass, moments=unit.moments * mass)
+            own = replace(unit, mass=mass, moments=unit.moments * mass)
         else:
-            found = inertia([(c.shape, c.pose, mass or (per_volume or WATER) * c.shape.volume)])
+            own = inertia([(c.shape, c.pose, mass or (per_volume or WATER) * c.shape.volume)])
     except WmsError as error:
         refuse(c.prim, str(error), "author a shape with a volume")
-    return _override(c.prim, c.place, found, world)
+    return _override(c.prim, c.place, own, world)
 
 
 def _override(prim: Usd.Prim, place: Place, computed: Inertia, world: World) -> Inertia:
@@ -83,35 +83,35 @@ def _authored_alone(prim: Usd.Prim, place: Place, mass: float, world: World) -> 
 
 def _amount(prim: Usd.Prim, name: str) -> float:
     """The mass or density in the stage's units; 0 if it is left to others."""
-    found = float(value(prim, f"physics:{name}", 0.0))
-    if not 0 <= found < math.inf:
-        refuse(prim, f"physics:{name} = {found:g}", f"expected a {name} above 0, or 0 to have it computed")
-    return found
+    amount = float(value(prim, f"physics:{name}", 0.0))
+    if not 0 <= amount < math.inf:
+        refuse(prim, f"physics:{name} = {amount:g}", f"expected a {name} above 0, or 0 to have it computed")
+    return amount
 
 
 def _center(prim: Usd.Prim, place: Place) -> Array | None:
-    found = value(prim, "physics:centerOfMass")
-    if found is None or all(number == -math.inf for number in found):  # the fallback of the schema
+    center = value(prim, "physics:centerOfMass")
+    if center is None or all(number == -math.inf for number in center):  # the fallback of the schema
         return None
-    if not all(map(math.isfinite, found)):
-        refuse(prim, f"physics:centerOfMass = {found} is not finite", "author finite numbers, or remove it")
-    return vector((place.stretch * place.rigid).Transform(Gf.Vec3d(found)))
+    if not all(map(math.isfinite, center)):
+        refuse(prim, f"physics:centerOfMass = {center} is not finite", "author finite numbers, or remove it")
+    return vector((place.stretch * place.rigid).Transform(Gf.Vec3d(center)))
 
 
 def _moments(prim: Usd.Prim, world: World) -> Array | None:
-    found = np.array(value(prim, "physics:diagonalInertia", (0, 0, 0)), np.float64)
-    if not found.any():
+    moments = np.array(value(prim, "physics:diagonalInertia", (0, 0, 0)), np.float64)
+    if not moments.any():
         return None
-    if not (found > 0).all() or 2 * found.max() > found.sum() * (1 + 1e-6):
+    if not (moments > 0).all() or 2 * moments.max() > moments.sum() * (1 + 1e-6):
         refuse(
-            prim, f"physics:diagonalInertia = {found.tolist()}", "expected three moments, none above the others' sum"
+            prim, f"physics:diagonalInertia = {moments.tolist()}", "expected three moments, none above the others' sum"
         )
-    return np.asarray(found * (world.kilograms * world.meters**2))
+    return np.asarray(moments * (world.kilograms * world.meters**2))
 
 
 def _axes(prim: Usd.Prim) -> Array:
-    found = value(prim, "physics:principalAxes")
-    return quaternion(found) if found and found.GetLength() > 0 else np.array((1.0, 0.0, 0.0, 0.0))
+    axes = value(prim, "physics:principalAxes")
+    return quaternion(axes) if axes and axes.GetLength() > 0 else np.array((1.0, 0.0, 0.0, 0.0))
 
 
 def _tensor(part: Inertia) -> Array:

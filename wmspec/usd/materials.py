@@ -32,16 +32,16 @@ def friction(material: Usd.Prim | None) -> Friction:
     if material is None or "PhysicsMaterialAPI" not in applied(material):
         return Friction()
     names = {"static": "staticFriction", "dynamic": "dynamicFriction", "restitution": "restitution"}
-    found = {key: float(value(material, f"physics:{name}", 0.0)) for key, name in names.items()}
+    numbers = {key: float(value(material, f"physics:{name}", 0.0)) for key, name in names.items()}
     authored = [
         key for key in ("static", "dynamic") if material.GetAttribute(f"physics:{names[key]}").HasAuthoredValue()
     ]
     if len(authored) == 1:
-        found["static"] = found["dynamic"] = found[authored[0]]
-    for key, number in found.items():
+        numbers["static"] = numbers["dynamic"] = numbers[authored[0]]
+    for key, number in numbers.items():
         if not 0 <= number < float("inf") or (key == "restitution" and number > 1):
             refuse(material, f"physics:{names[key]} = {number:g}", "expected 0 or more, and a restitution of at most 1")
-    return Friction(**found)
+    return Friction(**numbers)
 
 
 def density(material: Usd.Prim | None) -> float:
@@ -84,9 +84,9 @@ def _preview(shader: UsdShade.Shader, st: str, pictured: bool) -> Surface:
 
 
 def _input(shader: UsdShade.Shader, name: str, fallback: float, pictured: bool = False) -> float:
-    found = source(shader, name)
-    if isinstance(found, UsdShade.Shader):
+    plugged = source(shader, name)
+    if isinstance(plugged, UsdShade.Shader):
         if pictured:
             return fallback
-        refuse(found.GetPrim(), f"a texture for {name} is not supported", f"author a value for inputs:{name}")
-    return fallback if found is None else float(found)
+        refuse(plugged.GetPrim(), f"a texture for {name} is not supported", f"author a value for inputs:{name}")
+    return fallback if plugged is None else float(plugged)

@@ -45,10 +45,10 @@ def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
     subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.GetTypeName() == "Mesh" else []
     if not subsets:
         return []
-    found = [(s.GetPrim(), subset(s.GetPrim())) for s in subsets]
+    named = [(s.GetPrim(), subset(s.GetPrim())) for s in subsets]
     count = len(value(prim, "faceVertexCounts", []))
-    rest = np.setdiff1d(np.arange(count, dtype=np.int32), np.concatenate([faces for _, faces in found]))
-    return [(prim, rest)] * bool(len(rest)) + found
+    rest = np.setdiff1d(np.arange(count, dtype=np.int32), np.concatenate([faces for _, faces in named]))
+    return [(prim, rest)] * bool(len(rest)) + named
 
 
 def subset(prim: Usd.Prim) -> _Indices:
@@ -63,17 +63,17 @@ def coordinates(prim: Usd.Prim) -> str:
     primvars = UsdGeom.PrimvarsAPI(prim)
     if (plain := primvars.FindPrimvarWithInheritance("st")) and plain.HasValue():
         return "st"
-    found = [
+    names = [
         str(primvar.GetPrimvarName())
         for primvar in primvars.FindPrimvarsWithInheritance()
         if str(primvar.GetTypeName()) in _COORDINATES and primvar.HasValue()
     ]
-    return found[0] if len(found) == 1 else ""
+    return names[0] if len(names) == 1 else ""
 
 
-def is_convex(found: Mesh) -> bool:
+def is_convex(mesh: Mesh) -> bool:
     """Whether it is closed and no point is in front of any face, within 1e-5 of its size. A very large one is not."""
-    points, faces = found.points, found.faces
+    points, faces = mesh.points, mesh.faces
     if len(points) * len(faces) > _MANY or not trimesh.Trimesh(points, faces).is_watertight:
         return False
     near = _CONVEX * np.ptp(points, axis=0).max()
@@ -86,9 +86,9 @@ def is_convex(found: Mesh) -> bool:
     return True
 
 
-def is_flat(found: Mesh) -> bool:
+def is_flat(mesh: Mesh) -> bool:
     """Whether all points lie in a plane, on a line or coincide, within 1e-6 of the mesh's size."""
-    spread = np.linalg.svd(found.points - found.points.mean(axis=0), compute_uv=False)
+    spread = np.linalg.svd(mesh.points - mesh.points.mean(axis=0), compute_uv=False)
     return len(spread) < 3 or not spread[-1] > 1e-6 * spread[0]
 
 

@@ -31,28 +31,28 @@ def still(attribute: Usd.Attribute) -> Any:
     name = attribute.GetName()
     if attribute.ValueMightBeTimeVarying():
         refuse(attribute.GetPrim(), f"{name} is animated", "author one value without time samples")
-    found = attribute.Get(NOW)
-    if found is None or isinstance(found, bool | int | str) or (isinstance(found, float) and math.isfinite(found)):
-        return found  # most are, and need no more than this
-    numbers = _numbers(found)
+    held = attribute.Get(NOW)
+    if held is None or isinstance(held, bool | int | str) or (isinstance(held, float) and math.isfinite(held)):
+        return held  # most are, and need no more than this
+    numbers = _numbers(held)
     if np.isfinite(numbers).all() or (name.endswith(_ENDLESS) and not np.isnan(numbers).any()):
-        return found
-    said = f"{name} = {found}" if numbers.size <= _SHORT else f"one of {name}"
-    refuse(attribute.GetPrim(), f"{said} is not finite", "author finite numbers")
+        return held
+    shown = f"{name} = {held}" if numbers.size <= _SHORT else f"one of {name}"
+    refuse(attribute.GetPrim(), f"{shown} is not finite", "author finite numbers")
 
 
 def value(prim: Usd.Prim, name: str, fallback: Any = None) -> Any:
     """The attribute's value, as `still` says; `fallback` if it has none."""
     attribute = prim.GetAttribute(name)
-    found = still(attribute) if attribute else None
-    return fallback if found is None else found
+    authored = still(attribute) if attribute else None
+    return fallback if authored is None else authored
 
 
-def _numbers(found: Any) -> Array:
+def _numbers(held: Any) -> Array:
     """The floating-point numbers (n,) of a value of any type."""
-    if hasattr(found, "imaginary"):  # a quaternion, which numpy does not know
-        found = (found.real, *found.imaginary)
-    numbers = np.asarray(found)
+    if hasattr(held, "imaginary"):  # a quaternion, which numpy does not know
+        held = (held.real, *held.imaginary)
+    numbers = np.asarray(held)
     return numbers.reshape(-1) if numbers.dtype.kind == "f" else np.empty(0)
 
 
@@ -83,10 +83,10 @@ def refuse(prim: Usd.Prim, reason: str, remedy: str) -> NoReturn:
 
 def seconds(prim: Usd.Prim, name: str) -> float:
     """The attribute, which is a time of at least 0 s; 0 if it has none."""
-    found = float(value(prim, name, 0.0))
-    if not 0 <= found < math.inf:
-        refuse(prim, f"{name} = {found:g}", "expected at least 0 s")
-    return found
+    time = float(value(prim, name, 0.0))
+    if not 0 <= time < math.inf:
+        refuse(prim, f"{name} = {time:g}", "expected at least 0 s")
+    return time
 
 
 def target(prim: Usd.Prim, name: str, known: Mapping[str, Any], what: str) -> Any:

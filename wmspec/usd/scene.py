@@ -15,29 +15,29 @@ from wmspec.usd.filters import filtered
 from wmspec.usd.frames import World
 from wmspec.usd.prims import Names, targets
 from wmspec.usd.unsupported import incomplete
-from wmspec.usd.walk import Found, Walk
+from wmspec.usd.walk import Census, Walk
 
 
 def scene(stage: Usd.Stage) -> Scene:
     """The scene of a stage, as `wmspec.usd.read` says."""
     problems = Report(StageError)
     incomplete(stage, problems)
-    found, world = Walk(stage, problems).found, World(stage, problems)
-    everything = bodies(list(found.owners.values()), world, problems)
+    census, world = Walk(stage, problems).census, World(stage, problems)
+    everything = bodies(list(census.owners.values()), world, problems)
     known = {body.path: body for body in everything}
-    cameras = _cameras(found, known, world, problems)
-    held = joints.joints(found.joints, known, world, problems)
+    cameras = _cameras(census, known, world, problems)
+    held = joints.joints(census.joints, known, world, problems)
     apart: tuple[tuple[str, str], ...] = ()
     with problems.gathered():
-        apart = filtered(stage, found.filters, found.of("PhysicsCollisionGroup"), found.owners, known, held)
-    actions_done = _actions(found, everything, held, world, problems)
-    observations = _observations(found, cameras, problems)
+        apart = filtered(stage, census.filters, census.of("PhysicsCollisionGroup"), census.owners, known, held)
+    actions_done = _actions(census, everything, held, world, problems)
+    observations = _observations(census, cameras, problems)
     with problems.gathered():
-        gravity = episode.gravity(found.of("PhysicsScene"), world)
+        gravity = episode.gravity(census.of("PhysicsScene"), world)
     with problems.gathered():
-        task, duration, rate = episode.timing(found.of("WmsEpisode"))
+        task, duration, rate = episode.timing(census.of("WmsEpisode"))
     with problems.gathered():
-        light, background = daylight(found.of("DistantLight"), found.of("DomeLight"), world)
+        light, background = daylight(census.of("DistantLight"), census.of("DomeLight"), world)
     problems.stop_if_failed()
     return Scene(
         name=task or PurePath(stage.GetRootLayer().GetDisplayName()).stem,
@@ -55,9 +55,9 @@ def scene(stage: Usd.Stage) -> Scene:
     )
 
 
-def _cameras(found: Found, known: dict[str, Body], world: World, problems: Report) -> dict[str, Camera]:
+def _cameras(census: Census, known: dict[str, Body], world: World, problems: Report) -> dict[str, Camera]:
     names, cameras = Names(), {}
-    for prim in found.of("Camera"):
+    for prim in census.of("Camera"):
         name = names.give(prim.GetName(), str(prim.GetPath()))
         with problems.gathered():
             above = (known.get(str(path)) for path in prim.GetPath().GetAncestorsRange())
@@ -67,11 +67,11 @@ def _cameras(found: Found, known: dict[str, Body], world: World, problems: Repor
 
 
 def _actions(
-    found: Found, everything: tuple[Body, ...], held: dict[str, Joint], world: World, problems: Report
+    census: Census, everything: tuple[Body, ...], held: dict[str, Joint], world: World, problems: Report
 ) -> tuple[Action, ...]:
     known, done = {body.path: body for body in everything}, []
-    refused = found.owners.keys() - known.keys()
-    for prim in found.of("WmsAction"):
+    refused = census.owners.keys() - known.keys()
+    for prim in census.of("WmsAction"):
         if not refused.isdisjoint(targets(prim, "wms:object")):
             continue  # what is wrong is already said of its object
         with problems.gathered():
@@ -81,9 +81,9 @@ def _actions(
     return tuple(action for _, action in done)
 
 
-def _observations(found: Found, cameras: dict[str, Camera], problems: Report) -> tuple[Observation, ...]:
+def _observations(census: Census, cameras: dict[str, Camera], problems: Report) -> tuple[Observation, ...]:
     observations = []
-    for prim in found.of("WmsObservation"):
+    for prim in census.of("WmsObservation"):
         with problems.gathered():
             observations.append(episode.observation(prim, cameras))
     return tuple(observations)

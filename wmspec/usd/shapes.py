@@ -118,10 +118,10 @@ def _scale(prim: Usd.Prim, place: Place) -> Vector:
 
 def _mesh(prim: Usd.Prim, place: Place) -> Shape:
     """A mesh, or the shape that it says it is, as long as nothing stretches it."""
-    found = mesh(prim, place.stretch)
+    read = mesh(prim, place.stretch)
     kind = SHAPES.get(str(value(prim, NAME, "")))
     if kind is None or not Gf.IsClose(place.stretch, Gf.Matrix4d(1.0), _SAME):
-        return found
+        return read
     numbers = {field.name: _number(value(prim, f"{NAME}:{field.name}")) for field in fields(kind)}
     if None in numbers.values():
         missing = ", ".join(f"{NAME}:{name}" for name, number in numbers.items() if number is None)
@@ -133,11 +133,11 @@ def _mesh(prim: Usd.Prim, place: Place) -> Shape:
     return made
 
 
-def _number(found: Any) -> Any:
+def _number(authored: Any) -> Any:
     """A number, or numbers and points as tuples."""
-    if found is None or isinstance(found, bool | int | float | str):
-        return found
-    return tuple(tuple(map(float, one)) if hasattr(one, "__len__") else float(one) for one in found)
+    if authored is None or isinstance(authored, bool | int | float | str):
+        return authored
+    return tuple(tuple(map(float, one)) if hasattr(one, "__len__") else float(one) for one in authored)
 
 
 PRIMS: dict[str, type[Shape]] = {prim: kind for kind in SHAPES.values() for prim in kind.prims}

@@ -37,7 +37,7 @@ class Owner:
 
 
 @dataclass
-class Found:
+class Census:
     """What the stage holds, each in the stage's order."""
 
     owners: dict[str, Owner] = field(default_factory=dict)
@@ -66,7 +66,7 @@ class Walk:
     """
 
     def __init__(self, stage: Usd.Stage, problems: Report, aside: frozenset[str] = frozenset()) -> None:
-        self.found = Found()
+        self.census = Census()
         self._closed = _CLOSED | aside
         self._problems = problems
         self._predicate = Usd.TraverseInstanceProxies()
@@ -83,17 +83,17 @@ class Walk:
         with self._problems.gathered():
             examine(prim, apis)
             if not _FILTERS.isdisjoint(apis):
-                self.found.filters.append(prim)
+                self.census.filters.append(prim)
             if sight := UsdGeom.Imageable(prim):
                 above = self._inherit(prim, sight, apis, above)
             if kind in GEOMETRIES:
                 self._geometry(prim, apis, above)
             elif kind.startswith("Physics") and kind.endswith("Joint"):
-                self.found.joints.append(prim)
+                self.census.joints.append(prim)
             elif "PhysicsCollisionAPI" in apis:
                 refuse(prim, f"a collider of type '{kind}' has no shape", "apply PhysicsCollisionAPI to its geometries")
             else:
-                self.found.others.setdefault(kind, []).append(prim)
+                self.census.others.setdefault(kind, []).append(prim)
         if kind not in TYPES:
             for child in prim.GetFilteredChildren(self._predicate):
                 self._visit(child, above)
@@ -108,7 +108,7 @@ class Walk:
         """The body that the prim belongs to: itself, an ancestor, or none yet."""
         if "PhysicsRigidBodyAPI" in apis:
             owner = Owner(prim, _motion(prim))
-            self.found.owners[str(prim.GetPath())] = owner
+            self.census.owners[str(prim.GetPath())] = owner
         elif owner is None and (prim.GetPath().GetParentPath() == self._objects or _is_component(prim)):
             owner = Owner(prim, "static")
         return owner
@@ -121,7 +121,7 @@ class Walk:
         if prim.GetTypeName() == "Plane" and not collides:
             refuse(prim, "a plane that nothing touches is not supported", "use a Cube or a Mesh")
         owner = above.owner or Owner(prim, "static")
-        owner = self.found.owners.setdefault(str(owner.prim.GetPath()), owner)
+        owner = self.census.owners.setdefault(str(owner.prim.GetPath()), owner)
         owner.pieces.append(Piece(prim, collides, visible))
 
 
