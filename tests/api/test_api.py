@@ -173,7 +173,7 @@ def test_pictures_show_the_same_moment(episode: wmspec.Episode) -> None:
 def test_what_cannot_be_drawn_is_told(episode: wmspec.Episode) -> None:
     with pytest.raises(wmspec.WmsError, match="outside the episode, which lasts"):
         episode.frame("front", 3.0)
-    with pytest.raises(wmspec.WmsError, match="no camera 'frnt'"):
+    with pytest.raises(wmspec.WmsError, match="no camera `frnt`"):
         episode.frame("frnt", 0)
     with pytest.raises(wmspec.WmsError, match="each side of a picture has 16 to 4096"):
         episode.frame("front", 0, size=3)

@@ -103,7 +103,7 @@ main()
     [
         (["--look", "beauty", "-o", "x"], "mujoco, sapien"),
         (["--samples", "4", "-o", "x"], "--look beauty"),
-        (["--camera", "nowhere", "-o", "x"], "no camera 'nowhere'"),
+        (["--camera", "nowhere", "-o", "x"], "no camera `nowhere`"),
         (["-o", "x.bmp"], ".png, .gif or .mp4"),
     ],
 )

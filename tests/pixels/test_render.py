@@ -145,7 +145,7 @@ def test_rebuilding_does_not_leak(engine: str) -> None:
 
 def test_mistakes_are_explained(engine: str, table: Scene, renderer: Any) -> None:
     one = renderer(engine, table, 128, 128)
-    with pytest.raises(WmsError, match=r"no camera 'behind'.*front"):
+    with pytest.raises(WmsError, match=r"no camera `behind`.*front"):
         one.draw(still(table, "behind"))
     with pytest.raises(WmsError, match="1 poses, expected one for each of 8"):
         one.draw(Shot("front", [table.bodies[0].pose]))

@@ -19,8 +19,9 @@ from wmspec.diagnostics import StageError, WmsError, suggestion
 from wmspec.execute import archive
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.places import FilePlace
+from wmspec.scene.bounds import middle
 from wmspec.scene.camera import find
-from wmspec.scene.model import Contact, Frame, Scene, Shot, Trace
+from wmspec.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
 from wmspec.usd import read
 from wmspec.usd.files import opened
 from wmspec.write import film, typeset
@@ -32,13 +33,15 @@ class Track:
     """The way of one body, T samples of it.
 
     `position` (T, 3) m and `orientation` (T, 4), quaternions (w, x, y, z), are of the body's frame; `linear_velocity`
-    (T, 3) m/s and `angular_velocity` (T, 3) rad/s of its centre of mass, in world axes.
+    (T, 3) m/s and `angular_velocity` (T, 3) rad/s of its centre of mass, in world axes. `middle` (T, 3) m is that
+    of the box around it in its own frame, which is what measures are of; of a simple shape it is where its frame is.
     """
 
     position: NDArray[np.float64]
     orientation: NDArray[np.float64]
     linear_velocity: NDArray[np.float64]
     angular_velocity: NDArray[np.float64]
+    middle: NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,8 +85,14 @@ class Episode:
         if body not in self.bodies:
             raise WmsError(f"there is no body `{body}`; {suggestion(body, self.bodies)}")
         trace, i = self.trace, self.bodies.index(body)
-        ways = (trace.position, trace.orientation, trace.linear_velocity, trace.angular_velocity)
-        return Track(*(way[:, i] for way in ways))
+        frames = Pose(trace.position[:, i], trace.orientation[:, i])
+        return Track(
+            position=frames.position,
+            orientation=frames.orientation,
+            linear_velocity=trace.linear_velocity[:, i],
+            angular_velocity=trace.angular_velocity[:, i],
+            middle=middle(self.scene.bodies[i], frames),
+        )
 
     def views(self, camera: str = "") -> list[tuple[str, float]]:
         """The cameras and times (s) of the pictures that the stage asks for; of one camera, if it is named.

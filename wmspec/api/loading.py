@@ -74,15 +74,16 @@ class Diagnosis:
         return not any(d.severity == "error" for d in self.diagnostics)
 
 
-def diagnose(*paths: PathOrText) -> Diagnosis:
-    """Check specs, their designs, and a sample of their scenes; nothing is executed.
+def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
+    """Check specs, their designs, and a sample of their scenes; nothing is executed. A `text` is a spec as well.
 
-    Raises WmsError if a file cannot be read.
+    Libraries and files are looked for beside a file, and from a `text` in the working folder. Raises WmsError if a file
+    cannot be read.
     """
     from wmspec.lint.dry_run import dry_run
 
     report = Report()
-    files = spec_files(map(Path, paths))
+    files: list[Path | Source] = [*spec_files(map(Path, paths)), *([_text(text)] if text is not None else [])]
     tasks = tuple((task.name, dry_run(task.spec, report)) for path in files for task in _checked(path, 0, report))
     return Diagnosis(report.diagnostics, tasks)
 

@@ -44,7 +44,7 @@ def say(value: Any, sort: str, values: Values) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        unit, scale = _UNITS.get(sort, (si_unit(sort), 1.0))
+        unit, scale = _UNITS.get(sort, (si_unit(sort), 1.0)) if sort != "mass" or abs(value) < 1 else ("kg", 1.0)
         number = f"{value * scale + 0.0:.4g}"  # -0.0 + 0.0 is 0.0
         if isinstance(value, Bearing) and number == "-180":
             number = "180"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from wmspec.check.property_schema import ThingType, remedy, slots, thing_type, unfit
-from wmspec.check.vocabulary import Slot
+from wmspec.check.vocabulary import OTHERWISE, Slot
 from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
 from wmspec.places import Span
@@ -44,12 +44,18 @@ class Owner:
             return "WMS203", reason, name.span, remedy(self.type, name.id)
         kind = self.type.kind
         message = f"{'an' if kind == 'object' else 'a'} {kind} has no property `{name.id}`"
-        return "WMS203", message, name.span, suggestion(name.id, [*self.slots, *self.parts])
+        return "WMS203", message, name.span, _meant(name.id, [*self.slots, *self.parts])
 
     def silent(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
         """The complaint about a property that it could have and does not say."""
         notes = (Note(f"`{self.name}` is declared here", self.span),)
         return "WMS206", f"`{self.name}` does not say its {name.id}", name.span, f"add `{name.id}:` to it", notes
+
+
+def _meant(name: str, known: list[str]) -> str:
+    """A property that the name is another word for, or like."""
+    other = OTHERWISE.get(name)
+    return f"did you mean `{other}`?" if other in known else suggestion(name, known)
 
 
 def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:

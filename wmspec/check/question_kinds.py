@@ -53,6 +53,12 @@ _NO_COUNTERFACTUALS = Rule(
     remedy="answer with `frame(CAMERA, TIME)`",
     at=COUNTERFACTUAL,
 )
+_NO_DISTANCE = Rule(
+    clause="distinct",
+    message="`distinct by` is for options that are pictures, and the answer is {answer}",
+    remedy="remove it",
+    at="distinct",
+)
 _NO_TOLERANCE = Rule(
     clause="within",
     message="`within` is for answers that are quantities, and this one is {answer}",
@@ -83,6 +89,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
         spoken=True,
         refused=(
             _NO_COUNTERFACTUALS,
+            _NO_DISTANCE,
             Rule(
                 clause="options",
                 message="an answer is one of its options or open, not both",
@@ -94,7 +101,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
     "labels": QuestionRules(
         fits=lambda answer, _: answer != PICTURE,
         spoken=True,
-        refused=(_NO_COUNTERFACTUALS, _NO_TOLERANCE),
+        refused=(_NO_COUNTERFACTUALS, _NO_TOLERANCE, _NO_DISTANCE),
         needed=(
             Rule(
                 clause="options",

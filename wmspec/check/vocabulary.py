@@ -229,7 +229,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "passes": Slot((List(OBJECT),), "the objects that it passes through", optional=True),
         "on": Slot((OBJECT,), "what it rests on; `on: table at (x, y)` says where, from its middle", optional=True),
         "inside": Slot((OBJECT,), "what it rests in: on the lowest part of it below the place", optional=True),
-        "at": Slot((POINT2, POINT3, PLACE), "where its middle is: (x, y) on what it rests on, else (x, y, z)", "(0 m, 0 m)"),
+        "at": Slot((POINT2, POINT3, PLACE), "where its middle is: (x, y) on what it rests on or on the ground, or (x, y, z)", "(0 m, 0 m)"),
         "scatter": Slot((POINT2,), "the edges of a field around `at` in which its place is drawn", optional=True, least=0),
         "gap": Slot((A_LENGTH,), "the least distance from others that are scattered on the same thing", "1 cm", least=0),
         **_TURN,
@@ -327,6 +327,18 @@ SPREADS = (
     Form("log_uniform(100 g, 10 kg)", "anywhere between, all ratios alike"),
     Form("normal(0 deg, 2 deg)", "about a mean, with this standard deviation, cut off at three of them"),
 )
+
+#: What people call properties that have another name here.
+OTHERWISE = {
+    "weight": "mass",
+    "colour": "color",
+    "diameter": "size",
+    "position": "at",
+    "location": "at",
+    "rotation": "yaw",
+    "elasticity": "restitution",
+    "bounciness": "restitution",
+}
 
 #: What only a nuisance is drawn from.
 WEIGHTED = (Form("weighted([red, blue], [3, 1])", "these values, the first three times as often"),)

@@ -37,6 +37,10 @@ COMMANDS = (
 )
 
 
+#: The exit code where the reader of a pipe has gone, as in `wmspec list | head`: as of what SIGPIPE ends.
+CLOSED_PIPE = 128 + 13
+
+
 class _Commands(click.Group):
     """Commands by file name; a user's mistake is told in a sentence and ends with exit code 2."""
 
@@ -68,8 +72,9 @@ class _Commands(click.Group):
             click.echo(WmsError.of(pointed(error.diagnostics)).render(paint()), err=True)
             ctx.exit(2)
         except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            ctx.exit(1)
+            for stream in (sys.stdout, sys.stderr):  # what is left in them has nowhere to go either
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+            ctx.exit(CLOSED_PIPE)
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})

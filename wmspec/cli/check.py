@@ -8,24 +8,26 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import paint, specs_argument
+from wmspec.cli.common import paint, standard_input
 
 if TYPE_CHECKING:
     from wmspec.api import Diagnosis
 
 
 @click.command("check")
-@specs_argument
+@click.argument("specs", nargs=-1, required=True, type=click.Path(path_type=Path, allow_dash=True))
 @click.option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", show_default=True)
 @click.option("--json", "form", flag_value="json", help="The same as --format json.")
 def check_command(specs: tuple[Path, ...], form: str) -> None:
-    """Check specs: names, units, kinds, the design, and a sample of scenes. Exits with 2 if there is a mistake.
+    """Check specs: names, units, kinds, the design, and a sample of scenes; `-` checks standard input.
+
+    Exits with 2 if there is a mistake.
 
     Text is coloured on a terminal, unless NO_COLOR is set. SARIF is what code hosts show beside the lines.
     """
     from wmspec.api import diagnose
 
-    diagnosis = diagnose(*specs)
+    diagnosis = diagnose(*specs) if specs != (Path("-"),) else diagnose(text=standard_input().text)
     if form == "json":
         records = [d.record() for d in diagnosis.diagnostics]
         click.echo(json.dumps({"diagnostics": records, "tasks": dict(diagnosis.tasks)}, indent=2))

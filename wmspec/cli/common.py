@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from wmspec.diagnostics import Paint, Part, WmsError, plain
-from wmspec.places import FilePlace
+from wmspec.places import FilePlace, Source
 
 if TYPE_CHECKING:
     from wmspec.api import Instance
@@ -41,6 +41,14 @@ def paint() -> Paint:
 def _in_colour() -> bool:
     """On a terminal, unless the user asked for none (https://no-color.org)."""
     return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
+
+
+def standard_input() -> Source:
+    """The text that is piped in, as `-` asks for. Raises WmsError if it is no text."""
+    try:
+        return Source("<stdin>", sys.stdin.buffer.read().decode("utf-8").replace("\r\n", "\n"))
+    except UnicodeDecodeError as error:
+        raise WmsError(f"<stdin>: not UTF-8 text (byte {error.start}); a .wms file is plain UTF-8 text") from None
 
 
 def look_options(command: F) -> F:

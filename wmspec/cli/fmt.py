@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import difflib
 import os
-import sys
 import tempfile
 from pathlib import Path
 
 import click
 
-from wmspec.cli.common import paint
+from wmspec.cli.common import paint, standard_input
 from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace, Source
+from wmspec.places import FilePlace
 
 
 @click.command("fmt")
@@ -31,7 +30,7 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
 
     changed = failed = 0
     for path in [Path("-")] if specs == (Path("-"),) else spec_files(specs):
-        source = _standard_input() if path == Path("-") else read_source(path)
+        source = standard_input() if path == Path("-") else read_source(path)
         try:
             formatted = format_spec(source)
         except SpecError as error:
@@ -52,13 +51,6 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
         raise SystemExit(2)
     if only_check and changed:
         raise SystemExit(1)
-
-
-def _standard_input() -> Source:
-    try:
-        return Source("<stdin>", sys.stdin.buffer.read().decode("utf-8").replace("\r\n", "\n"))
-    except UnicodeDecodeError as error:
-        raise WmsError(f"<stdin>: not UTF-8 text (byte {error.start}); a .wms file is plain UTF-8 text") from None
 
 
 def _difference(before: str, after: str, name: str) -> str:

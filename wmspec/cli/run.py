@@ -85,6 +85,7 @@ def _summary(episode: Episode) -> dict[str, Any]:
         track = episode[name]
         bodies[name] = {
             "position": track.position[-1].tolist(),
+            "middle": track.middle[-1].tolist(),
             "orientation": track.orientation[-1].tolist(),
             "velocity": track.linear_velocity[-1].tolist(),
         }
@@ -100,7 +101,7 @@ def _print(episode: Episode) -> None:
     summary = _summary(episode)
     click.echo(click.style(f"{episode.engine}, {summary['duration']:g} s", bold=True))
     for name, end in summary["bodies"].items():
-        x, y, z = (100 * v for v in end["position"])
+        x, y, z = (100 * v for v in end["middle"])
         vx, vy, vz = (100 * v for v in end["velocity"])
         click.echo(
             f"  {name:<16} ends at ({x:7.1f}, {y:7.1f}, {z:6.1f}) cm, moving at ({vx:6.1f}, {vy:6.1f}, {vz:6.1f}) cm/s"

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wmspec.diagnostics import WmsError
+from wmspec.diagnostics import WmsError, suggestion
 from wmspec.scene.model import Array, Camera, Pose, Scene, Shot
 from wmspec.scene.transform import compose, quaternion, rotation
 
@@ -38,7 +38,8 @@ def find(scene: Scene, name: str) -> Camera:
     for camera in scene.cameras:
         if camera.name == name:
             return camera
-    raise WmsError(f"the scene has no camera '{name}'; it has {[camera.name for camera in scene.cameras]}")
+    known = [camera.name for camera in scene.cameras]
+    raise WmsError(f"there is no camera `{name}`; {suggestion(name, known) or 'the scene has none'}")
 
 
 def seeing(scene: Scene, shot: Shot) -> Camera:

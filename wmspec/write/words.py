@@ -17,7 +17,8 @@ def human(value: Any, unit: str = "") -> str:
     """A value in SI units in words: `20 cm/s`, `yes`, `red`, `(10, 20) cm`."""
     if isinstance(value, bool):
         return "yes" if value else "no"
-    sign, scale = READABLE.get(unit, (unit, 1.0))
+    heavy = unit == "kg" and isinstance(value, float | int) and abs(value) >= 1
+    sign, scale = (unit, 1.0) if heavy else READABLE.get(unit, (unit, 1.0))
     if isinstance(value, Sequence) and not isinstance(value, str):
         return f"({', '.join(_number(v * scale) for v in value)}){_spaced(sign)}"
     return value if isinstance(value, str) else _number(value * scale) + _spaced(sign)
