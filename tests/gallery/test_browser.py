@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.gallery.conftest import opened
+from tests.browser import opened
 from wmspec.gallery.gallery import html
 from wmspec.gallery.gallery import page as one_page
 from wmspec.gallery.records import about, records

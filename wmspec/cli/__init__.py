@@ -30,6 +30,7 @@ COMMANDS = (
     "view",
     "audit",
     "evaluate",
+    "study",
     "report",
     "export",
     "recast",

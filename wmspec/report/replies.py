@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.diagnostics import WmsError, suggestion
+from wmspec.evaluate.agreement import majority
 from wmspec.places import FilePlace
 from wmspec.report.questions import Questions
 
@@ -217,7 +217,4 @@ def _majority(rated: pd.DataFrame) -> pd.DataFrame:
 def _vote(name: str, of_one: pd.DataFrame) -> int:
     """The row of a rater who is of the majority."""
     said = of_one["parsed"].astype(str) + of_one["right"].astype(str)
-    counts = said.value_counts()
-    best = sorted(counts[counts == counts.max()].index)
-    drawn = best[int.from_bytes(hashlib.sha256(name.encode()).digest()[:4], "big") % len(best)]
-    return int(said.index[said == drawn].min())
+    return int(said.index[said == majority(name, said)].min())

@@ -1,0 +1,41 @@
+"""A browser to look at pages."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PATIENCE = 20_000.0
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    playwright = pytest.importorskip("playwright.sync_api")
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if found is None:
+        pytest.skip("there is no Chromium here; on Debian: sudo apt-get install chromium")
+    with playwright.sync_playwright() as started:
+        chromium = started.chromium.launch(executable_path=found, args=["--no-sandbox"], timeout=PATIENCE)
+        yield chromium
+        chromium.close()
+
+
+def opened(browser: Any, path: Path, **how: Any) -> Iterator[Any]:
+    """A page that must not complain, nor load anything that is not beside it."""
+    context = browser.new_context(viewport={"width": 1280, "height": 1000}, **how)
+    context.set_default_timeout(PATIENCE)
+    tab = context.new_page()
+    complaints: list[str] = []
+    tab.on("pageerror", lambda error: complaints.append(str(error)))
+    tab.on("console", lambda said: complaints.append(said.text))
+    tab.on("request", lambda asked: None if asked.url.startswith(("file:", "data:")) else complaints.append(asked.url))
+    tab.on("requestfailed", lambda asked: complaints.append(f"{asked.url} cannot be had"))
+    tab.goto(path.as_uri())
+    yield tab
+    context.close()
+    assert not complaints

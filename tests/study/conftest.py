@@ -1,0 +1,29 @@
+"""Studies of datasets with drawn pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.browser import browser
+from tests.dataset.made import make as make_dataset
+from tests.dataset.made import plan
+from wmspec.study.make import Options, make
+from wmspec.write.reader import DatasetReader
+
+__all__ = ["browser"]
+
+
+@pytest.fixture(scope="session")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> DatasetReader:
+    place = tmp_path_factory.mktemp("dataset")
+    make_dataset(place, plan(count=20, shard=8))
+    return DatasetReader.open(place)
+
+
+@pytest.fixture
+def study(dataset: DatasetReader, tmp_path: Path) -> Path:
+    """Six questions and one for practice of each of two tasks, for three raters, with two checks of attention."""
+    make(dataset, Options(per_task=6, raters=3, check_every=6), tmp_path / "study")
+    return tmp_path / "study"

@@ -1,0 +1,206 @@
+"""The study in a real browser, from consent to the completion code, as three raters would answer it."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.browser import PATIENCE
+from tests.study.visitor import letter
+from wmspec.study import store
+from wmspec.study.collect import collect
+from wmspec.study.model import Study, load
+from wmspec.study.serve import Server
+from wmspec.study.store import Store
+
+DESK: dict[str, Any] = {"viewport": {"width": 1280, "height": 900}}
+PHONE: dict[str, Any] = {"viewport": {"width": 360, "height": 640}, "has_touch": True, "is_mobile": True}
+
+
+@pytest.fixture
+def url(study: Path) -> Iterator[str]:
+    with Server(study, "127.0.0.1", 0) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield server.url
+        server.shutdown()
+        thread.join()
+
+
+class Rater:
+    """Somebody at a page, who is right or `off` so many places; complaints of the page are theirs."""
+
+    def __init__(self, browser: Any, url: str, study: Study, off: int = 0, **how: Any) -> None:
+        self.study, self.off, self.touch = study, off, how.get("has_touch", False)
+        self.context = browser.new_context(**(how or DESK))
+        self.context.set_default_timeout(PATIENCE)
+        self.tab = self.context.new_page()
+        self.complaints: list[str] = []
+        self.tab.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.tab.on("console", lambda said: self.complaints.append(said.text))
+        self.origin = url.partition("?")[0].rpartition("/")[0]
+        self.tab.on("request", lambda asked: self.complaints.append(asked.url) if self._is_foreign(asked.url) else None)
+        self.tab.goto(url)
+
+    def _is_foreign(self, url: str) -> bool:
+        return not url.startswith((self.origin, "blob:", "data:"))
+
+    def kept(self) -> dict[str, Any]:
+        """What the browser keeps of the visit."""
+        found = self.tab.evaluate("Object.values(localStorage)[0] ?? '{}'")
+        return dict(json.loads(found))
+
+    def step(self) -> bool:
+        """One page. False when there is none left."""
+        self.tab.wait_for_selector("form, #code")
+        form = self.tab.query_selector("form")
+        if form is None:
+            return False
+        if not self.tab.query_selector("input[type=radio]"):
+            self.press(self.tab.locator("form button"))
+        else:
+            self.tab.wait_for_selector("form[data-ready]")
+            step = int(form.get_attribute("data-step"))
+            self.answer(step)
+            if self.tab.query_selector("input:disabled"):
+                self.feedback()
+        self.tab.wait_for_function("form => !form.isConnected", arg=form)
+        return True
+
+    def answer(self, step: int) -> None:
+        slot = self.kept()["slot"]
+        shown = self.study.step(slot, step)
+        assert shown is not None
+        wanted = letter(self.study, slot, step, self.off if shown[0].kind == "question" else 0)
+        button = self.tab.locator("form button")
+        assert button.is_disabled()
+        if self.touch:
+            self.tab.locator(f".option:has([value={wanted}])").tap()
+            button.tap()
+        else:
+            self.tab.keyboard.press(wanted.lower() if step % 2 else str("ABCDEF".index(wanted) + 1))
+            self.tab.keyboard.press("Enter")
+
+    def feedback(self) -> None:
+        assert self.tab.inner_text(".said") == "That is right."
+        assert self.tab.locator(".option.true").count() == 1
+        self.press(self.tab.locator("form button"))
+
+    def press(self, button: Any) -> None:
+        if self.touch:
+            button.tap()
+        else:
+            button.click()
+
+    def finish(self) -> str:
+        """Go on to the end. The completion code."""
+        while self.step():
+            pass
+        code = str(self.tab.inner_text("#code"))
+        assert not self.complaints
+        return code
+
+
+@pytest.mark.parametrize("how", [DESK, PHONE], ids=["desk", "phone"])
+def test_three_raters_from_consent_to_the_code(how: dict[str, Any], browser: Any, url: str, study: Path) -> None:
+    made, codes = load(study), []
+    for name, off in (("anne", 0), ("ben", 0), ("carl", 1)):
+        rater = Rater(browser, f"{url}?rater={name}", made, off, **how)
+        assert "Before you begin" in rater.tab.inner_text("h1")
+        codes.append(rater.finish())
+        assert rater.tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        rater.context.close()
+    collected = collect(study, (), study / "r.parquet")
+    assert collected.missing == 0
+    by_name = {rater.rater: rater for rater in collected.raters}
+    assert [by_name[name].code for name in ("anne", "ben", "carl")] == codes
+    assert [by_name[name].right for name in ("anne", "ben", "carl")] == [12, 12, 0]
+    assert all(r.checks_passed == r.checks > 0 and r.seconds is not None and r.seconds > 0 for r in collected.raters)
+    for agreed in collected.agreement:
+        assert agreed.majority == 1
+        assert agreed.kappa is not None
+
+
+def test_a_reload_goes_on_with_the_same_question(browser: Any, url: str, study: Path) -> None:
+    rater = Rater(browser, url, load(study))
+    for _ in range(8):
+        rater.step()
+    rater.tab.wait_for_selector("form[data-step]")
+    before = rater.tab.get_attribute("form", "data-step")
+    rater.tab.reload()
+    while not rater.tab.query_selector("form[data-step]"):
+        rater.step()
+    assert rater.tab.get_attribute("form", "data-step") == before
+    rater.finish()
+    (visit,) = Store(study / store.FILE, load(study)).visits()
+    assert [answer.step for answer in visit.answers] == list(range(len(load(study).slots[0])))
+    rater.tab.reload()
+    assert rater.tab.inner_text("#code") == visit.code
+
+
+def test_answers_wait_while_the_server_is_away(browser: Any, study: Path) -> None:
+    made = load(study)
+    server = Server(study, "127.0.0.1", 0)
+    port = server.server_address[1]
+
+    def serve(one: Server) -> threading.Thread:
+        thread = threading.Thread(target=one.serve_forever)
+        thread.start()
+        return thread
+
+    thread = serve(server)
+    rater = Rater(browser, server.url, made)
+    rater.tab.wait_for_selector("form")
+    for _ in range(4):
+        rater.step()
+    rater.tab.route("**/answers", lambda route: route.abort())
+    rater.step()
+    rater.tab.wait_for_function("document.getElementById('trouble').textContent.includes('kept here')")
+    server.shutdown()
+    thread.join()
+    server.server_close()
+    again = Server(study, "127.0.0.1", port)
+    thread = serve(again)
+    rater.tab.unroute("**/answers")
+    rater.complaints.clear()
+    rater.finish()
+    again.shutdown()
+    thread.join()
+    again.server_close()
+    assert collect(study, (), study / "r.parquet").replies == 12
+
+
+def test_a_file_without_a_server_gives_its_answers(browser: Any, study: Path, tmp_path: Path) -> None:
+    made, address = load(study), (study / "page/index.html").as_uri()
+    for slot in range(3):
+        rater = Rater(browser, f"{address}?slot={slot + 1}", made, **(PHONE if slot else DESK))
+        for _ in range(5):
+            rater.step()
+        rater.tab.reload()
+        code = rater.finish()
+        with rater.tab.expect_download() as saved:
+            rater.press(rater.tab.locator("#save"))
+        saved.value.save_as(tmp_path / f"{slot}.json")
+        assert json.loads((tmp_path / f"{slot}.json").read_text())["code"] == code
+        rater.context.close()
+    collected = collect(study, sorted(tmp_path.glob("*.json")), tmp_path / "r.parquet")
+    assert (collected.replies, collected.missing) == (36, 0)
+    assert all(rater.right == 12 for rater in collected.raters)
+
+
+def test_texts_are_shown_as_they_are(browser: Any, study: Path) -> None:
+    from wmspec.study import page
+
+    bad = "# <img src=x onerror=alert(1)>\n\n</script><script>alert(2)</script>\n\n\u2028 ${alert(3)} {{ script }}"
+    (study / "texts/consent.txt").write_text(bad)
+    (study / "page/index.html").write_text(page.html(load(study), study, served=False))
+    rater = Rater(browser, (study / "page/index.html").as_uri(), load(study))
+    rater.tab.on("dialog", lambda dialog: rater.complaints.append(dialog.message))
+    assert rater.tab.inner_text("h1") == "<img src=x onerror=alert(1)>"
+    assert rater.tab.locator("main img, main script").count() == 0
+    assert not rater.complaints

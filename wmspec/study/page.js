@@ -1,0 +1,261 @@
+"use strict";
+(() => {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", RETRY = 2000;
+  const $ = (id) => document.getElementById(id);
+  const asked = new URLSearchParams(location.search);
+
+  /** An element with attributes and children; a child that is a text is shown as it is. */
+  function make(name, attributes = {}, ...children) {
+    const element = document.createElement(name);
+    for (const [key, value] of Object.entries(attributes)) {
+      if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
+      else if (value === true) element.setAttribute(key, "");
+      else if (value !== false && value != null) element.setAttribute(key, value);
+    }
+    element.append(...children.flat().filter((child) => child != null && child !== ""));
+    return element;
+  }
+
+  /** A text: paragraphs are parted by empty lines, one that begins with # is a heading. Nothing in it is markup. */
+  const prose = (text) => text.trim().split(/\n\s*\n/).map((part) =>
+    part.startsWith("# ") ? make("h1", {}, part.slice(2)) : make("p", {}, part));
+
+  // ------------------------------------------------------------ what is kept in this browser
+
+  const rater = (asked.get("rater") ?? "").replace(/[^A-Za-z0-9._-]/g, "").slice(0, 64);
+  const KEY = `wmspec-study-${data.study}-${rater}`;
+  const random = (bytes) => [...crypto.getRandomValues(new Uint8Array(bytes))].map((b) => b.toString(16).padStart(2, "0")).join("");
+
+  /** The visit: its session, its share (null before consent), answers by step, which of them the server has. */
+  let visit = { session: random(16), rater, slot: null, code: null, answers: {}, sent: [] };
+  try { visit = { ...visit, ...JSON.parse(localStorage.getItem(KEY) ?? "{}") }; } catch { /* begin anew */ }
+
+  function remember() {
+    try { localStorage.setItem(KEY, JSON.stringify(visit)); } catch { trouble("This browser keeps nothing: please do not reload this page."); }
+  }
+
+  function trouble(text) { $("trouble").textContent = text; }
+
+  // ------------------------------------------------------------ the server, or none
+
+  const pause = (ms) => new Promise((done) => setTimeout(done, ms));
+
+  /** Say something to the server until it is heard; null if it refuses. */
+  async function tell(path, body) {
+    for (;;) {
+      try {
+        const reply = await fetch(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+        if (reply.ok) { trouble(""); return await reply.json(); }
+        if (reply.status < 500) { trouble(""); return { refused: reply.status }; }
+      } catch { /* it is not there, and may come back */ }
+      trouble("The answers cannot be sent at the moment. They are kept here, and sent again.");
+      await pause(RETRY);
+    }
+  }
+
+  async function begin() {
+    if (!data.served) {
+      const wanted = Number(asked.get("slot")), count = data.slots.length;
+      visit.slot ??= wanted >= 1 && wanted <= count ? Math.floor(wanted) - 1 : crypto.getRandomValues(new Uint32Array(1))[0] % count;
+      visit.code ??= random(4).toUpperCase();
+      remember();
+      return true;
+    }
+    const place = await tell("visits", { session: visit.session, rater });
+    if (place.refused) return false;
+    if (visit.slot !== null && visit.slot !== place.slot) visit.answers = {}; // the study's answers were begun anew
+    Object.assign(visit, { slot: place.slot, sent: place.done, code: place.code });
+    remember();
+    return true;
+  }
+
+  let sending = Promise.resolve();
+
+  /** Send what the server does not have, one answer after the other. */
+  function send() {
+    if (!data.served) return sending;
+    sending = sending.then(async () => {
+      for (const [step, answer] of Object.entries(visit.answers)) {
+        if (visit.sent.includes(Number(step))) continue;
+        const place = await tell(`visits/${visit.session}/answers`, answer);
+        if (place.refused) { trouble("An answer was refused. Please tell those who invited you."); continue; }
+        visit.sent = place.done;
+        visit.code = place.code;
+        remember();
+      }
+    });
+    return sending;
+  }
+
+  // ------------------------------------------------------------ showing
+
+  const plan = () => data.slots[visit.slot].map(([item, permutation], step) => ({ step, permutation, ...data.items[item] }));
+  const isDone = (step) => step in visit.answers || visit.sent.includes(step);
+
+  /** Show something with one button below it. Returns when the button is pressed, or the form is sent otherwise. */
+  function show(children, label, { ready = true, focus = true } = {}) {
+    return new Promise((done) => {
+      const said = make("p", { class: "said", role: "status" });
+      const button = make("button", { type: "submit", disabled: !ready }, label);
+      const form = make("form", { autocomplete: "off", onsubmit: (event) => { event.preventDefault(); if (!button.disabled) done({ form, button, said }); } },
+        children, make("footer", {}, make("div", {}, said, button)));
+      $("main").replaceChildren(form);
+      window.scrollTo(0, 0);
+      if (focus) $("main").focus({ preventScroll: true });
+      current = { form, button };
+    });
+  }
+
+  let current = null;
+
+  /** The seconds since the pictures were there, and those of them in which the page was not seen. */
+  function clock(form) {
+    let began = performance.now(), away = 0, left = document.hidden ? began : null;
+    const change = () => {
+      const now = performance.now();
+      if (document.hidden) left ??= now;
+      else if (left !== null) { away += now - left; left = null; }
+    };
+    document.addEventListener("visibilitychange", change);
+    Promise.allSettled([...form.querySelectorAll("img")].map((image) => image.decode())).then(() => {
+      began = performance.now();
+      away = 0;
+      if (left !== null) left = began;
+      form.dataset.ready = "";
+    });
+    return () => {
+      change();
+      document.removeEventListener("visibilitychange", change);
+      const round = (ms) => Math.min(86400, Math.max(0, Math.round(ms) / 1000));
+      return { seconds: round(performance.now() - began), away: round(away) };
+    };
+  }
+
+  function choices(q) {
+    const names = q.words.length ? q.words : q.pictures, count = names.length;
+    const options = names.map((_, place) => {
+      const which = (place + q.permutation) % count, letter = LETTERS[place];
+      return make("label", { class: "option", "data-place": which },
+        make("input", { type: "radio", name: "answer", value: letter, "aria-label": q.words.length ? `${letter}: ${names[which]}` : `Picture ${letter}` }),
+        q.pictures.length ? make("img", { src: `pictures/${names[which]}`, alt: "" }) : null,
+        make("span", {}, make("b", {}, letter), " ", q.words.length ? names[which] : ""));
+    });
+    return make("div", { class: `options ${q.pictures.length ? "pictured" : ""}` }, options);
+  }
+
+  function number(q) {
+    return make("label", { class: "number" }, make("input", { type: "text", name: "answer", inputmode: "decimal", "aria-label": `A number${q.unit ? ` in ${q.unit}` : ""}`,
+                                                             pattern: "\\s*-?[0-9]{1,9}([.,][0-9]{1,9})?\\s*", required: true }), q.unit);
+  }
+
+  const given = (form) => new FormData(form).get("answer")?.trim().replace(",", ".") ?? "";
+
+  async function ask(q) {
+    const looks = q.context.map((name, i) => make("figure", {},
+      make("img", { src: `pictures/${name}`, alt: `Picture ${i + 1}` }),
+      q.context.length > 1 ? make("figcaption", {}, `Picture ${i + 1}`) : null));
+    const kind = q.kind === "practice" ? make("p", { class: "good" }, "For practice") : null;
+    const shown = show([kind, make("h2", { id: "question" }, q.text), looks.length ? make("div", { class: "pictures" }, looks) : null,
+      make("fieldset", { "aria-labelledby": "question" }, make("legend", {}, q.open ? "Your answer" : "Choose one:"), q.open ? number(q) : choices(q))],
+      "Next", { ready: false });
+    const { form, button } = current, stop = clock(form);
+    form.dataset.step = q.step;
+    form.addEventListener("input", () => { button.disabled = !given(form) || !form.checkValidity(); });
+    const { said } = await shown;
+    const answer = { step: q.step, text: given(form), ...stop() };
+    if (q.kind === "practice") await feedback(q, answer.text, form, said, button);
+    visit.answers[q.step] = answer;
+    remember();
+    send();
+  }
+
+  /** What was right. Returns when the reader goes on. */
+  function feedback(q, text, form, said, button) {
+    const truth = q.open ? `about ${Number(q.truth[0].toPrecision(3))} ${q.unit}`.trim() : LETTERS[(q.answer - q.permutation + q.options) % q.options];
+    const right = q.open ? Math.abs(Number(text) - q.truth[0]) <= q.truth[1] * (1 + 1e-9) : text === truth;
+    said.className = `said ${right ? "good" : "bad"}`;
+    said.textContent = right ? "That is right." : `It is ${truth}.`;
+    for (const option of form.querySelectorAll(".option")) {
+      const input = option.querySelector("input");
+      option.classList.toggle("true", input.value === truth);
+      option.classList.toggle("wrong", input.checked && input.value !== truth);
+    }
+    for (const input of form.querySelectorAll("input")) input.disabled = true;
+    button.textContent = "Go on";
+    button.focus();
+    return new Promise((done) => form.addEventListener("submit", done, { once: true }));
+  }
+
+  function preload(q) {
+    for (const name of q ? [...q.context, ...q.pictures] : []) new Image().src = `pictures/${name}`;
+  }
+
+  // ------------------------------------------------------------ from consent to the end
+
+  async function main() {
+    if (visit.slot === null) {
+      await show(prose(data.texts.consent), "I agree, and begin");
+      if (!(await begin())) return refused();
+      await show(prose(data.texts.instructions), "Go on");
+    } else if (!(await begin())) return refused();
+    send();
+    const steps = plan(), parts = [...new Set(steps.map((q) => q.task).filter(Boolean))];
+    let part = "";
+    for (const q of steps) {
+      q.options = q.words.length || q.pictures.length;
+      where(q.step, steps.length);
+      if (isDone(q.step)) continue;
+      if (q.task && q.task !== part) {
+        part = q.task;
+        const heading = parts.length > 1 ? make("h1", {}, `Part ${parts.indexOf(part) + 1} of ${parts.length}`) : null;
+        preload(q);
+        await show([heading, ...prose(data.texts[`task-${part}`])], "Go on");
+      }
+      preload(steps[q.step + 1]);
+      await ask(q);
+    }
+    where(steps.length, steps.length);
+    await end();
+  }
+
+  function where(step, count) {
+    $("progress").hidden = false;
+    $("progress").value = step / count;
+    $("where").textContent = step < count ? `${step + 1} of ${count}` : "Done";
+  }
+
+  function refused() {
+    $("main").replaceChildren(make("h1", {}, "Thank you for coming"), make("p", {}, "All questions have been answered: nobody else is needed."));
+  }
+
+  async function end() {
+    const heading = make("h1", {}, "Thank you!");
+    if (data.served) {
+      $("main").replaceChildren(heading, make("p", {}, "Your last answers are being sent. Please wait."));
+      await send();
+      if (!visit.code) return $("main").replaceChildren(heading, make("p", {}, "Not all answers arrived. Please reload this page."));
+      $("main").replaceChildren(heading, make("p", {}, "All answers have arrived. Your completion code:"), make("p", { class: "code", id: "code" }, visit.code));
+      return;
+    }
+    const file = { study: data.study, session: visit.session, rater, slot: visit.slot, code: visit.code,
+                   answers: Object.values(visit.answers).sort((a, b) => a.step - b.step) };
+    const url = URL.createObjectURL(new Blob([JSON.stringify(file)], { type: "application/json" }));
+    $("main").replaceChildren(heading, make("p", {}, "Your answers are only in this browser. Please save them as a file, and send it to those who invited you."),
+      make("p", {}, make("a", { id: "save", href: url, download: `answers-${rater || visit.session.slice(0, 8)}.json` }, "Save the answers")),
+      make("p", {}, "Your completion code:"), make("p", { class: "code", id: "code" }, visit.code));
+  }
+
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || !current || event.target.matches("input[type=text]")) return;
+    const options = [...current.form.querySelectorAll("input[type=radio]:enabled")];
+    const place = /^[1-9]$/.test(event.key) ? Number(event.key) - 1 : event.key.length === 1 ? LETTERS.indexOf(event.key.toUpperCase()) : -1;
+    if (options[place]) options[place].click();
+    else if (event.key === "Enter" && event.target.tagName !== "BUTTON" && event.target.tagName !== "A" && current.form.isConnected) current.form.requestSubmit();
+    else return;
+    event.preventDefault();
+  });
+
+
+  main();
+})();
