@@ -41,7 +41,7 @@ def test_every_picture_is_shown_in_every_engine(page: Any) -> None:
     assert first.locator(".engine").all_inner_texts() == ["mujoco", "pybullet", "sapien"]
     assert first.locator("img").count() == 3 * (3 + 4)
     page.wait_for_function(
-        "[...document.querySelectorAll('article')[0].querySelectorAll('img')].every(i => i.naturalWidth)"
+        "() => [...document.querySelectorAll('article')[0].querySelectorAll('img')].every(i => i.naturalWidth)"
     )
     page.select_option("#engine", "sapien")
     assert page.locator("article").first.locator(".engine").all_inner_texts() == ["sapien"]
@@ -155,7 +155,9 @@ def test_another_engine_leaves_the_question_in_sight(page: Any) -> None:
         page.keyboard.press("j")
     page.keyboard.press("e")
     assert page.evaluate("document.activeElement.id") == "card-6"
-    page.wait_for_function("(r => -1 < r.top && r.top < innerHeight)(document.activeElement.getBoundingClientRect())")
+    page.wait_for_function(
+        "() => (r => -1 < r.top && r.top < innerHeight)(document.activeElement.getBoundingClientRect())"
+    )
 
 
 # ---------------------------------------------------------------- for everybody
@@ -224,7 +226,7 @@ def alone(browser: Any, dataset: DatasetReader, tmp_path: Path) -> Iterator[Any]
 
 
 def test_a_page_alone_has_its_pictures_inside(alone: Any) -> None:
-    alone.wait_for_function("document.images[0].naturalWidth === 64")
+    alone.wait_for_function("() => document.images[0].naturalWidth === 64")
     assert alone.evaluate("[...document.images].every(i => i.src.startsWith('data:image/webp'))")
 
 

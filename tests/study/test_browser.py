@@ -160,7 +160,7 @@ def test_answers_wait_while_the_server_is_away(browser: Any, study: Path) -> Non
         rater.step()
     rater.tab.route("**/answers", lambda route: route.abort())
     rater.step()
-    rater.tab.wait_for_function("document.getElementById('trouble').textContent.includes('kept here')")
+    rater.tab.wait_for_function("() => document.getElementById('trouble').textContent.includes('kept here')")
     server.shutdown()
     thread.join()
     server.server_close()
