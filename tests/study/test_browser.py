@@ -97,12 +97,12 @@ class Rater:
         else:
             button.click()
 
-    def finish(self) -> str:
-        """Go on to the end. The completion code."""
+    def finish(self, troubled: bool = False) -> str:
+        """Go on to the end. The completion code. The browser must not complain, unless the server was `troubled`."""
         while self.step():
             pass
         code = str(self.tab.inner_text("#code"))
-        assert not self.complaints
+        assert troubled or not self.complaints
         return code
 
 
@@ -167,8 +167,7 @@ def test_answers_wait_while_the_server_is_away(browser: Any, study: Path) -> Non
     again = Server(study, "127.0.0.1", port)
     thread = serve(again)
     rater.tab.unroute("**/answers")
-    rater.complaints.clear()
-    rater.finish()
+    rater.finish(troubled=True)
     again.shutdown()
     thread.join()
     again.server_close()
