@@ -13,12 +13,12 @@ from wmspec.compare.allow import impacts
 from wmspec.compare.compare import compare
 from wmspec.compare.model import Comparison
 from wmspec.compare.tolerance import Tolerances, tolerances
-from wmspec.compare.turn import turned
 from wmspec.design.design import Design
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Body, Geom, Pose, Scene, Trace
 from wmspec.scene.transform import identity
+from wmspec.scene.turn import turned
 from wmspec.shapes import Box, Cylinder, Shape, Sphere
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose

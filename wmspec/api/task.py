@@ -263,14 +263,17 @@ class Instance:
         return execute(self.stage(counterfactual), engine, duration)
 
     def ask(self, engine: str, **drawing: Unpack[Drawing]) -> Asked:
-        """Ask its questions of an engine's execution, with pictures by the same engine or another."""
+        """Ask its questions of an engine's execution, with pictures by the same engine or another.
+
+        Where the options are a closed set, its siblings are asked as well: if one of them fails, none is asked.
+        """
         from wmspec.api.drawing import renderer_of
         from wmspec.api.episode import executor
-        from wmspec.ask.ask import ask
+        from wmspec.ask.closed import ask_whole
         from wmspec.ask.model import Rejected
         from wmspec.ask.runs import EnginePair
 
-        answers = ask(self.task.design, self.index, EnginePair(executor(engine), renderer_of(engine, **drawing)))
+        answers = ask_whole(self.task.design, self.index, EnginePair(executor(engine), renderer_of(engine, **drawing)))
         rejected = tuple(a for a in answers if isinstance(a, Rejected))
         return Asked(tuple(a for a in answers if not isinstance(a, Rejected)), rejected)
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from wmspec.ask.asking import AnswerSlot, Asking, refused
+from wmspec.ask.asking import AnswerSlot, Asking, ClosedSlot, ShuffledSlot, refused
 from wmspec.ask.gates import passed
 from wmspec.ask.kinds import KINDS
 from wmspec.ask.model import Answer, Picture, QuestionRow, Reject, Rejected, Strength
@@ -15,11 +16,11 @@ from wmspec.ask.verbalize import question_text, written
 from wmspec.ask.views import View, channels_of
 from wmspec.ask.visibility_gate import named, shown, shown_in
 from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Channel
+from wmspec.check.ir import Channel, Level, TaskSpec
 from wmspec.check.measured import measured as is_measured
 from wmspec.design.design import Design, Instance
 from wmspec.diagnostics import GraphicsError, WmsError
-from wmspec.draws import bits, permuted
+from wmspec.draws import Permutation, bits, permuted
 
 
 def ask(design: Design, index: int, pair: EnginePair) -> list[QuestionRow | Rejected]:
@@ -57,6 +58,28 @@ def groups(instance: Instance) -> dict[str, str]:
         factor: f"{bits(instance.block, *(f'{k}={v}' for k, v in instance.factors.items() if k != factor)):016x}"
         for factor in instance.factors
     }
+
+
+def closed_slot(design: Design, instance: Instance, q: int) -> ClosedSlot:
+    """The order of a closed set: the same for all its members, so that each place holds the truth once.
+
+    Over as many groups as there are members, every member has every place once.
+    """
+    question = design.spec.questions[q]
+    members = [change.levels for change in question.counterfactuals]
+    varied = {v.factor for v in question.orbit}
+    rest = sorted((name, level) for name, level in instance.factors.items() if name not in varied)
+    lap, turn = divmod(instance.block, len(members))
+    shuffled = Permutation(len(members), design.seed, design.spec.name, q, *rest, lap, "places")
+    places = tuple((shuffled(m) + turn) % len(members) for m in range(len(members)))
+    own = next(m for m, levels in enumerate(members) if all(instance.factors[f] == x for f, x in levels.items()))
+    return ClosedSlot(places, own)
+
+
+def names_of(spec: TaskSpec, values: Mapping[str, Level]) -> dict[str, str]:
+    """What the values of factors and nuisances are called, of those that have names."""
+    called = {factor.name: factor.called(values[factor.name]) for factor in spec.factors}
+    return {name: words for name, words in called.items() if words is not None}
 
 
 @dataclass(frozen=True)
@@ -107,6 +130,8 @@ class _Row:
             nuisances=instance.nuisances,
             groups=groups(instance),
             margin=margin,
+            sorted_outcomes=any(question.kinds for question in spec.questions),
+            levels=names_of(spec, instance.values),
             measured=dict(sorted(measured.readings.items())),
             evidence=answer,
         )
@@ -124,9 +149,11 @@ class _Row:
     @property
     def slot(self) -> AnswerSlot:
         """The truth's place among the options: over the design, everywhere alike."""
+        if self.asking.question.orbit:
+            return closed_slot(self.design, self.instance, self.q)
         index, (seed, name, _) = self.instance.index, self.key
         position = permuted(index, len(self.design), seed, name, self.q, "position")
-        return AnswerSlot(position, (*self.key, "order"))
+        return ShuffledSlot(position, (*self.key, "order"))
 
     def picture(self, view: View, channels: frozenset[Channel]) -> Picture:
         """A picture with what the spec asks for of it."""

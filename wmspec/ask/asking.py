@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 from wmspec.ask.describe import Ambiguous
 from wmspec.ask.measure import Measured
@@ -52,14 +53,26 @@ class Asking:
         return Measured(run.values, run.observed(self.views, self.pair))
 
     @cached_property
+    def changes(self) -> tuple[Counterfactual, ...]:
+        """The question's counterfactuals, of this instance."""
+        return self.question.alternatives(self.values.own)
+
+    @cached_property
     def alternatives(self) -> tuple[Run, ...]:
-        """What would have happened under each of the question's counterfactuals. Raises Reject as executing does."""
-        return tuple(map(self.execute, self.question.counterfactuals))
+        """What would have happened under each of them. Raises Reject as executing does."""
+        return tuple(map(self.execute, self.changes))
+
+
+class AnswerSlot(Protocol):
+    """Where the truth goes among the options, and the others."""
+
+    def order(self, truth: int, n: int) -> list[int]:
+        """The options 0..n-1 in order, the truth at its place."""
 
 
 @dataclass(frozen=True)
-class AnswerSlot:
-    """Where the truth goes: at `position` modulo the number of options; `key` decides the order of the others."""
+class ShuffledSlot:
+    """The truth goes to `position` modulo the number of options; `key` decides the order of the others."""
 
     position: int
     key: tuple[object, ...]
@@ -69,6 +82,20 @@ class AnswerSlot:
         others = sorted((i for i in range(n) if i != truth), key=lambda i: bits(*self.key, i))
         others.insert(self.position % n, truth)
         return others
+
+
+@dataclass(frozen=True)
+class ClosedSlot:
+    """The order of a closed set, the same whichever member is true: every member's place, and which is the truth."""
+
+    places: tuple[int, ...]
+    member: int
+
+    def order(self, truth: int, n: int) -> list[int]:
+        """The members in order, of which the truth comes first in 0..n-1 and then the others."""
+        assert truth == 0 and n == len(self.places)  # noqa: PT018
+        listed = [self.member, *(m for m in range(n) if m != self.member)]
+        return sorted(range(n), key=lambda i: self.places[listed[i]])
 
 
 def refused(error: WmsError) -> Reject:

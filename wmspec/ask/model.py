@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Final, Literal
 
 import numpy as np
@@ -33,7 +33,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Change:
-    """What a counterfactual changed: its kind (action, state, without, order), what, what it was and became."""
+    """What a counterfactual changed: its kind, as `wmspec.check.ir.Change` has them, what, what it was and became."""
 
     kind: str
     target: str
@@ -41,18 +41,29 @@ class Change:
     after: str
 
 
+#: What an option is: the truth, a label that is not the answer, a counterfactual; or, of a closed set, in what it
+#: differs from the truth: in the state before anything happens, in what is done, or in both.
+OptionKind = Literal["truth", "label", "counterfactual", "state", "action", "both"]
+
+
+#: What an option is that shows what does not happen.
+FORESEEN: frozenset[OptionKind] = frozenset(("counterfactual", "state", "action", "both"))
+
+
 @dataclass(frozen=True)
 class Option:
     """One option: its `text` (a label) or its `picture`.
 
-    `kind` says what it is: the truth, a label that is not the answer, or a counterfactual with its name and change.
+    What would have happened has the name of its counterfactual and its `change`. `outcome` is the kind of what the
+    picture shows, if the question says which there are.
     """
 
-    kind: Literal["truth", "label", "counterfactual"]
+    kind: OptionKind
     name: str
     text: str | None = None
     picture: Picture | None = None
     change: Change | None = None
+    outcome: str | None = None
 
 
 @dataclass(frozen=True)
@@ -101,6 +112,8 @@ class QuestionRow:
     index of the true option (None for an open question, which has no options) and `value` the measured value in words,
     `number` as a number if it is one. `groups` gives for every factor the key that all instances differing in it alone
     share. `margin` is how far the answer is from turning, as a multiple of the margin asked for (None without one).
+    `sorted_outcomes` says that a question of the task names kinds of outcome. `levels` are the values, in words, of those
+    factors and nuisances whose values have names.
     `measured` holds named quantities in SI units; an answer is `standing` if it holds from the start, whatever happens.
     `evidence` is what the answer is compared by with those of other engines.
     """
@@ -129,6 +142,8 @@ class QuestionRow:
     number: Number | None = None
     difference: Strength | None = None
     standing: bool = False
+    levels: dict[str, str] = field(default_factory=dict)
+    sorted_outcomes: bool = False
 
     @property
     def kind(self) -> QuestionKind:
@@ -138,7 +153,7 @@ class QuestionRow:
 
 #: Why an instance yields no question. The word before a colon is what is counted.
 Reason = Literal[
-    "ensure", "margin", "alike", "unseen", "overlap", "unstable", "disagreement", "invalid", "error",
+    "ensure", "margin", "alike", "unseen", "overlap", "unstable", "disagreement", "invalid", "error", "group",
     "crashed", "timeout",
 ]  # fmt: skip
 

@@ -78,8 +78,16 @@ def si_unit(sort: str) -> str:
 
 def question_text(question: ir.Question, env: Environment, values: Values) -> str:
     """The text of a question with its values said."""
-    parts = (p if isinstance(p, str) else say(evaluate(p.value, env), p.sort, values) for p in question.text)
+    parts = (p if isinstance(p, str) else _said(p, env, values) for p in question.text)
     return "".join(parts)
+
+
+def _said(part: ir.Said, env: Environment, values: Values) -> str:
+    """A value of a text in words: what it is called, if it is that of a factor whose values have names."""
+    value = evaluate(part.value, env)
+    factor = next((f for f in values.spec.factors if part.value == ir.Ref(name=f.name)), None)
+    called = factor.called(value) if factor is not None else None
+    return say(value, part.sort, values) if called is None else called
 
 
 def written(expr: ir.Expr) -> str:

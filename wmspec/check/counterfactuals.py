@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import cast
 
 from wmspec.check import actions, ir
@@ -9,9 +10,11 @@ from wmspec.check.bounds import within
 from wmspec.check.expressions import Expressions
 from wmspec.check.files import beside
 from wmspec.check.members import named
+from wmspec.check.things import Things
 from wmspec.check.typed import Typed, constant
 from wmspec.check.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
 from wmspec.check.vocabulary import FILES, Slot
+from wmspec.diagnostics import Note
 from wmspec.parse import syntax as s
 from wmspec.places import Location
 
@@ -22,8 +25,11 @@ _CHANGED = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)
 class Counterfactuals:
     """Checks the counterfactuals of a task; a mistake is reported and raises `Failed`."""
 
-    def __init__(self, check: Expressions) -> None:
+    def __init__(self, check: Expressions, things: Things) -> None:
         self.check = check
+        self.things = things
+        self.added: list[ir.Thing] = []
+        """The actions that counterfactuals add."""
 
     def counterfactual(self, written: s.Counterfactual) -> ir.Counterfactual:
         """A counterfactual: exactly one change."""
@@ -40,6 +46,8 @@ class Counterfactuals:
                 return self._made(name, change, owner, "", None, "")
             case "order":
                 return self._order(name, change)
+            case "add":
+                return self._added(name, change)
             case _:
                 return self._changed(name, change)
 
@@ -62,6 +70,17 @@ class Counterfactuals:
         if not isinstance(expr, ir.Value):
             self.check.fail("WMS503", f"{what} names an action", e.span, "which action is meant is a constant")
         return str(expr.value)
+
+    def _added(self, name: str, change: s.Change) -> ir.Counterfactual:
+        """An action more, which is called as the counterfactual is."""
+        written = s.Action(s.Name(name, change.target.span), change.target, change.timings, change.span)
+        if name in self.check.scope.names:
+            notes = (Note("declared here", self.check.scope.names[name].name.span),)
+            what = f"the added action is called `{name}`, and something is called so already"
+            self.check.fail("WMS202", what, change.span, "give the counterfactual another name", notes)
+        self.check.scope.names[name] = written
+        self.added.append(replace(self.things.action(written), added=True))
+        return self._made(name, change, name, "", None, "")
 
     # ------------------------------------------------------------ the order of two actions
 

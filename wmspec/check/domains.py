@@ -17,7 +17,7 @@ from wmspec.diagnostics import Note, suggestion
 from wmspec.parse import syntax as s
 from wmspec.places import Span
 
-Level = ir.Scalar | tuple[float, ...]
+Level = ir.Level
 #: A condition as it was written, and whether it must hold or must not.
 Condition = tuple[s.Expr, bool]
 
@@ -26,11 +26,12 @@ _WRITE = "write `[a, b, c]`, `a .. b by c` or `a .. b in 5`"
 
 @dataclass(frozen=True)
 class Option:
-    """A value of a domain, where it was written, and the conditions under which it can be chosen."""
+    """A value of a domain, where it was written, the conditions under which it can be chosen, and what it is called."""
 
     value: Level
     span: Span
     when: tuple[Condition, ...] = ()
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,10 @@ def read(check: Expressions, e: s.Expr) -> Written:
 
 
 def _list(check: Expressions, e: s.Expr) -> Written:
+    names: tuple[str, ...] = ()
+    if isinstance(e, s.Items) and any(isinstance(item, s.Called) for item in e.items):
+        names = tuple(_names(check, e.items))
+        e = replace(e, items=tuple(item.value if isinstance(item, s.Called) else item for item in e.items))
     typed = check.infer(e)
     if not isinstance(typed.type, List):
         check.fail("WMS401", f"a domain is a list or a range of values, not {article(str(typed.type))}", e.span, _WRITE)
@@ -76,9 +81,27 @@ def _list(check: Expressions, e: s.Expr) -> Written:
     spans = [item.span for item in e.items] if isinstance(e, s.Items) else [e.span] * len(typed.expr.items)
     values = zip(typed.expr.items, spans, strict=True)
     options = tuple(Option(_level(check, expr, span), span) for expr, span in values)
+    options = tuple(replace(o, name=n) for o, n in zip(options, names or [""] * len(options), strict=True))
     if isinstance(e, s.Items):
         _no_value_twice(check, options)
     return Written(typed.type.item, options)
+
+
+def _names(check: Expressions, items: tuple[s.Expr, ...]) -> Iterator[str]:
+    """What the values are called: each something else."""
+    first: dict[str, Span] = {}
+    for item in items:
+        if not isinstance(item, s.Called):
+            what = f"`{item.span.text}` has no name, and others here have"
+            check.fail("WMS401", what, item.span, f'write `{item.span.text} called "..."`')
+        name = item.text.value
+        if not name.strip():
+            check.fail("WMS401", "this name is empty", item.text.span, "say what the value is called")
+        if name in first:
+            notes = (Note("it is here first", first[name]),)
+            check.fail("WMS401", f'two values are called "{name}"', item.text.span, "call one otherwise", notes)
+        first[name] = item.text.span
+        yield name
 
 
 def _level(check: Expressions, expr: ir.Expr, span: Span) -> Level:
@@ -149,6 +172,14 @@ def conditions(check: Expressions, written: Written) -> tuple[tuple[Level, ir.Ex
     for option in written.options:
         found.setdefault(option.value, []).append(_all(check, option.when))
     return tuple((value, _operation("or", ways)) for value, ways in found.items())
+
+
+def names(written: Written) -> tuple[str, ...] | None:
+    """What the different values of a domain are called, in the order of the values; None if they have no names."""
+    called: dict[Level, str] = {}
+    for option in written.options:
+        called.setdefault(option.value, option.name)
+    return tuple(called.values()) if any(called.values()) else None
 
 
 def _all(check: Expressions, when: tuple[Condition, ...]) -> ir.Expr:

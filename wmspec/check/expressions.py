@@ -71,7 +71,7 @@ class Expressions:
                 return calls.call(self, e)
             case s.Operation():
                 return operators.operation_of(self, e, wanted)
-            case s.Items():
+            case s.Items() | s.Called():
                 return lists.items(self, e, wanted)
             case s.Range():
                 return lists.range_(self, e)

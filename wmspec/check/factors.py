@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import cast
 
 from wmspec.check import ir
-from wmspec.check.domains import Level, Written, conditions, read
+from wmspec.check.domains import Level, Written, conditions, names, read
 from wmspec.check.evaluate import parts
 from wmspec.check.expressions import Expressions
 from wmspec.check.typed import ZERO, Failed, constant
@@ -55,7 +55,8 @@ class Factors:
             message = f"what the nuisance `{name}` is drawn from depends on a condition"
             remedy = "draw from each domain by itself, and choose between the nuisances with `let`"
             self.check.fail("WMS407", message, factor.domain.span, remedy)
-        return written.spread or ir.Choices(values=tuple(o.value for o in written.options), weights=written.weights)
+        values = tuple(o.value for o in written.options)
+        return written.spread or ir.Choices(values=values, weights=written.weights, names=names(written))
 
     def _studied(self, factor: s.Factor, written: Written) -> ir.Domain:
         """The values of a factor; only a Latin hypercube takes them from an interval or a distribution."""
@@ -70,11 +71,11 @@ class Factors:
                 self.check.fail("WMS401", message, span, remedy)
             return written.spread
         if not written.conditional:
-            return ir.Choices(values=tuple(o.value for o in written.options))
+            return ir.Choices(values=tuple(o.value for o in written.options), names=names(written))
         values, when = zip(*conditions(self.check, written), strict=True)
         if any(part == ir.Ref(name=name) for condition in when for part in parts(condition)):
             self.check.fail("WMS209", f"the values of `{name}` depend on itself", span, "let them depend on others")
-        return ir.Choices(values=values, when=when)
+        return ir.Choices(values=values, when=when, names=names(written))
 
     # ------------------------------------------------------------ lets and requires
 

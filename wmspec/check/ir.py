@@ -5,7 +5,7 @@ Dataclasses that nothing changes, compared by value. `wmspec.check.record` write
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import field
 from typing import Annotated, Any, Literal, dataclass_transform
 
@@ -102,18 +102,21 @@ Expr = Annotated[Value | Ref | Property | Operation | Call | Items, ByKind()]
 
 
 Scalar = bool | float | str
+Level = Scalar | tuple[float, ...]
 
 
 class Choices(Node):
     """A domain of finitely many constants (a tuple is a point). With `weights` some are drawn more often than others.
 
     `when` are the conditions of a conditional domain, on other factors: value `i` is allowed where `when[i]` holds.
+    `names` are what the values are called, in their order, if the spec says so.
     """
 
     kind: Literal["choices"] = "choices"
-    values: tuple[Scalar | tuple[float, ...], ...]
+    values: tuple[Level, ...]
     weights: tuple[float, ...] | None = None
     when: tuple[Expr, ...] | None = None
+    names: tuple[str, ...] | None = None
 
 
 class Interval(Node):
@@ -145,6 +148,12 @@ class Factor(Node):
     unit: str
     place: Location
 
+    def called(self, value: Level) -> str | None:
+        """The name of one of its values; None if values have no names."""
+        if not isinstance(self.domain, Choices) or self.domain.names is None:
+            return None
+        return self.domain.names[self.domain.values.index(value)]
+
 
 class Let(Node):
     """A named value."""
@@ -175,11 +184,11 @@ ThingKind = Literal["object", "part", "camera", "light", "joint", "robot", "worl
 class Thing(Node):
     """An owner of properties: an object, camera, light, joint, robot, the world, an action, or a part of an object.
 
-    `verb` is that of an action. `model` is the kind of a joint (hinge, slider, ball, fixed) or the model of a robot. A
-    part is named `object.part` and `of` is its object; `of` of an action is the robot that acts, if any. A member of a
-    set has the set's name in `set` and is named `set_index`. The links and joints of an asset are objects and joints
-    whose `of` is the object that is its base; where they are is counted from the frame in which that is placed, when
-    all joints are at 0.
+    `verb` is that of an action; one that is `added` happens only under the counterfactual that adds it. `model` is the
+    kind of a joint (hinge, slider, ball, fixed) or the model of a robot. A part is named `object.part` and `of` is its
+    object; `of` of an action is the robot that acts, if any. A member of a set has the set's name in `set` and is named
+    `set_index`. The links and joints of an asset are objects and joints whose `of` is the object that is its base;
+    where they are is counted from the frame in which that is placed, when all joints are at 0.
     """
 
     kind: ThingKind
@@ -188,6 +197,7 @@ class Thing(Node):
     model: str = ""
     of: str = ""
     set: str = ""
+    added: bool = False
     properties: dict[str, Setting]
     place: Location
 
@@ -204,14 +214,15 @@ class Observation(Node):
     place: Location
 
 
-Change = Literal["action", "state", "without", "order"]
+Change = Literal["action", "state", "without", "order", "add", "levels"]
 
 
 class Counterfactual(Node):
     """What if one thing were different: `owner.property` becomes `value`, of kind `sort`; or an action is left out.
 
-    A left out action has no `property`, `value` or `sort`. A change of `order` swaps the turns of the actions `owner`
-    and `property`.
+    A left out or added action has no `property`, `value` or `sort`. A change of `order` swaps the turns of the actions
+    `owner` and `property`. One of `levels` gives factors other levels. What stands for each other level of something
+    has `levels` too: an instance that has these levels has no such counterfactual.
     """
 
     name: str
@@ -220,6 +231,23 @@ class Counterfactual(Node):
     property: str
     value: Expr | None
     sort: str
+    levels: dict[str, Level] = field(default_factory=dict)
+    place: Location
+
+
+class Varied(Node):
+    """A factor of an orbit, and what reads it: the state before anything happens, the action, or both."""
+
+    factor: str
+    reads: Literal["state", "action", "both"]
+
+
+class Outcome(Node):
+    """A kind of outcome: where `condition` holds. `text` is how it was written."""
+
+    name: str
+    condition: Expr
+    text: str
     place: Location
 
 
@@ -258,7 +286,10 @@ class Question(Node):
     """A question. `text` alternates literal texts and values spoken. `sort` is that of the answer's value.
 
     Of labels, the answer is one of the `options`. An open number is right `within` so much of it. Where the answer is a
-    picture, the other options are the pictures of the counterfactuals.
+    picture, the other options are the pictures of the counterfactuals. Where these are the siblings in the instance's
+    group, the question has an `orbit`: the set of options is closed, the same whichever of them is true.
+    Two pictures are `distinct` by so much (m), or by such a turn (`distinct_turn`, rad), and, if `distinct_kinds`, by
+    the kind of their outcome: of `kinds`, the first that holds.
     `stable` is how far (m) every free object is nudged to see whether the answer holds.
     """
 
@@ -275,7 +306,19 @@ class Question(Node):
     difference: Difference | None = None
     stable: Expr | None = None
     counterfactuals: tuple[Counterfactual, ...]
+    orbit: tuple[Varied, ...] = ()
+    kinds: tuple[Outcome, ...] = ()
+    distinct_turn: Expr | None = None
+    distinct_kinds: bool = False
     place: Location
+
+    def alternatives(self, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
+        """The counterfactuals of an instance with these levels: those that are not what it is anyway."""
+        return tuple(
+            change
+            for change in self.counterfactuals
+            if not change.levels or any(levels[name] != level for name, level in change.levels.items())
+        )
 
 
 PlanKind = Literal["factorial", "sample", "latin", "one_at_a_time", "groups"]
@@ -291,7 +334,7 @@ class Plan(Node):
 
     kind: PlanKind = "factorial"
     count: int | None = None
-    baseline: dict[str, Scalar | tuple[float, ...]] = field(default_factory=dict)
+    baseline: dict[str, Level] = field(default_factory=dict)
     cross: tuple[str, ...] = ()
     turn: tuple[str, ...] = ()
     place: Location | None = None
@@ -317,6 +360,10 @@ class TaskSpec(Node):
     horizon: Expr
     observations: tuple[Observation, ...]
     questions: tuple[Question, ...]
+
+    def factor(self, name: str) -> Factor:
+        """The factor or nuisance of that name."""
+        return next(f for f in self.factors if f.name == name)
 
     def thing(self, name: str) -> Thing:
         """The object, part, camera, light, joint, robot, action or world of that name."""

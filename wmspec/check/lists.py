@@ -18,8 +18,11 @@ if TYPE_CHECKING:
 MOST_VALUES = 10_000
 
 
-def items(check: Expressions, e: s.Items, wanted: tuple[Type, ...]) -> Typed:
-    """A list of values of one kind, or a tuple of two or three quantities."""
+def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -> Typed:
+    """A list of values of one kind, or a tuple of two or three quantities. What has a name is an item of a domain."""
+    if isinstance(e, s.Called):
+        what = "only the values of a factor or nuisance have names, where it lists them"
+        check.fail("WMS302", what, e.text.span, "remove the name")
     inner = tuple(k.item for k in wanted if isinstance(k, List) and k.item) or wanted
     found = [check.infer(i, inner) for i in e.items]
     if e.unit is not None:

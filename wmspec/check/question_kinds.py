@@ -10,6 +10,8 @@ from wmspec.check.types import PICTURE, TRUTH, Quantity, Type
 
 #: The clause in which a question says what it is asked for, and what stands for its counterfactuals beside clauses.
 ANSWER, COUNTERFACTUAL = "answer", "counterfactual"
+#: A closed set of options: the pictures of the siblings in the group.
+ORBIT = "orbit"
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,19 @@ _NO_TOLERANCE = Rule(
     at="within",
 )
 
+_NO_ORBIT = Rule(
+    clause=ORBIT,
+    message="an orbit is the options of a picture question, and the answer to this is {answer}",
+    remedy="answer with `frame(CAMERA, TIME)`, or list the options: `options [...]`",
+    at=ORBIT,
+)
+_NO_KINDS = Rule(
+    clause="kinds",
+    message="`kinds` are those of outcomes that pictures show, and the answer to this is {answer}",
+    remedy="ask for the kind itself: `answer if CONDITION then ... else ...`",
+    at="kinds",
+)
+
 #: The first kind that fits is that of a question.
 QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
     "pictures": QuestionRules(
@@ -79,7 +94,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
             Rule(
                 clause=COUNTERFACTUAL,
                 message="a picture question needs counterfactuals to choose from",
-                remedy="add `counterfactual NAME { ... }`",
+                remedy="add `counterfactual NAME { ... }`, or `options orbit of FACTOR, ...`",
                 at=ANSWER,
             ),
         ),
@@ -88,6 +103,8 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
         fits=lambda answer, clauses: _quantity(answer) and "within" in clauses,
         spoken=True,
         refused=(
+            _NO_ORBIT,
+            _NO_KINDS,
             _NO_COUNTERFACTUALS,
             _NO_DISTANCE,
             Rule(
@@ -101,7 +118,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
     "labels": QuestionRules(
         fits=lambda answer, _: answer != PICTURE,
         spoken=True,
-        refused=(_NO_COUNTERFACTUALS, _NO_TOLERANCE, _NO_DISTANCE),
+        refused=(_NO_ORBIT, _NO_KINDS, _NO_COUNTERFACTUALS, _NO_TOLERANCE, _NO_DISTANCE),
         needed=(
             Rule(
                 clause="options",

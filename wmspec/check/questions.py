@@ -4,19 +4,26 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import pi
 from typing import TypeVar
 
 from wmspec.check import ir
 from wmspec.check.bounds import within
 from wmspec.check.counterfactuals import Counterfactuals
+from wmspec.check.domains import names, read
 from wmspec.check.expressions import Expressions
 from wmspec.check.modules import Modules
-from wmspec.check.question_kinds import ANSWER, COUNTERFACTUAL, QUESTION_RULES, broken, question_kind
+from wmspec.check.orbits import Orbits
+from wmspec.check.question_kinds import ANSWER, COUNTERFACTUAL, ORBIT, QUESTION_RULES, broken, question_kind
+from wmspec.check.things import Things
 from wmspec.check.typed import ZERO, Failed, Typed, constant, joined
 from wmspec.check.types import (
     A_LENGTH,
+    AN_ANGLE,
     LABEL,
     OBJECT,
+    PICTURE,
     TEXT,
     TRUTH,
     List,
@@ -37,19 +44,35 @@ T = TypeVar("T")
 C = TypeVar("C")
 _HOLE = re.compile(r"(?<!\\)\{([^{}]*)\}")
 _BRACE = re.compile(r"(?<!\\)[{}]")
-_ONCE = ("options", "answer", "distinct", "within", "difference", "stable")
+_ONCE = ("options", "orbit", "answer", "within", "difference", "stable")
 _APART = Slot((A_LENGTH,), "how far apart", above=0)
+_TURNED = Slot((AN_ANGLE,), "by what turn", above=0, most=pi)
+#: What `distinct by` takes beside quantities: the kind of the outcome.
+KIND = "kind"
 _YES_NO = ir.Items(items=(ir.Value(value=True), ir.Value(value=False)))
 
 
-class Questions:
-    """Checks questions; a mistake in one clause is reported and the others are still looked at."""
+@dataclass(frozen=True)
+class Distinct:
+    """How options must differ: by so much (m), or by such a turn (rad), and in kind."""
 
-    def __init__(self, check: Expressions, modules: Modules) -> None:
+    length: ir.Expr | None = None
+    turn: ir.Expr | None = None
+    kinds: bool = False
+
+
+class Questions:
+    """Checks questions, once the rest of the task is known (`orbits`).
+
+    A mistake in one clause is reported and the others are still looked at.
+    """
+
+    def __init__(self, check: Expressions, modules: Modules, things: Things) -> None:
         self.check = check
         self.modules = modules
         self.report = check.report
-        self.counterfactuals = Counterfactuals(check)
+        self.counterfactuals = Counterfactuals(check, things)
+        self.orbits: Orbits
         self._names: dict[str, Span] = {}
 
     def question(self, question: s.Question) -> ir.Question:
@@ -67,8 +90,12 @@ class Questions:
         kind, options, answer = self._answer(question, clauses)
         margins = self._tried(self.margin, clauses.get("margin", []))
         ensures = self._tried(self.ensure, clauses.get("ensure", []))
-        changes = self._tried(self.counterfactuals.counterfactual, question.counterfactuals)
-        distinct = self._tried(self.apart, clauses.get("distinct", []))
+        changes = [c for made in self._tried(self.changes, question.counterfactuals) for c in made]
+        orbit = self._tried(self.orbits.orbit, clauses.get(ORBIT, []))
+        varied, siblings = orbit[0] if orbit else ((), ())
+        self._unlike(changes)
+        kinds = [outcome for made in self._tried(self.kinds, question.kinds) for outcome in made]
+        distinct = self._distinct(clauses.get("distinct", []), question.kinds)
         difference = self._tried(self.difference, clauses.get("difference", []))
         stable = self._tried(self.apart, clauses.get("stable", []))
         return ir.Question(
@@ -80,11 +107,15 @@ class Questions:
             answer=answer.expr,
             margins=tuple(margins),
             ensures=tuple(ensures),
-            distinct=next(iter(distinct), None),
+            distinct=distinct.length,
+            distinct_turn=distinct.turn,
+            distinct_kinds=distinct.kinds,
+            kinds=tuple(kinds),
+            orbit=varied,
             within=self._within(clauses, answer),
             difference=next(iter(difference), None),
             stable=next(iter(stable), None),
-            counterfactuals=tuple(changes),
+            counterfactuals=(*changes, *siblings),
             place=Location.of(question.text.span),
         )
 
@@ -119,8 +150,15 @@ class Questions:
         if answer.type == Quantity(ZERO):
             answer = Typed(answer.expr, Quantity(NUMBER))
         places = {kind: written[0].span for kind, written in clauses.items()}
+        if question.kinds:
+            places["kinds"] = question.kinds[0].span
         if question.counterfactuals:
             places[COUNTERFACTUAL] = question.counterfactuals[0].span
+            if ORBIT in places and answer.type == PICTURE:
+                what = "a closed set has no options but the siblings, and this adds one"
+                self.check.fail("WMS508", what, places[COUNTERFACTUAL], "remove it, or the orbit")
+        elif ORBIT in places and answer.type == PICTURE:
+            places[COUNTERFACTUAL] = places[ORBIT]  # the siblings
         kind = question_kind(answer.type, places.keys())
         rules = QUESTION_RULES[kind]
         noun = article(str(answer.type))
@@ -183,6 +221,68 @@ class Questions:
             self.check.fail("WMS302", message, clause.value.span)
         return value.expr, Quantity(NUMBER) if value.type.dimension == ZERO else value.type
 
+    def changes(self, written: s.Counterfactual | s.EachOther) -> tuple[ir.Counterfactual, ...]:
+        """What a counterfactual, or one of each other level, stands for."""
+        if isinstance(written, s.EachOther):
+            return self.orbits.each_other(written)
+        return (self.counterfactuals.counterfactual(written),)
+
+    def _unlike(self, changes: list[ir.Counterfactual]) -> None:
+        """Complain about two counterfactuals of one name."""
+        first: dict[str, ir.Counterfactual] = {}
+        for change in changes:
+            if first.setdefault(change.name, change) is not change:
+                notes = (Note("the first is here", first[change.name].place),)
+                what = f"two counterfactuals of this question are named `{change.name}`"
+                self.report.add("WMS202", what, change.place, "give one of them another name", notes)
+
+    def kinds(self, written: s.Kinds) -> tuple[ir.Outcome, ...]:
+        """The kinds of outcome."""
+        outcomes: dict[str, ir.Outcome] = {}
+        for p in written.kinds:
+            name, span = p.name.id, p.value.span
+            if p.at is not None:
+                self.check.fail("WMS101", "`at` has no meaning here", p.at.span, "write one condition")
+            if name in outcomes:
+                self.check.fail("WMS202", f"two kinds are named `{name}`", p.name.span, "put them in one, with `or`")
+            typed = self.check.measuring(p.value, (TRUTH,), f"`{name}`")
+            outcomes[name] = ir.Outcome(
+                name=name, condition=typed.expr, text=span.text, place=Location.of(p.name.span.to(span))
+            )
+        if not outcomes:
+            self.check.fail("WMS502", "there are no kinds here", written.span, "write `kinds { NAME: CONDITION ... }`")
+        return tuple(outcomes.values())
+
+    def _distinct(self, clauses: list[s.Clause], kinds: tuple[s.Kinds, ...]) -> Distinct:
+        """`distinct by 5 cm or 20 deg`, and `distinct by kind`: at most one of each."""
+        first: dict[bool, s.Clause] = {}
+        for clause in clauses:
+            kind = self._by_kind(clause)
+            if first.setdefault(kind, clause) is not clause:
+                notes = (Note("said here first", first[kind].span),)
+                self.report.add("WMS202", "`distinct` is said twice", clause.span, "remove one", notes)
+        if True in first and not kinds:
+            remedy = "say which there are: `kinds { NAME: CONDITION ... }`"
+            self.report.add("WMS502", "the outcomes of this question have no kinds", first[True].value.span, remedy)
+        quantities = self._tried(self.bounds, [first[False]] if False in first else [])
+        length, turn = quantities[0] if quantities else (None, None)
+        return Distinct(length, turn, True in first)
+
+    def _by_kind(self, clause: s.Clause) -> bool:
+        return isinstance(clause.value, s.Name) and clause.value.id == KIND and KIND not in self.check.scope.names
+
+    def bounds(self, clause: s.Clause) -> tuple[ir.Expr, ir.Expr | None]:
+        """How far apart options must be, `or` how much they must be turned."""
+        length, turn = clause.value, None
+        if isinstance(clause.value, s.Operation) and clause.value.operator == "or":
+            length, turn = clause.value.operands
+        apart = self.apart(replace(clause, value=length))
+        if turn is None:
+            return apart, None
+        typed = self.check.value(turn, _TURNED.kinds, "`distinct by`, after `or`,")
+        within(self.check, typed.expr, _TURNED, turn.span, "`distinct by`")
+        return apart, typed.expr
+
     def apart(self, clause: s.Clause) -> ir.Expr:
         """How far apart options must be, or how far objects are nudged."""
         typed = self.check.value(clause.value, _APART.types, f"`{clause.kind} by`")
@@ -209,12 +309,17 @@ class Questions:
             if expr is None:
                 raise Failed
             typed = self.check.infer(self.modules.plain(expr))
-            sort = _spoken(typed.type)
+            sort = str(TEXT) if self._named(typed.expr) else _said(typed.type)
             if sort is None:
                 self.check.fail("WMS302", f"{article(str(typed.type))} cannot be said in a text", span)
             found.append(ir.Said(value=typed.expr, sort=sort))
         found.append(_unescape(raw[end:-1]))
         return tuple(part for part in found if part != "")
+
+    def _named(self, expr: ir.Expr) -> bool:
+        """Whether it is a factor or nuisance whose values have names."""
+        factor = self.check.scope.names.get(expr.name) if isinstance(expr, ir.Ref) else None
+        return isinstance(factor, s.Factor) and names(read(self.check, factor.domain)) is not None
 
 
 def _made_one(of: Type) -> str:

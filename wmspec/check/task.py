@@ -14,6 +14,7 @@ from wmspec.check.expressions import Expressions
 from wmspec.check.factors import Factors
 from wmspec.check.modules import Item, Modules
 from wmspec.check.observations import Observations
+from wmspec.check.orbits import Orbits
 from wmspec.check.placement_cycles import no_circles
 from wmspec.check.questions import Questions
 from wmspec.check.scope import Scope
@@ -82,7 +83,7 @@ class _Task:
         self.check = Expressions(self.scope, report)
         self.factors = Factors(self.check)
         self.things = Things(self.check)
-        self.questions = Questions(self.check, modules)
+        self.questions = Questions(self.check, modules, self.things)
         self.observations = Observations(self.check)
         self._replace(Sets(self.check, self.factors, substitute).members)
         self._replace(Assets(self.check, substitute).expanded)
@@ -127,6 +128,7 @@ class _Task:
         settings = self.settings()
         repeat, plan, limits = self.repeat(), self.factors.plan(), self.tolerances()
         horizon = self.horizon(observations)
+        self.questions.orbits = Orbits(self.check, plan, factors, lets, requires, things)
         questions = self.each(s.Question, self.questions.question)
         if not observations and not self.report.failed:
             self.report.add(
@@ -147,7 +149,7 @@ class _Task:
             repeat=repeat,
             plan=plan,
             tolerances=limits,
-            things=tuple(things),
+            things=(*things, *self.questions.counterfactuals.added),
             horizon=horizon,
             observations=tuple(observations),
             questions=tuple(questions),

@@ -54,16 +54,16 @@ def run_name(spec: TaskSpec, q: int, change: Counterfactual) -> str:
     return change.name if len(spec.questions) == 1 else f"{change.name} ({q + 1})"
 
 
-def _changes(question: Question) -> tuple[Counterfactual, ...]:
+def _changes(question: Question, instance: Instance) -> tuple[Counterfactual, ...]:
     """The counterfactuals that a question needs executed."""
-    return KINDS[question.kind].executed(question)
+    return KINDS[question.kind].executed(question, instance.factors)
 
 
 def _scenes(spec: TaskSpec, instance: Instance) -> tuple[dict[str, Scene], list[Failure]]:
     """The scenes to execute, by run, and those that cannot be made."""
     changes: dict[str, Counterfactual | None] = {TRUTH: None}
     for q, question in enumerate(spec.questions):
-        changes |= {run_name(spec, q, change): change for change in _changes(question)}
+        changes |= {run_name(spec, q, change): change for change in _changes(question, instance)}
     scenes, failures = {}, []
     for run, change in changes.items():
         try:
@@ -96,7 +96,7 @@ class _Executed:
     def verdicts(self, q: int, pairs: Sequence[Pair], comparisons: Sequence[Comparison]) -> list[Verdict]:
         """A question in every pair of engines that executed what it needs."""
         spec, question = self.design.spec, self.design.spec.questions[q]
-        runs = {TRUTH, *(run_name(spec, q, change) for change in _changes(question))}
+        runs = {TRUTH, *(run_name(spec, q, change) for change in _changes(question, self.instance))}
         answers = {
             engine: self._answer(q, engine)
             for engine in dict.fromkeys(engine for pair in pairs for engine in pair)

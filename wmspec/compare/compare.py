@@ -10,8 +10,8 @@ from wmspec.compare.allow import STILL, Array, allowance, closing, impacts, samp
 from wmspec.compare.explain import cause
 from wmspec.compare.model import Comparison, Event, Gap, Rest
 from wmspec.compare.tolerance import Tolerances
-from wmspec.compare.turn import turned
 from wmspec.scene.model import Body, Scene, Trace
+from wmspec.scene.turn import turned
 
 
 def compare(run: str, scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) -> Comparison:

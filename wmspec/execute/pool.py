@@ -50,25 +50,33 @@ class Lost:
 
 
 def in_order(
-    work: Callable[..., T], pieces: Iterable[tuple[Any, ...]], effort: Effort
+    work: Callable[..., T],
+    pieces: Iterable[tuple[Any, ...]],
+    effort: Effort,
+    weight: Callable[[tuple[Any, ...]], int] = lambda _: 1,
 ) -> Generator[T | Lost, None, None]:
     """`work(*piece)` for every piece, in order, with only as many under way as keep the workers busy.
 
-    Close it to stop them. Raises GraphicsError if a worker does: then this machine cannot draw, whatever the piece.
+    A piece may take as many times the seconds as is its `weight`. Close it to stop them. Raises GraphicsError if a worker
+    does: then this machine cannot draw, whatever the piece.
     """
     if effort.workers == 0:
         yield from (_done(work, *piece) for piece in pieces)
     elif first := list(islice(every := iter(pieces), effort.workers)):
-        yield from _in_workers(work, chain(first, every), effort, len(first))
+        yield from _in_workers(work, chain(first, every), effort, len(first), weight)
 
 
 def _in_workers(
-    work: Callable[..., T], pieces: Iterable[tuple[Any, ...]], effort: Effort, workers: int
+    work: Callable[..., T],
+    pieces: Iterable[tuple[Any, ...]],
+    effort: Effort,
+    workers: int,
+    weight: Callable[[tuple[Any, ...]], int],
 ) -> Generator[T | Lost, None, None]:
     with _pool(workers) as pool:
 
         def schedule(piece: tuple[Any, ...]) -> Any:
-            return pool.schedule(_done, args=(work, *piece), timeout=effort.timeout)
+            return pool.schedule(_done, args=(work, *piece), timeout=effort.timeout * weight(piece))
 
         def result(piece: tuple[Any, ...], future: Any) -> T | Lost:
             try:
@@ -78,7 +86,7 @@ def _in_workers(
             try:
                 return cast(T, schedule(piece).result())
             except FutureTimeout:
-                return Lost("timeout", f"took longer than {effort.timeout:g} s, twice")
+                return Lost("timeout", f"took longer than {effort.timeout * weight(piece):g} s, twice")
             except ProcessExpired as error:
                 return Lost("crashed", f"the worker process died twice (exit code {error.exitcode})")
 

@@ -32,8 +32,8 @@ _MOMENT = Slot((A_TIME,), "", least=0)
 class Values:
     """An environment for `evaluate`: the design's side of the language, without anything measured.
 
-    `change` is the counterfactual under which to look at the world, if any. `key` is what every draw begins with: those
-    of the places of scattered objects.
+    `change` is the counterfactual under which to look at the world, if any; `own` are the levels without it. `key` is
+    what every draw begins with: those of the places of scattered objects.
     """
 
     def __init__(
@@ -44,7 +44,8 @@ class Values:
         key: tuple[object, ...] = (),
     ) -> None:
         self.spec = spec
-        self.assignment = assignment
+        self.own = assignment
+        self.assignment = {**assignment, **change.levels} if change and change.change == "levels" else assignment
         self.change = change
         self.key = key
         self._changed = (change.owner, change.property) if change else ()
@@ -56,7 +57,7 @@ class Values:
     @cached_property
     def truth(self) -> Values:
         """The same without the counterfactual."""
-        return Values(self.spec, self.assignment, None, self.key) if self.change else self
+        return Values(self.spec, self.own, None, self.key) if self.change else self
 
     # ------------------------------------------------------------ the environment
 
@@ -124,8 +125,9 @@ class Values:
         thing = self._things[name]
         if thing.kind == "action":
             change = self.change
-            left_out = change is not None and change.change == "without" and change.owner == name
-            return not left_out and ("object" not in thing.properties or self.there(self.property(name, "object")))
+            about = change is not None and change.owner == name
+            happens = about if thing.added else not (about and change is not None and change.change == "without")
+            return happens and ("object" not in thing.properties or self.there(self.property(name, "object")))
         return "present" not in thing.properties or bool(self.property(name, "present"))
 
     def acting(self, verb: str, owner: str) -> list[Thing]:

@@ -54,8 +54,8 @@ def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
     linter.check(scene, scene_rules.RULES)
     things = {t.name for t in spec.things}
     for question in spec.questions if changed else ():
-        for change in question.counterfactuals:
-            if change.owner in things:
+        for change in question.alternatives(instance.factors):
+            if change.change == "levels" or change.owner in things:
                 with linter.going_on():
                     otherwise = replace(scene, values=Values(spec, instance.values, change, instance.key))
                     linter.check(Changed(question, change, scene, stage, otherwise), change_rules.RULES)

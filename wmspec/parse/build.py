@@ -134,8 +134,9 @@ class _Builder:
     def question(self, c: Any, span: Span) -> s.Question:
         parts = self.every(c[2:])
         clauses = tuple(p for p in parts if isinstance(p, s.Clause))
-        counterfactuals = tuple(p for p in parts if isinstance(p, s.Counterfactual))
-        return s.Question(self.text(c[1:], self.span(c[1])), clauses, counterfactuals, span, self.maybe(c[0]))
+        counterfactuals = tuple(p for p in parts if isinstance(p, s.Counterfactual | s.EachOther))
+        kinds = tuple(p for p in parts if isinstance(p, s.Kinds))
+        return s.Question(self.text(c[1:], self.span(c[1])), clauses, counterfactuals, span, self.maybe(c[0]), kinds)
 
     def _clause(kind: str) -> Callable[[_Builder, Any, Span], s.Clause]:  # type: ignore[misc]
         def build(self: _Builder, c: Any, span: Span) -> s.Clause:
@@ -153,6 +154,16 @@ class _Builder:
     difference = _clause("difference")
     stable = _clause("stable")
 
+    def orbit(self, c: Any, span: Span) -> s.Clause:
+        names = self.every(c)
+        return s.Clause("orbit", s.Items("list", names, None, names[0].span.to(names[-1].span)), None, span)
+
+    def kinds(self, c: Any, span: Span) -> s.Kinds:
+        return s.Kinds(self.every(c), span)
+
+    def each_other(self, c: Any, span: Span) -> s.EachOther:
+        return s.EachOther(self(c[0]), span)
+
     def counterfactual(self, c: Any, span: Span) -> s.Counterfactual:
         return s.Counterfactual(self(c[0]), self.every(c[1:]), span)
 
@@ -168,7 +179,13 @@ class _Builder:
     def change_order(self, c: Any, span: Span) -> s.Change:
         return s.Change("order", self(c[0]), self(c[1]), span)
 
+    def change_add(self, c: Any, span: Span) -> s.Change:
+        return s.Change("add", self(c[0]), None, span, self.every(c[1:]))
+
     # ------------------------------------------------------------ expressions
+
+    def called(self, c: Any, span: Span) -> s.Called:
+        return s.Called(self(c[0]), self.text(c[1:], self.span(c[1])), span)
 
     def conditional(self, c: Any, span: Span) -> s.Operation:
         return s.Operation("if", self.every(c), span)

@@ -17,7 +17,7 @@ INDENT = 2
 _TIGHT_BEFORE = {"COMMA", "COLON", "DOT", "RPAR", "RSQB", "LIST_UNIT"}
 _TIGHT_AFTER = {"LPAR", "LSQB", "DOT"}
 
-Part = s.Statement | s.Task | s.Variant | s.Clause | s.Counterfactual
+Part = s.Statement | s.Task | s.Variant | s.Clause | s.Kinds | s.Counterfactual | s.EachOther
 
 
 def spelled(token: Token) -> str:
@@ -115,10 +115,14 @@ class Layout:
             case s.Variant():
                 self._body(x.span, x.name.span.end, x.body)
             case s.Question():
-                clauses: list[s.Clause | s.Counterfactual] = [*x.clauses, *x.counterfactuals]
+                clauses: list[s.Clause | s.Kinds | s.Counterfactual | s.EachOther]
+                clauses = [*x.clauses, *x.kinds, *x.counterfactuals]
                 self._body(x.span, x.text.span.end, sorted(clauses, key=lambda part: part.span.start))
             case s.Block() | s.Template():
                 self._members(x)
+            case s.Kinds():
+                self._block(x.span, [(p.name.id, p.span) for p in x.kinds])
+                self.cells.update((p.value.span.start, "value") for p in x.kinds)
             case s.Counterfactual():
                 self._block(x.span, [(c.kind, c.span) for c in x.changes])
                 self._changes(x.changes)

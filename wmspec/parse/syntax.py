@@ -98,7 +98,15 @@ class Items(Node):
     span: Span
 
 
-Expr = Number | Text | Truth | Name | Member | Index | Call | Operation | Range | Items
+class Called(Node):
+    """`150 g called "empty"`: a value of a factor's list with its name."""
+
+    value: Expr
+    text: Text
+    span: Span
+
+
+Expr = Called | Number | Text | Truth | Name | Member | Index | Call | Operation | Range | Items
 
 # ---------------------------------------------------------------- statements
 
@@ -248,12 +256,13 @@ class Observe(Node):
 
 
 class Change(Node):
-    """The one change of a counterfactual: `kind` is action, state, without or order."""
+    """The one change of a counterfactual: `kind` is action, state, without, order or add (an action, its `timings`)."""
 
     kind: str
     target: Expr
     value: Expr | None
     span: Span
+    timings: tuple[Timing, ...] = ()
 
 
 class Counterfactual(Node):
@@ -261,6 +270,20 @@ class Counterfactual(Node):
 
     name: Name
     changes: tuple[Change, ...]
+    span: Span
+
+
+class EachOther(Node):
+    """`counterfactual each other level`: one for every other value that the target could have."""
+
+    target: Expr
+    span: Span
+
+
+class Kinds(Node):
+    """`kinds { tips: toppled(bar)  stands: true }`: the kinds of outcome of a question, the first that holds."""
+
+    kinds: tuple[Property, ...]
     span: Span
 
 
@@ -279,9 +302,10 @@ class Question(Node):
 
     text: Text
     clauses: tuple[Clause, ...]
-    counterfactuals: tuple[Counterfactual, ...]
+    counterfactuals: tuple[Counterfactual | EachOther, ...]
     span: Span
     name: Name | None = None
+    kinds: tuple[Kinds, ...] = ()
 
 
 Statement = (

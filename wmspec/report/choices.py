@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from wmspec.ask.model import FORESEEN
 from wmspec.report.intervals import Estimate, estimate, means, ratio, resampled
 from wmspec.report.replies import Replies
 
@@ -133,7 +134,7 @@ def mistaken(replies: Replies) -> tuple[Mistaken, ...]:
     if replies.questions is None:
         return ()
     known = replies.questions.table
-    foresees = known["kinds"].map(lambda kinds: "counterfactual" in kinds)
+    foresees = known["kinds"].map(lambda kinds: not FORESEEN.isdisjoint(kinds))
     table = replies.table[replies.table["id"].isin(known.index[foresees]) & (replies.table["right"] == 0)]
     table = table[table["parsed"].notna()]
     changed = {str(name): tuple(map(change, said)) for name, said in known["changes"].items()}

@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from wmspec.ask.model import FORESEEN
 from wmspec.write.reader import DatasetReader
 from wmspec.write.rows import Row
 
@@ -56,7 +57,7 @@ def _rows(dataset: DatasetReader, task: str) -> list[Row]:
 
 def _table(rows: list[Row]) -> pd.DataFrame:
     table = pd.DataFrame([_question(row) for row in rows]).set_index("id")
-    foresees = table["kinds"].map(lambda kinds: "counterfactual" in kinds)
+    foresees = table["kinds"].map(lambda kinds: not FORESEEN.isdisjoint(kinds))
     predicts = table["dimension"].str.split(".").str[0] == "prediction"
     table["query"] = predicts & foresees.groupby(table["task"]).transform("any") & ~foresees
     return table

@@ -21,7 +21,9 @@ def violations(depend: Dependencies, before: Document, after: Document, *changed
 
 def changed_by(change: Counterfactual) -> tuple[str, ...]:
     """What a counterfactual changes, as sources: an `owner.property`, whether an action happens, or when two do."""
-    if change.change == "without":
+    if change.change == "levels":
+        return tuple(change.levels)
+    if change.change in ("without", "add"):
         return (f"{change.owner}.there",)
     if change.change == "order":
         return (f"{change.owner}.start", f"{change.property}.start")

@@ -39,10 +39,9 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
         ),
     }
     for question in spec.questions:
-        for change in question.counterfactuals:
-            what = (
-                f"What if: {change.name}, a change of {change.owner}{'.' if change.property else ''}{change.property}"
-            )
+        for change in question.alternatives(instance.factors):
+            target = ", ".join(change.levels) or f"{change.owner}{'.' if change.property else ''}{change.property}"
+            what = f"What if: {change.name}, a change of {target}"
             file = f"{name}.{change.name}.usda"
             if file in layers:  # another question has one of this name
                 file = f"{name}.{spec.questions.index(question)}.{change.name}.usda"

@@ -7,12 +7,14 @@ from contextlib import closing
 from dataclasses import dataclass
 from time import perf_counter
 
+from wmspec.ask.closed import has_closed
+from wmspec.check.orbits import MOST
 from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.write.generate import job_of
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import schema, table
 from wmspec.write.shards import parquet
-from wmspec.write.worker import Job, Outcome, work
+from wmspec.write.worker import Job, Outcome, made_with, work
 
 
 @dataclass(frozen=True)
@@ -60,21 +62,23 @@ _warm: set[str] = set()
 def timed(job: Job, task: str, index: int, other: int) -> tuple[float, Outcome]:
     """Make an instance; the seconds it took, without what a worker needs once to get going.
 
-    That is for making an `other` instance, because what the same one does would be known already.
+    That is for making an `other` instance, because what the same one does would be known already. What is made with the
+    whole of its group takes its share of that.
     """
     if task not in _warm:
-        work(job, task, other)
+        work(job, task, (other,))
         _warm.add(task)
     began = perf_counter()
-    outcome = work(job, task, index)
-    return perf_counter() - began, outcome
+    (outcome,) = work(job, task, (index,))
+    return (perf_counter() - began) / made_with(job, task, index), outcome
 
 
 def _spread(task: Task, count: int) -> Iterator[tuple[int, int]]:
-    """Instances of a task, each with the one before it."""
+    """Instances of a task, each with one before it."""
     tried = min(count, len(task.indices))
     places = ((2 * i + 1) * len(task.indices) // (2 * tried) for i in range(tried))
-    return ((task.indices[place], task.indices[place - 1]) for place in places)
+    apart = MOST if has_closed(task.spec) else 1  # not in the same group
+    return ((task.indices[place], task.indices[(place - apart) % len(task.indices)]) for place in places)
 
 
 def _cost(plan: Plan, task: Task, effort: Effort, made: list[tuple[float, Outcome] | Lost]) -> Cost:

@@ -44,7 +44,7 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "context_time": (pa.list_(pa.float64()), "the time (s) of each picture shown"),
     "option_text": (_TEXTS, "the options, if they are words; null if they are pictures, empty for an open question"),
     "option_image": (_IMAGES, "the options, if they are pictures; empty if they are words"),
-    "option_kind": (_TEXTS, "what each option is: truth, label or counterfactual"),
+    "option_kind": (_TEXTS, "what each option is: truth, label, counterfactual; of a closed set state, action, both"),
     "option_name": (_TEXTS, "the name of each option: of the label's value or of the counterfactual"),
     "option_change": (_TEXTS, "what each counterfactual changed: its kind, what, from what, to what"),
     "answer": (pa.int64(), "the place (from 0) of the true option; null for an open question"),
@@ -58,6 +58,11 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "measured": (_READINGS, "quantities measured, in SI units"),
     "agreement": (_VOTES, "of each engine: the option that its outcome picks, its answer, or why it rejects"),
     "seed": (pa.int64(), "the seed of the design"),
+}
+
+#: What rows also say if a question of the task has kinds of outcome.
+OUTCOMES: dict[str, tuple[pa.DataType, str]] = {
+    "option_outcome": (_TEXTS, "of what kind each option is as an outcome; null where the question names none")
 }
 
 #: What rows also say if the task asks for more than colours.
@@ -79,15 +84,17 @@ _FEATURE = {"_type": "Sequence", "feature": {"_type": "Image"}}
 
 
 def schema(spec: TaskSpec) -> pa.Schema:
-    """The columns of a task: the common ones, those of its channels, then `factor.*`, `group.*` and `nuisance.*`.
+    """The columns of a task: the common ones, those of its kinds of outcome and channels, then `factor.*`, `level.*`,
+    `group.*` and `nuisance.*`.
 
     A factor's column is boolean, float64, string, or a list of float64 for points, as its values are; its metadata hold
     its SI `unit`. `group.f` is the key that all instances differing in `f` alone share: the "all but f" groups are one
-    `groupby`.
+    `groupby`. `level.f` is what the value of a factor or nuisance is called, of those whose values have names.
     """
     varied, drawn = _parted(spec.factors)
-    fields = [pa.field(name, kind) for name, (kind, _) in channels(spec).items()]
+    fields = [pa.field(name, kind) for name, (kind, _) in (outcomes(spec) | channels(spec)).items()]
     fields += [_column("factor", f) for f in varied]
+    fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _named(f)]
     fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]
     fields += [_column("nuisance", f) for f in drawn]
     return table_schema(fields)
@@ -98,6 +105,15 @@ def table_schema(more: Iterable[pa.Field]) -> pa.Schema:
     fields = [*(pa.field(name, kind) for name, (kind, _) in COLUMNS.items()), *more]
     features = {f.name: _FEATURE for f in fields if f.type == _IMAGES}
     return pa.schema(fields, metadata={"huggingface": json.dumps({"info": {"features": features}})})
+
+
+def outcomes(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """The columns of the kinds of outcome, if a question names some."""
+    return OUTCOMES if any(question.kinds for question in spec.questions) else {}
+
+
+def _named(factor: Factor) -> bool:
+    return isinstance(factor.domain, Choices) and factor.domain.names is not None
 
 
 def channels(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
@@ -159,6 +175,7 @@ def encode(question: QuestionRow) -> Row:
         "seed": question.seed,
         **_kept(question.context),
         **{f"factor.{n}": v for n, v in question.factors.items()},
+        **{f"level.{n}": words for n, words in question.levels.items()},
         **{f"group.{n}": v for n, v in question.groups.items()},
         **{f"nuisance.{n}": v for n, v in question.nuisances.items()},
     }
@@ -174,13 +191,14 @@ def _options(question: QuestionRow) -> Row:
         "option_kind": [o.kind for o in options],
         "option_name": [o.name for o in options],
         "option_change": [_change(o.change) for o in options],
+        **({"option_outcome": [o.outcome for o in options]} if question.sorted_outcomes else {}),
     }
 
 
 def _change(change: Change | None) -> str | None:
     if change is None:
         return None
-    if change.kind in ("without", "order"):
+    if change.kind in ("without", "order", "add"):
         return f"{change.kind} {change.target}"
     return f"{change.kind} {change.target}: {change.before} -> {change.after}"
 

@@ -1,4 +1,4 @@
-"""What a worker process does: ask one instance in every engine, and encode what comes of it."""
+"""What a worker process does: ask instances in every engine, and encode what comes of them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from wmspec.ask.ask import ask
+from wmspec.ask.closed import Answers, has_closed, kept_whole
 from wmspec.ask.consensus import Consensus, consensus
 from wmspec.ask.model import QuestionRow, Rejected
 from wmspec.ask.runs import EnginePair
@@ -39,20 +40,38 @@ class Outcome:
     rejected: tuple[Rejected, ...]
 
 
-def work(job: Job, task: str, index: int) -> Outcome:
-    """Ask an instance in every engine of the job."""
-    design, pairs = _design(job, task), _pairs(job)
-    answers = {engine: ask(design, index, pair) for engine, pair in pairs.items()}
-    rows: list[Row] = []
-    rejected: list[Rejected] = []
+def work(job: Job, task: str, indices: tuple[int, ...]) -> tuple[Outcome, ...]:
+    """Ask instances in every engine of the job: one, or some of a group whose options are a closed set.
+
+    Such a group is asked as a whole, whichever of its members are wanted.
+    """
+    design = _design(job, task)
+    if not has_closed(design.spec):
+        return tuple(_outcome(_answers(job, design, index)) for index in indices)
+    members = design.blocks.members(design.blocks.locate(indices[0])[0])
+    whole = kept_whole(design.spec, {member: _answers(job, design, member) for member in members})
+    return tuple(_outcome(whole[index]) for index in indices)
+
+
+def made_with(job: Job, task: str, index: int) -> int:
+    """How many instances are made where this one is wanted: itself, or its whole group."""
+    design = _design(job, task)
+    return len(design.blocks.members(design.blocks.locate(index)[0])) if has_closed(design.spec) else 1
+
+
+def _answers(job: Job, design: Design, index: int) -> Answers:
+    """What every engine answers, one question after the other, where they agree as far as the job wants."""
+    asked = {engine: ask(design, index, pair) for engine, pair in _pairs(job).items()}
+    answers: list[QuestionRow | Rejected] = []
     for q in range(len(design.spec.questions)):
-        one: dict[str, QuestionRow | Rejected] = {engine: questions[q] for engine, questions in answers.items()}
-        for answer in consensus(one, job.consensus).values():
-            if isinstance(answer, Rejected):
-                rejected.append(answer)
-            else:
-                rows.append(encode(answer))
-    return Outcome(tuple(rows), tuple(rejected))
+        one: dict[str, QuestionRow | Rejected] = {engine: questions[q] for engine, questions in asked.items()}
+        answers += consensus(one, job.consensus).values()
+    return answers
+
+
+def _outcome(answers: Answers) -> Outcome:
+    rejected = tuple(answer for answer in answers if isinstance(answer, Rejected))
+    return Outcome(tuple(encode(answer) for answer in answers if not isinstance(answer, Rejected)), rejected)
 
 
 @cache

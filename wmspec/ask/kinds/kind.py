@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
@@ -11,7 +11,7 @@ from wmspec.ask.asking import AnswerSlot, Asking
 from wmspec.ask.model import Answer, Number, Option, Picture
 from wmspec.ask.runs import Run
 from wmspec.ask.verbalize import say_option, si_unit
-from wmspec.check.ir import Counterfactual, Question
+from wmspec.check.ir import Counterfactual, Level, Question
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ class Kind(ABC, Generic[A]):
     Engines are then compared by their answers alone, which hold whatever can be told without drawing a picture.
     """
 
-    def executed(self, question: Question) -> tuple[Counterfactual, ...]:
-        """The counterfactuals that have to be executed."""
+    def executed(self, question: Question, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
+        """The counterfactuals that have to be executed, of an instance with these levels of its factors."""
         return ()
 
     @abstractmethod

@@ -36,6 +36,7 @@ CODES: dict[str, str] = {
     "WMS505": "counterfactual of several changes",
     "WMS506": "answer that never varies",
     "WMS507": "options that coincide",
+    "WMS508": "options that are no closed set",
     "WMS601": "objects inside one another",
     "WMS602": "camera that misses the matter",
     "WMS603": "camera that looks another way",
