@@ -44,12 +44,14 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     def made_by(most: int = len(ALL), before: Iterable[Path] = ()) -> Made:
         made: Made = []
 
-        def in_order(work: Any, pieces: Iterable[tuple[Any, str, int]], effort: Effort) -> Iterator[Outcome]:
-            for _, task, index in pieces:
+        def in_order(
+            work: Any, pieces: Iterable[tuple[Any, str, tuple[int]]], effort: Effort, weight: Any
+        ) -> Iterator[tuple[Outcome]]:
+            for _, task, (index,) in pieces:
                 if len(made) == most:
                     raise Stopped
                 made.append((task, index))
-                yield outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index)
+                yield (outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)
 
         monkeypatch.setattr("wmspec.write.generate.in_order", in_order)
         with Dataset.open(tmp_path / "out", PLAN) as dataset:

@@ -45,7 +45,8 @@ SHELF = """template shelf(width: 30 cm, hollow: 12 cm) {
   part right  { shape: box  size: (2 cm, 8 cm, hollow)  at: (width / 2, 0, hollow / 2)  material: stuff }
 }
 """
-FACTORS = {"pace": "[0.3, 0.6] m/s", "stuff": "[plastic, wood, stone]", "lean": "[0, 12] deg", "n": "[1, 3]",
+FACTORS = {"pace": '[0.3 m/s called "slow", 0.6 m/s called "fast"]',
+            "stuff": "[plastic, wood, stone]", "lean": "[0, 12] deg", "n": "[1, 3]",
             "spot": "[(10 cm, -20 cm), (12 cm, -24 cm)]"}  # fmt: skip
 
 
@@ -63,11 +64,16 @@ def random_text(draw: st.DrawFn) -> str:
     lines = [f"  factor {name} in {domain}" for name, domain in domains.items()]
     lines += ["  nuisance turn in -20 deg .. 20 deg", "  let half = big / 2", "  let place = half + 20 cm"]
     lines += [_object(draw, names, i) for i in range(len(names))]
+    lines += ["  object loose { shape: cube  size: 3 cm  material: stuff  at: (0, 1 m, 1 m) }",
+              "  action shove = impulse(loose, direction: left, impulse: 0.1 kg * pace) at 0.3 s"]  # fmt: skip
     lines += [line for line in OTHERS if draw(st.booleans())]
     deeds = draw(st.sampled_from(DEEDS))
     changes = [*_CHANGES, *["counterfactual swapped { order go, on }"] * ("action on" in deeds)]
     lines += [f"  {deeds}", "  observe front at 0 s .. 1 s in 3 frames"]
-    lines.append(f'  question "And then?" {{ answer frame(front, end) {" ".join(changes)} }}')
+    if draw(st.booleans()):
+        lines.append("  design groups of 7 { cross: [pace, stuff]  turn: [tone, big] }")
+        changes = ["options orbit of pace, stuff"]
+    lines.append(f'  question "And then, {{pace}}?" {{ answer frame(front, end) {" ".join(changes)} }}')
     return "use tabletop\n" + SHELF + "task random : custom {\n" + "\n".join(lines) + "\n}\n"
 
 
@@ -132,6 +138,8 @@ _CHANGES = (
     "counterfactual larger  { state  a.size: a.size * 1.2 }",
     "counterfactual turned  { state  a.yaw: a.yaw + 10 deg }",
     "counterfactual painted { state  a.material: fabric }",
+    "counterfactual each other pace",
+    "counterfactual more    { add impulse(loose, direction: turn, impulse: 0.1 kg * pace) at 0.5 s }",
 )
 
 
@@ -148,6 +156,7 @@ def busy_text(deeds: str) -> str:
     ]
     lines += ["  object a { shape: form  size: 6 cm  color: tone  material: stuff  on: table at spot  pitch: lean }",
               "  object b { shape: sphere  size: half  on: a at (0, 1 cm)  mass: n * 50 g }",
+              "  object loose { shape: cube  size: 3 cm  material: stuff  at: (0, 1 m, 1 m) }",
               "  observe front at [0 s, 1 s]"]  # fmt: skip
     lines.append(f'  question "And then?" {{ answer frame(front, end) {" ".join(_CHANGES)} }}')
     return "use tabletop\n" + SHELF + "task busy : custom {\n" + "\n".join(lines) + "\n}\n"

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pxr import Usd
 
@@ -52,7 +52,7 @@ def test_a_counterfactual_changes_its_target_alone(path: Path, data: st.DataObje
     here = design[data.draw(st.integers(0, len(design) - 1))]
     names = {thing.name for thing in spec.things}
     for question in spec.questions:
-        for change in (c for c in question.counterfactuals if c.owner in names):
+        for change in (c for c in question.alternatives(here.factors) if c.levels or c.owner in names):
             truth, altered = document(spec, here), document(spec, here, change)
             assert truth.differing(altered), f"{change.name} changes nothing"
             assert_law(spec, truth, altered, *changed_by(change))
@@ -67,7 +67,7 @@ def test_the_law_holds_whatever_happens(deeds: str) -> None:
         for factor in design.factors:
             for other in design.neighbours(index, factor.name):
                 assert violations(depend, truth, document(spec, design[other]), factor.name) == ()
-        for change in spec.questions[0].counterfactuals:
+        for change in spec.questions[0].alternatives(design[index].factors):
             assert violations(depend, truth, document(spec, design[index], change), *changed_by(change)) == ()
 
 
@@ -80,12 +80,27 @@ def test_the_law_holds_on_random_specs(spec: TaskSpec, data: st.DataObject) -> N
     changed = {
         (f.name,): document(spec, design[i]) for f in design.factors for i in design.neighbours(here.index, f.name)[:1]
     }
-    changed |= {changed_by(c): document(spec, here, c) for c in spec.questions[0].counterfactuals}
+    changed |= {changed_by(c): document(spec, here, c) for c in spec.questions[0].alternatives(here.factors)}
     for sources, other in changed.items():
         assert violations(depend, truth, other, *sources) == ()
     sources, other = data.draw(st.sampled_from(list(changed.items())))
     assert_law(spec, truth, other, *sources)
     assert made_over(truth, other) == ()
+
+
+@settings(max_examples=30, deadline=None)
+@given(spec=random_spec(), seed=st.integers(0, 3), data=st.data())
+def test_a_member_of_a_closed_set_is_its_sibling(spec: TaskSpec, seed: int, data: st.DataObject) -> None:
+    """What an instance would be with a sibling's levels is the sibling, to the last property."""
+    assume(spec.questions[0].orbit)
+    design = Design(spec, seed)
+    here = design[data.draw(st.integers(0, len(design) - 1))]
+    changes = spec.questions[0].alternatives(here.factors)
+    assert len(changes) + 1 == len(spec.questions[0].counterfactuals)
+    for change in changes:
+        there = design.index(here.factors | change.levels, here.block)
+        assert there is not None
+        assert not document(spec, here, change).differing(document(spec, design[there]))
 
 
 def made_over(before: Document, after: Document) -> tuple[Difference, ...]:

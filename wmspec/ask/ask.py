@@ -67,8 +67,7 @@ def closed_slot(design: Design, instance: Instance, q: int) -> ClosedSlot:
     """
     question = design.spec.questions[q]
     members = [change.levels for change in question.counterfactuals]
-    varied = {v.factor for v in question.orbit}
-    rest = sorted((name, level) for name, level in instance.factors.items() if name not in varied)
+    rest = [instance.factors[name] for name in instance.crossed if name not in members[0]]
     lap, turn = divmod(instance.block, len(members))
     shuffled = Permutation(len(members), design.seed, design.spec.name, q, *rest, lap, "places")
     places = tuple((shuffled(m) + turn) % len(members) for m in range(len(members)))

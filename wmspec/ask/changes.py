@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from wmspec.ask.model import Change
 from wmspec.ask.verbalize import say
-from wmspec.check.ir import Counterfactual
+from wmspec.check.ir import Counterfactual, Varied
 from wmspec.check.orbits import level_words
 from wmspec.layout.values import Values
 
 
-def change_of(change: Counterfactual, before: Values, after: Values) -> Change:
+def change_of(change: Counterfactual, orbit: Sequence[Varied], before: Values, after: Values) -> Change:
     """What it was before and what it became."""
     if change.change == "without":
         return Change("without", change.owner, "done", "left out")
     if change.change == "add":
         return Change("add", change.owner, "left out", "done")
     if change.change == "levels":
-        return _levels(change, before)
+        return _levels(change, orbit, before)
     if change.change == "order":
         starts = {name: before.property(name, "start") for name in (change.owner, change.property)}
         first, second = sorted(starts, key=lambda name: starts[name])
@@ -26,10 +28,16 @@ def change_of(change: Counterfactual, before: Values, after: Values) -> Change:
     return Change(change.change, f"{owner}.{name}", was, say(after.property(owner, name), change.sort, after))
 
 
-def _levels(change: Counterfactual, before: Values) -> Change:
-    """Other levels of those factors that differ."""
-    differing = [name for name, level in change.levels.items() if before.own[name] != level]
-    factors = [before.spec.factor(name) for name in differing]
-    was = [level_words(factor, before.own[factor.name]) for factor in factors]
-    became = [level_words(factor, change.levels[factor.name]) for factor in factors]
-    return Change("levels", ", ".join(differing), ", ".join(was), ", ".join(became))
+def _levels(change: Counterfactual, orbit: Sequence[Varied], before: Values) -> Change:
+    """Other levels of those factors that differ; of a closed set, as changes of the state or the action."""
+    reads: dict[str, tuple[str, ...]] = {v.factor: _READS[v.reads] for v in orbit}
+    made: Change | None = None
+    for name, level in reversed(change.levels.items()):
+        factor, was = before.spec.factor(name), before.own[name]
+        for kind in reversed(reads.get(name, ("levels",))) if was != level else ():
+            made = Change(kind, name, level_words(factor, was), level_words(factor, level), made)
+    assert made is not None
+    return made
+
+
+_READS: dict[str, tuple[str, ...]] = {"state": ("state",), "action": ("action",), "both": ("state", "action")}

@@ -33,12 +33,16 @@ class Picture:
 
 @dataclass(frozen=True)
 class Change:
-    """What a counterfactual changed: its kind, as `wmspec.check.ir.Change` has them, what, what it was and became."""
+    """What a counterfactual changed: its kind, as `wmspec.check.ir.Change` has them, what, what it was and became.
+
+    In a closed set of options several factors may differ: `beside` it is what else does.
+    """
 
     kind: str
     target: str
     before: str
     after: str
+    beside: Change | None = None
 
 
 #: What an option is: the truth, a label that is not the answer, a counterfactual; or, of a closed set, in what it
@@ -112,8 +116,8 @@ class QuestionRow:
     index of the true option (None for an open question, which has no options) and `value` the measured value in words,
     `number` as a number if it is one. `groups` gives for every factor the key that all instances differing in it alone
     share. `margin` is how far the answer is from turning, as a multiple of the margin asked for (None without one).
-    `sorted_outcomes` says that a question of the task names kinds of outcome. `levels` are the values, in words, of those
-    factors and nuisances whose values have names.
+    `sorted_outcomes` says that a question of the task names kinds of outcome. `levels` are the values, in words, of
+    those factors and nuisances whose values have names.
     `measured` holds named quantities in SI units; an answer is `standing` if it holds from the start, whatever happens.
     `evidence` is what the answer is compared by with those of other engines.
     """

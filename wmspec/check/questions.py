@@ -279,7 +279,7 @@ class Questions:
         apart = self.apart(replace(clause, value=length))
         if turn is None:
             return apart, None
-        typed = self.check.value(turn, _TURNED.kinds, "`distinct by`, after `or`,")
+        typed = self.check.value(turn, _TURNED.types, "`distinct by`, after `or`,")
         within(self.check, typed.expr, _TURNED, turn.span, "`distinct by`")
         return apart, typed.expr
 
@@ -309,7 +309,7 @@ class Questions:
             if expr is None:
                 raise Failed
             typed = self.check.infer(self.modules.plain(expr))
-            sort = str(TEXT) if self._named(typed.expr) else _said(typed.type)
+            sort = str(TEXT) if self._named(typed.expr) else _spoken(typed.type)
             if sort is None:
                 self.check.fail("WMS302", f"{article(str(typed.type))} cannot be said in a text", span)
             found.append(ir.Said(value=typed.expr, sort=sort))

@@ -57,8 +57,8 @@ def in_order(
 ) -> Generator[T | Lost, None, None]:
     """`work(*piece)` for every piece, in order, with only as many under way as keep the workers busy.
 
-    A piece may take as many times the seconds as is its `weight`. Close it to stop them. Raises GraphicsError if a worker
-    does: then this machine cannot draw, whatever the piece.
+    A piece may take as many times the seconds as is its `weight`. Close it to stop them. Raises GraphicsError if a
+    worker does: then this machine cannot draw, whatever the piece.
     """
     if effort.workers == 0:
         yield from (_done(work, *piece) for piece in pieces)

@@ -161,9 +161,9 @@ def _mistaken(task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tu
 def change(said: str | None) -> str:
     """What an `option_change` says was changed: an action, a state, both, something other; "" for the truth.
 
-    An action left out and another order of actions are changes of actions.
+    An action left out or added and another order of actions are changes of actions.
     """
     kinds = {part.split()[0] for part in (said or "").split("; ") if part.strip()}
-    names = {"action": "action", "without": "action", "order": "action", "state": "state"}
+    names = {"action": "action", "without": "action", "order": "action", "add": "action", "state": "state"}
     found = {names.get(kind, OTHER) for kind in kinds}
     return BOTH if len(found) > 1 else next(iter(found), "")

@@ -200,7 +200,8 @@ def _change(change: Change | None) -> str | None:
         return None
     if change.kind in ("without", "order", "add"):
         return f"{change.kind} {change.target}"
-    return f"{change.kind} {change.target}: {change.before} -> {change.after}"
+    text = f"{change.kind} {change.target}: {change.before} -> {change.after}"
+    return f"{text}; {_change(change.beside)}" if change.beside else text
 
 
 def _vote(vote: Vote) -> Row:

@@ -6,7 +6,7 @@ import hashlib
 import math
 import pickle
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import ClassVar
 
@@ -22,13 +22,15 @@ from wmspec.ask.runs import Run
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
 from wmspec.execute.render_cache import look_key
-from wmspec.scene.model import Frame, Scene
+from wmspec.scene.model import Frame, Pose, Scene
 from wmspec.scene.turn import axis, visibly_turned
 
 #: Two option pictures in which fewer pixels than this show something different look alike.
 LEAST_DIFFERENT = 100 / 256**2
 #: After a nudge an outcome may have moved by this share of its distance to the nearest other option.
 MOST_MOVED = 1 / 3
+#: Places (m) and turns of pieces that differ only beyond so many decimals are the same.
+ROUNDED = 9
 #: Turns (rad) that differ by less are the same.
 AS_TURNED = 1e-6
 #: Outcomes whose distances (m) differ by less are equally far: what has moved by a micrometre has not.
@@ -144,7 +146,7 @@ class Pictures(Kind[PictureAnswer]):
             if change is None:
                 options.append(Option("truth", TRUTH, picture=picture, outcome=outcomes[i]))
             else:
-                changed = change_of(change, asking.values, depicted[i].run.values)
+                changed = change_of(change, asking.question.orbit, asking.values, depicted[i].run.values)
                 kind = _kind(asking.question.orbit, change, asking.values.own)
                 options.append(Option(kind, change.name, picture=picture, change=changed, outcome=outcomes[i]))
         return tuple(options)
@@ -254,7 +256,14 @@ def appearance(scene: Scene) -> str:
     """
     static = [body for body in scene.bodies if body.motion == "static"]
     fixed = [(b.name, b.pose.position.tobytes(), b.pose.orientation.tobytes()) for b in static]
-    return hashlib.blake2b(pickle.dumps((look_key(scene), fixed), protocol=4), digest_size=16).hexdigest()
+    bodies = tuple(replace(b, geoms=tuple(replace(g, pose=_rounded(g.pose)) for g in b.geoms)) for b in scene.bodies)
+    looks = look_key(replace(scene, bodies=bodies))
+    return hashlib.blake2b(pickle.dumps((looks, fixed), protocol=4), digest_size=16).hexdigest()
+
+
+def _rounded(pose: Pose) -> Pose:
+    """Where a piece is in its body, which depends on how that is turned only by rounding."""
+    return Pose(np.round(pose.position, ROUNDED) + 0.0, np.round(pose.orientation, ROUNDED) + 0.0)
 
 
 def _from(mine: PictureAnswer, other: PictureAnswer, name: str) -> str:
