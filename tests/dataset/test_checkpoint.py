@@ -162,11 +162,12 @@ def test_a_full_disk_is_told_when_an_instance_is_kept(tmp_path: Path, whole: dic
 # ---------------------------------------------------------------- what failed
 
 
-def fails(job: Job, task: str, index: int) -> Outcome:
+def fails(job: Job, task: str, indices: tuple[int]) -> tuple[Outcome]:
     """An instance in which something unforeseen happens, as the third of each task does."""
+    (index,) = indices
     if (task, index) in (ALL[2], ALL[13]):
         raise ZeroDivisionError("division by zero")
-    return outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index)
+    return (outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)
 
 
 def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -51,8 +51,11 @@ FACTORS = {"pace": '[0.3 m/s called "slow", 0.6 m/s called "fast"]',
 
 
 @st.composite
-def random_text(draw: st.DrawFn) -> str:
-    """A task of a few objects whose properties depend on random factors, directly or through others."""
+def random_text(draw: st.DrawFn, grouped: bool = False) -> str:
+    """A task of a few objects whose properties depend on random factors, directly or through others.
+
+    If it is `grouped`, its design is in groups, and the options are the siblings in the group.
+    """
     names = ["a", "b", "c"][: draw(st.integers(1, 3))]
     domains = {
         "tone": f"[{', '.join(draw(_COLORS))}]",
@@ -64,13 +67,13 @@ def random_text(draw: st.DrawFn) -> str:
     lines = [f"  factor {name} in {domain}" for name, domain in domains.items()]
     lines += ["  nuisance turn in -20 deg .. 20 deg", "  let half = big / 2", "  let place = half + 20 cm"]
     lines += [_object(draw, names, i) for i in range(len(names))]
-    lines += ["  object loose { shape: cube  size: 3 cm  material: stuff  at: (0, 1 m, 1 m) }",
-              "  action shove = impulse(loose, direction: left, impulse: 0.1 kg * pace) at 0.3 s"]  # fmt: skip
+    lines += ["  object spare { shape: cube  size: 3 cm  material: stuff  at: (0, 1 m, 1 m) }",
+              "  action shove = impulse(spare, direction: left, impulse: 0.1 kg * pace) at 0.3 s"]  # fmt: skip
     lines += [line for line in OTHERS if draw(st.booleans())]
     deeds = draw(st.sampled_from(DEEDS))
     changes = [*_CHANGES, *["counterfactual swapped { order go, on }"] * ("action on" in deeds)]
     lines += [f"  {deeds}", "  observe front at 0 s .. 1 s in 3 frames"]
-    if draw(st.booleans()):
+    if grouped:
         lines.append("  design groups of 7 { cross: [pace, stuff]  turn: [tone, big] }")
         changes = ["options orbit of pace, stuff"]
     lines.append(f'  question "And then, {{pace}}?" {{ answer frame(front, end) {" ".join(changes)} }}')
@@ -139,7 +142,7 @@ _CHANGES = (
     "counterfactual turned  { state  a.yaw: a.yaw + 10 deg }",
     "counterfactual painted { state  a.material: fabric }",
     "counterfactual each other pace",
-    "counterfactual more    { add impulse(loose, direction: turn, impulse: 0.1 kg * pace) at 0.5 s }",
+    "counterfactual struck  { add impulse(spare, direction: turn, impulse: 0.1 kg * pace) at 0.5 s }",
 )
 
 
@@ -156,12 +159,12 @@ def busy_text(deeds: str) -> str:
     ]
     lines += ["  object a { shape: form  size: 6 cm  color: tone  material: stuff  on: table at spot  pitch: lean }",
               "  object b { shape: sphere  size: half  on: a at (0, 1 cm)  mass: n * 50 g }",
-              "  object loose { shape: cube  size: 3 cm  material: stuff  at: (0, 1 m, 1 m) }",
+              "  object spare { shape: cube  size: 3 cm  material: stuff  at: (0, 1 m, 1 m) }",
               "  observe front at [0 s, 1 s]"]  # fmt: skip
     lines.append(f'  question "And then?" {{ answer frame(front, end) {" ".join(_CHANGES)} }}')
     return "use tabletop\n" + SHELF + "task busy : custom {\n" + "\n".join(lines) + "\n}\n"
 
 
-def random_spec() -> st.SearchStrategy[TaskSpec]:
+def random_spec(grouped: bool = False) -> st.SearchStrategy[TaskSpec]:
     """The same, checked."""
-    return random_text().map(task_from)
+    return random_text(grouped).map(task_from)
