@@ -233,7 +233,7 @@ def test_a_crosscheck_is_a_table() -> None:
     agreement = wmspec.crosscheck(wmspec.load(COLLIDE), sample=2, backend="mujoco,pybullet", workers=1)
     (line,) = agreement.lines
     assert dataclasses.is_dataclass(line)
-    assert (line.task, line.engines, line.episodes.all) == ("collide", ("mujoco", "pybullet"), 4 * 4), "a group as a whole"
+    assert (line.task, line.engines, line.episodes.all) == ("collide", ("mujoco", "pybullet"), 4 * 4)  # a group
     table = agreement.to_pandas()
     assert list(table["task"]) == ["collide"]
     assert table["episodes_of"][0] == 16
