@@ -225,7 +225,13 @@ def execute(stage: Usd.Stage, engine: str, duration: float | None = None) -> Epi
 def load_episode(path: str | PathLike[str]) -> Episode:
     """An episode that was saved, here or by `wmspec run -o`. Raises WmsError if the file is something else."""
     stage, trace = archive.load(Path(path))
-    return Episode(stage, read(stage), trace)
+    scene = read(stage)
+    here, place = [body.name for body in scene.bodies], FilePlace(str(path))
+    if list(trace.bodies) != here:
+        raise WmsError(f"its bodies are not those of its stage, {', '.join(here)[:200]}", place)
+    if len(trace.time) != (samples := round(scene.duration * scene.rate) + 1) and scene.duration > 0:
+        raise WmsError(f"it has {len(trace.time):,} samples; its stage lasts for {samples:,}", place)
+    return Episode(stage, scene, trace)
 
 
 @cache

@@ -11,6 +11,7 @@ from pathlib import Path
 from wmspec.api.task import Task
 from wmspec.check.task import check_program
 from wmspec.diagnostics import Diagnostic, Report, WmsError, suggestion
+from wmspec.foreign import inside
 from wmspec.parse.load import Program, load_source
 from wmspec.parse.load import load as load_program
 from wmspec.places import FilePlace, Source
@@ -108,7 +109,7 @@ def spec_files(paths: Iterable[Path]) -> list[Path]:
     files: list[Path] = []
     for path in paths:
         if path.is_dir():
-            below = sorted(path.rglob("*.wms"))
+            below = sorted(spec for spec in path.rglob("*.wms") if inside(path, spec))
             if not below:
                 raise WmsError("there is no .wms file in this folder", FilePlace(str(path)))
             files += below

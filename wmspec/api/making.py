@@ -17,6 +17,7 @@ from wmspec.ask.consensus import Consensus
 from wmspec.design.design import share
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import chosen, drawing, engine_version
+from wmspec.limits import INSTANCES
 from wmspec.paper import instances
 from wmspec.scene.model import Look
 from wmspec.write.dataset import Dataset
@@ -136,6 +137,8 @@ def texts(tasks: Sequence[Task]) -> dict[str, str]:
 def indices(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:
     """The instances to make: all, or a sample as large as asked for or as the paper's, and of these a share."""
     count = len(task) if full else per_task or instances(task.name, task.questions)
+    if min(count or len(task), len(task)) > INSTANCES.most:
+        raise WmsError(f"`{task.name}` {INSTANCES.sentence}", help=INSTANCES.help)
     chosen = range(len(task)) if count is None or count >= len(task) else sorted(task.design.sample(count))
     try:
         return tuple(chosen[share(len(chosen), *part)])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from wmspec.foreign import picture
 from wmspec.write.reader import PICTURES, DatasetReader
 from wmspec.write.rows import Row
 
@@ -127,5 +127,5 @@ def _case(row: Row, looked: bool) -> Case:
 
 
 def _small(png: bytes) -> Small:
-    picture = Image.open(io.BytesIO(png)).convert("RGB")
-    return np.asarray(picture.resize((SIDE, SIDE), Image.Resampling.BOX))
+    whole = picture(png, "PNG").convert("RGB")
+    return np.asarray(whole.resize((SIDE, SIDE), Image.Resampling.BOX))

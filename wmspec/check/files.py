@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from wmspec.check import ir
 from wmspec.check.typed import Failed
 from wmspec.check.vocabulary import ASSETS, FILES, STAGES
+from wmspec.diagnostics import WmsError
+from wmspec.foreign import inside, picture
 from wmspec.importers.prim_names import parted
 from wmspec.parse import syntax as s
 from wmspec.parse.load import located
@@ -59,10 +61,18 @@ def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...])
         can = ", ".join((*endings, *(ASSETS if name == "file" else ())))
         check.fail("WMS210", f"`{name}` takes no {path.suffix or 'such'} file", text.span, f"it can be one of: {can}")
     folder = located(text.span.source.name).parent
-    if not _is_file(folder / file):
+    if not inside(folder, folder / file):
         there = sorted(p.name for p in _neighbours(folder) if p.suffix.lower() in endings)[:8]
         hint = f"files there: {', '.join(there)}" if there else "it is looked for beside the spec"
+        if _linked(folder / file):
+            check.fail("WMS210", f"`{file}` is a link that leads out of the spec's folder", text.span, "copy it there")
         check.fail("WMS210", f"there is no file `{file}`", text.span, hint)
+    if path.suffix.lower() in FILES["image"]:
+        try:
+            picture(folder / file)
+        except WmsError as error:
+            wrong = error.diagnostics[0]
+            check.fail("WMS210", f"`{file}` {wrong.message}", text.span, wrong.help)
     if prim:
         _mesh(check, text, folder, file, prim)
 
@@ -77,7 +87,7 @@ def _mesh(check: Expressions, text: s.Text, folder: Path, file: str, prim: str) 
         raise Failed
 
 
-def _is_file(path: Path) -> bool:
+def _linked(path: Path) -> bool:
     try:
         return path.is_file()
     except (OSError, ValueError):  # a name longer than names can be, a null character

@@ -26,6 +26,7 @@ from wmspec.check.tolerances import tolerances
 from wmspec.check.typed import Failed, Typed, constant
 from wmspec.check.vocabulary import SETTINGS
 from wmspec.diagnostics import Note, Report
+from wmspec.limits import SECONDS
 from wmspec.parse import syntax as s
 from wmspec.parse.load import Program, load
 
@@ -214,5 +215,8 @@ class _Task:
     def horizon(self, observations: list[ir.Observation]) -> ir.Expr:
         typed = self.setting("horizon")
         if typed is not None:
+            if (constant(typed.expr) or 0.0) > SECONDS.most:
+                span = self._settings["horizon"].value.span
+                self.report.add("WMS304", f"`horizon` must be at most {SECONDS.most} s", span)
             return typed.expr
         return ir.Call(function="max", arguments=tuple(o.times for o in observations))

@@ -10,6 +10,7 @@ import click
 
 from wmspec.cli.common import instance_of, instance_option, json_option, seed_option
 from wmspec.diagnostics import WmsError
+from wmspec.limits import SECONDS
 
 if TYPE_CHECKING:
     from wmspec.api import Episode
@@ -73,8 +74,8 @@ def _seconds(text: str) -> float:
         seconds = float(number) * scale
     except (ValueError, UnknownUnit):
         dimension, seconds = TIME, 0.0
-    if dimension != TIME or not 0 < seconds <= 3600:
-        raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to an hour")
+    if dimension != TIME or not 0 < seconds <= SECONDS.most:
+        raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to {SECONDS.most} s")
     return seconds
 
 

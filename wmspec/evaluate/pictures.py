@@ -9,6 +9,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
+from wmspec.foreign import picture
 from wmspec.write import film, typeset
 
 _LABEL, _GAP, _MARGIN = 26, 12, 16
@@ -42,4 +43,4 @@ def clip(pictures: Sequence[bytes]) -> bytes:
 
 def opened(png: bytes) -> Image.Image:
     """A picture of a dataset, in colours."""
-    return Image.open(io.BytesIO(png)).convert("RGB")
+    return picture(png, "PNG").convert("RGB")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import struct
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,8 @@ from pxr import Sdf, Tf, Usd
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.diagnostics import WmsError
+from wmspec.foreign import is_name
+from wmspec.limits import TRACE, TooLarge
 from wmspec.places import FilePlace
 from wmspec.scene.model import Contact, Trace
 
@@ -37,23 +42,85 @@ def save(stage: Usd.Stage, trace: Trace, path: Path) -> None:
 
 
 def load(path: Path) -> tuple[Usd.Stage, Trace]:
-    """A trace and the stage that it is of, as `save` wrote them. Raises WmsError if the file is something else."""
+    """A trace and the stage that it is of, as `save` wrote them.
+
+    Raises WmsError if the file is something else, if it would not fit into memory, or if its numbers are nonsense.
+    """
+    place = FilePlace(str(path))
     try:
+        _sized(path)
         with np.load(path, allow_pickle=False) as file:
             arrays: dict[str, Any] = dict(file)
-        layer = Sdf.Layer.CreateAnonymous(".usda")
-        layer.ImportFromString(str(arrays["stage"]))
         contacts = zip(arrays["contacts"].tolist(), arrays["contact_times"].tolist(), strict=True)
         trace = Trace(
             str(arrays["engine"]),
             tuple(arrays["bodies"].tolist()),
-            **{name: arrays[name] for name in ARRAYS},
+            **{name: np.asarray(arrays[name]) for name in ARRAYS},
             contacts=tuple(Contact(*pair, *times) for pair, times in contacts),
         )
+        fault = _fault(trace)
+        stage = None if fault else _stage(str(arrays["stage"]))
     except FileNotFoundError:
-        raise WmsError("there is no such file", FilePlace(str(path))) from None
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, Tf.ErrorException):
-        raise WmsError(
-            "not a trace of wmspec", FilePlace(str(path)), "`wmspec run SPEC -o trace.npz` writes one"
-        ) from None
-    return Usd.Stage.Open(layer), trace
+        raise WmsError("there is no such file", place) from None
+    except TooLarge as error:
+        raise error.at(place) from None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, MemoryError, RuntimeError, EOFError, *_BROKEN):
+        raise WmsError("not a trace of wmspec", place, "`wmspec run SPEC -o trace.npz` writes one") from None
+    if stage is None:
+        fault = fault or "its stage uses files of its own"
+        raise WmsError(f"not a trace of wmspec: {fault}", place, "`wmspec run SPEC -o trace.npz` writes one")
+    return stage, trace
+
+
+#: What else may go wrong with an archive: with its structure, its packing, and with the stage in it.
+_BROKEN = (zipfile.BadZipFile, zlib.error, struct.error, Tf.ErrorException)
+
+
+def _sized(path: Path) -> None:
+    """Raise TooLarge, or ValueError, if an archive would unpack to more than can be, or than its arrays say."""
+    with zipfile.ZipFile(path) as archive:
+        if sum(member.file_size for member in archive.infolist()) > TRACE.most:
+            raise TRACE.exceeded()
+        for member in archive.infolist():
+            with archive.open(member) as file:
+                version = np.lib.format.read_magic(file)
+                read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+                shape, _, kind = read(file)
+                if math.prod(shape) * kind.itemsize != member.file_size - file.tell():
+                    raise ValueError("an array is not as long as it says")
+
+
+def _stage(text: str) -> Usd.Stage | None:
+    """The stage in a trace, which was flattened; None if it uses other layers all the same."""
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    layer.ImportFromString(text)
+    return None if layer.GetCompositionAssetDependencies() else Usd.Stage.Open(layer)
+
+
+def _fault(trace: Trace) -> str:
+    """What is wrong with the numbers of a trace: empty if nothing is."""
+    t, n = len(trace.time.reshape(-1)), len(trace.bodies)
+    expected = dict(zip(ARRAYS, [(t,), (t, n, 3), (t, n, 4), (t, n, 3), (t, n, 3)], strict=True))
+    for name, shape in expected.items():
+        array = getattr(trace, name)
+        if array.dtype != np.float64 or array.shape != shape:
+            return f"`{name}` is {array.dtype} {array.shape}, expected float64 {shape}"
+        if not np.isfinite(array).all():
+            return f"`{name}` has numbers that are not finite"
+    if t == 0 or trace.time[0] != 0 or (np.diff(trace.time) <= 0).any():
+        return "its times do not begin at 0 and go on from there"
+    if not is_name(trace.engine):
+        return "its engine has no name"
+    if len(set(trace.bodies)) < n or not all(isinstance(name, str) and name for name in trace.bodies):
+        return "its bodies are not told apart by name"
+    if np.abs(np.linalg.norm(trace.orientation, axis=2) - 1).max(initial=0) > _UNIT:
+        return "an orientation is no unit quaternion"
+    known = set(trace.bodies)
+    for contact in trace.contacts:
+        if not {contact.first, contact.second} <= known or not 0 <= contact.start <= contact.stop <= trace.time[-1] + 1:
+            return "a contact is of no bodies of it, or at no time of it"
+    return ""
+
+
+#: How far the length of a quaternion may be from 1.
+_UNIT = 1e-3

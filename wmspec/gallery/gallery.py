@@ -9,8 +9,7 @@ import json
 from importlib.resources import files
 from pathlib import Path
 
-from PIL import Image
-
+from wmspec.foreign import picture
 from wmspec.gallery.records import Put, about, records
 from wmspec.write.files import explained
 from wmspec.write.reader import DatasetReader
@@ -27,7 +26,7 @@ def page(dataset: DatasetReader, per_task: int, path: Path) -> int:
 
     def inside(task: str, png: bytes) -> str:  # noqa: ARG001  as `Put` has it
         out = io.BytesIO()
-        Image.open(io.BytesIO(png)).convert("RGB").save(out, "WEBP", quality=QUALITY, method=4)
+        picture(png, "PNG").convert("RGB").save(out, "WEBP", quality=QUALITY, method=4)
         return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
 
     return _write(dataset, per_task, path, inside)
@@ -40,6 +39,7 @@ def folder(dataset: DatasetReader, per_task: int, path: Path) -> int:
     """
 
     def beside(task: str, png: bytes) -> str:
+        picture(png, "PNG")
         name = f"pictures/{task}/{hashlib.sha256(png).hexdigest()[:20]}.png"
         place = path / name
         if not place.exists():

@@ -10,10 +10,9 @@ from xml.parsers import expat
 
 from wmspec.diagnostics import suggestion
 from wmspec.importers.model import Broken, Faults
+from wmspec.limits import DEPTH, ELEMENTS, MARKUP
 from wmspec.places import FilePlace
 
-#: The largest file (bytes), the most elements in it and the deepest nesting: what people write is far below.
-MOST_BYTES, MOST_ELEMENTS, MOST_DEPTH = 4_000_000, 20_000, 100
 #: No quantity of a thing that stands in a room is larger (SI).
 MOST = 1e6
 
@@ -111,11 +110,11 @@ def read(path: Path, shown: str, faults: Faults) -> Element:
     """The root element of a file. Raises Broken, with the fault taken note of, if it is no XML or too large."""
     try:
         with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
+            content = file.read(MARKUP.most + 1)
     except OSError as error:
         raise faults.stop(FilePlace(shown), f"cannot be read: {error.strerror}", "make it readable") from None
-    if len(content) > MOST_BYTES:
-        raise faults.stop(FilePlace(shown), f"is larger than {MOST_BYTES // 1_000_000} MB", "is this the right file?")
+    if len(content) > MARKUP.most:
+        raise faults.stop(FilePlace(shown), MARKUP.sentence, MARKUP.help)
     return _Builder(shown, faults).read(content)
 
 
@@ -144,10 +143,10 @@ class _Builder:
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._count += 1
-        if self._count > MOST_ELEMENTS:
-            raise self._stop(f"has more than {MOST_ELEMENTS:,} elements", "make it simpler")
-        if len(self._open) > MOST_DEPTH:
-            raise self._stop(f"is nested deeper than {MOST_DEPTH} levels", "make it simpler")
+        if self._count > ELEMENTS.most:
+            raise self._stop(ELEMENTS.sentence, ELEMENTS.help)
+        if len(self._open) > DEPTH.most:
+            raise self._stop(DEPTH.sentence, DEPTH.help)
         made = Element(tag[:60], attributes, self._parser.CurrentLineNumber, self._shown)
         self._open[-1].children.append(made)
         self._open.append(made)

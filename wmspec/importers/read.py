@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path, PurePosixPath
 
 from wmspec.check.vocabulary import FILES
+from wmspec.foreign import inside
 from wmspec.importers.markup import Element
 from wmspec.importers.markup import read as read_xml
 from wmspec.importers.mjcf import mjcf
@@ -52,7 +53,7 @@ class _Meshes:
             self._faults.add(e.where, f"`{named[:80]}` is no mesh that can be read", f"convert it to one of: {can}")
             return ""
         for path in self._places(named):
-            if not path.startswith(("..", "/")) and _is_file(self._folder / path):
+            if not path.startswith(("..", "/")) and inside(self._folder, self._folder / path):
                 return path
         if named:
             what = f"there is no mesh `{named[:80]}` below the spec's folder"
@@ -68,10 +69,3 @@ class _Meshes:
         inner = whole.partition("/")[2]
         homes = (self._home, *self._home.parents)
         return [posixpath.normpath((home / path).as_posix()) for home in homes for path in (whole, inner) if path]
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # a name longer than names can be, a null character
-        return False

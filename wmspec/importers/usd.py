@@ -13,6 +13,7 @@ from pxr import Usd
 
 from wmspec.check.vocabulary import COLLISIONS, FILES
 from wmspec.diagnostics import Diagnostic, Report, StageError
+from wmspec.foreign import inside
 from wmspec.importers.model import (
     LOOKS,
     MOST_LINKS,
@@ -195,7 +196,7 @@ class _Usd:
     def _picture(self, prim: Usd.Prim, texture: str) -> str:
         """The file of a picture, seen from the spec's folder. Raises StageError if it is not there, or no picture."""
         path = Path(texture)
-        if not (path.is_file() and path.resolve().is_relative_to(self.folder)):
+        if not inside(self.folder, path):
             what = f"there is no picture `{path.name[:80]}` below the spec's folder"
             refuse(prim, what, "put it there, outside any package")
         if path.suffix.lower() not in FILES["image"]:

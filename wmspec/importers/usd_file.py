@@ -11,6 +11,7 @@ from pxr import Sdf, Usd, UsdUtils
 
 from wmspec.diagnostics import Diagnostic, Report, StageError, suggestion
 from wmspec.importers.model import Broken, Faults
+from wmspec.limits import POINTS, PRIMS, TooLarge
 from wmspec.places import FilePlace
 from wmspec.shapes import Mesh
 from wmspec.usd import meshes
@@ -18,9 +19,6 @@ from wmspec.usd.files import opened
 from wmspec.usd.frames import World, split
 from wmspec.usd.prims import refuse, value
 from wmspec.usd.unsupported import incomplete
-
-#: The largest file (bytes), the most prims, and the most points of a mesh and corners of its faces.
-MOST_BYTES, MOST_PRIMS, MOST_POINTS = 100_000_000, 20_000, 1_000_000
 
 #: What stands behind the path of a mesh for those of its faces that are in no subset.
 REST = ".rest"
@@ -35,15 +33,14 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
     quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us
     try:
         found = path.stat()
-        if found.st_size > MOST_BYTES:
-            raise faults.stop(
-                FilePlace(shown), f"is larger than {MOST_BYTES // 1_000_000} MB", "is this the right file?"
-            )
         stage = _stage(str(path), found.st_mtime_ns, found.st_size)
         _whole(stage, folder, shown, faults)
         yield stage
     except Broken:
         raise
+    except TooLarge as error:
+        limit = error.diagnostics[0]
+        raise faults.stop(FilePlace(shown), limit.message, limit.help) from None
     except Exception as error:  # noqa: BLE001  what others wrote may be of any type
         raise faults.stop(FilePlace(shown), f"cannot be read: {error}", "mend it, or export it again") from None
     finally:
@@ -69,8 +66,8 @@ def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) ->
             what = f"uses `{Path(layer.identifier).name}`, which is not below the spec's folder"
             raise faults.stop(FilePlace(shown), what, "put it beside the asset")
     every = Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies())
-    if any(count > MOST_PRIMS for count, _ in enumerate(every)):
-        raise faults.stop(FilePlace(shown), f"has more than {MOST_PRIMS:,} prims", "make it simpler")
+    if any(count > PRIMS.most for count, _ in enumerate(every)):
+        raise faults.stop(FilePlace(shown), PRIMS.sentence, PRIMS.help)
 
 
 def note(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Path | None = None) -> None:
@@ -83,8 +80,8 @@ def note(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Pat
 
 def bounded(prim: Usd.Prim) -> None:
     """Refuse a mesh that is too large. Raises StageError."""
-    if max(len(value(prim, name, ())) for name in ("points", "faceVertexIndices")) > MOST_POINTS:
-        refuse(prim, f"it has more than {MOST_POINTS:,} points or corners", "make it simpler")
+    if max(len(value(prim, name, ())) for name in ("points", "faceVertexIndices")) > POINTS.most:
+        refuse(prim, f"it {POINTS.sentence}", POINTS.help)
 
 
 def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple[Diagnostic, ...]:

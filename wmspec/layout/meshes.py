@@ -8,8 +8,10 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from wmspec.check.vocabulary import FILES, MOST_LENGTH, STAGES
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.diagnostics import ImpossibleValue, WmsError
+from wmspec.importers.mesh_files import harmless
 from wmspec.importers.prim_names import parted
+from wmspec.limits import POINTS
 from wmspec.parse.load import located
 from wmspec.shapes import Mesh
 from wmspec.space import Vector
@@ -112,13 +114,20 @@ def _of_file(path: str) -> Mesh:
     import trimesh
 
     try:
+        harmless(located(path))
         loaded: Any = trimesh.load(located(path), force="mesh", process=False, skip_materials=True)
         if path.lower().endswith(".dae"):  # which says its unit; the others mean metres, or nothing
             loaded.apply_scale(trimesh.units.unit_conversion(loaded.units, "m"))
+    except WmsError as error:
+        raise ImpossibleValue(f"{path} {error.diagnostics[0].message}", help=error.diagnostics[0].help) from None
     except Exception as error:  # noqa: BLE001  a parser of files of others can fail in any way
         raise ImpossibleValue(f"{path} is broken: {str(error) or type(error).__name__}") from None
     if not len(loaded.faces):
         raise ImpossibleValue(f"{path} is broken: it has no faces")
+    if max(len(loaded.vertices), 3 * len(loaded.faces)) > POINTS.most:
+        raise ImpossibleValue(f"{path} {POINTS.sentence}", help=POINTS.help)
+    if not np.isfinite(loaded.vertices).all():
+        raise ImpossibleValue(f"{path} is broken: a point of it is not finite")
     with np.errstate(invalid="ignore"):  # of what is flat trimesh divides by 0
         inside_out = loaded.volume < 0
     points, faces = np.asarray(loaded.vertices, float), np.asarray(loaded.faces)

@@ -15,6 +15,7 @@ from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import functions, placement
+from wmspec.limits import SECONDS
 from wmspec.materials import MATERIALS, colors
 from wmspec.places import Location
 from wmspec.space import Pose
@@ -182,7 +183,11 @@ class Values:
 
     def _named(self, name: str) -> Any:
         if name == "end":
-            return evaluate(self.spec.horizon, self)
+            end: float = evaluate(self.spec.horizon, self)
+            if end > SECONDS.most:
+                place = self.spec.observations[0].place if self.spec.observations else None
+                raise ImpossibleValue(f"the episode {SECONDS.sentence} here", place, SECONDS.help)
+            return end
         let = self._lets[name]
         return _evaluate(let.value, self, let.place)
 

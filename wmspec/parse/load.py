@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
+from wmspec.foreign import inside
 from wmspec.parse.parser import parse
 from wmspec.parse.syntax import File, Name, Statement, Task, Use, Variant
 from wmspec.places import FilePlace, Location, Place, Source, Span
@@ -151,12 +152,15 @@ def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
 
 
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
-    places = (folder, *search_path(), library_folder())
-    for place in places:
+    file = f"{name.id}.wms"
+    if inside(folder, folder / file):
+        return (folder / file).resolve()
+    places = (*search_path(), library_folder())
+    for place in places:  # which the user or wmspec chose: links may lead where they like
         with suppress(OSError):  # a name longer than file names can be
-            if (path := place / f"{name.id}.wms").is_file():
+            if (path := place / file).is_file():
                 return path.resolve()
-    known = [p.stem for place in places for p in sorted(place.glob("*.wms"))]
+    known = [p.stem for place in (folder, *places) for p in sorted(place.glob("*.wms"))]
     report.add(
         "WMS207",
         f"there is no library `{name.id}` next to the spec, on WMSPEC_PATH or in wmspec's own",

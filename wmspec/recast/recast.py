@@ -17,6 +17,7 @@ from wmspec.recast.table import Entry, read
 from wmspec.write import files
 from wmspec.write.croissant import Described, metadata
 from wmspec.write.rows import table
+from wmspec.write.schema import SHARD
 from wmspec.write.shards import parquet
 
 #: By what a manifest tells that its dataset was recast, and may be recast again.
@@ -93,7 +94,7 @@ def _clear(output: Path) -> None:
         raise WmsError(f"{output} holds files that `wmspec recast` did not write; choose another folder with -o")
     with files.explained(output):
         (output / files.MANIFEST).unlink()
-        for shard in manifest["shards"]:
+        for shard in filter(SHARD.fullmatch, manifest["shards"]):
             (output / shard).unlink(missing_ok=True)
             if not any((output / shard).parent.iterdir()):
                 (output / shard).parent.rmdir()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from PIL import Image
 
 from wmspec.diagnostics import WmsError
+from wmspec.foreign import picture
 from wmspec.scene.model import Array
 
 
@@ -42,9 +43,8 @@ def whole(srgb: tuple[float, float, float]) -> tuple[float, float, float]:
 def texture(path: str) -> NDArray[np.uint8]:
     """The image at `path` as (h, w, 3) sRGB bytes, first row on top. Raises WmsError if it can't be read."""
     try:
-        with Image.open(path) as image:
-            pixels: Any = np.array(image.convert("RGB"), dtype=np.uint8)
-    except OSError as error:
+        pixels: Any = np.array(picture(Path(path)).convert("RGB"), dtype=np.uint8)
+    except WmsError as error:
         raise WmsError(f"the texture '{path}' can't be read ({error}); expected the path of a PNG or JPEG") from error
     pixels.setflags(write=False)
     return np.asarray(pixels)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.diagnostics import Diagnostic, Report, StageError
+from wmspec.limits import POSES, SECONDS
 from wmspec.places import PrimPlace
 from wmspec.scene.action_rules import problems as action_problems
 from wmspec.scene.action_rules import sequence
@@ -47,6 +48,10 @@ def _whole(scene: Scene) -> Iterator[Diagnostic]:
         yield Diagnostic(
             f"the episode lasts {scene.duration} s at {scene.rate} Hz, expected 0 s or more and a positive rate"
         )
+    elif scene.duration > SECONDS.most:
+        yield Diagnostic(f"the episode lasts {scene.duration:g} s and {SECONDS.sentence}", help=SECONDS.help)
+    elif scene.duration * scene.rate * len(scene.bodies) > POSES.most:
+        yield Diagnostic(f"the episode {POSES.sentence}", help=POSES.help)
     if not np.isfinite(scene.gravity).all():
         yield Diagnostic(f"gravity is {scene.gravity}, expected three finite numbers")
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from pxr import Gf, Usd
 
+from wmspec.foreign import is_name
 from wmspec.scene.model import Array, Camera, Observation
 from wmspec.usd.frames import World
 from wmspec.usd.prims import refuse, seconds, target, value
@@ -55,7 +56,10 @@ def timing(episodes: Sequence[Usd.Prim]) -> tuple[str, float, int]:
     rate = int(value(prim, "wms:rate", 240))
     if rate <= 0:
         refuse(prim, f"wms:rate = {rate}", "expected a rate above 0")
-    return str(value(prim, "wms:task", "")), seconds(prim, "wms:duration"), rate
+    task = value(prim, "wms:task", "")
+    if task and not is_name(task):
+        refuse(prim, f"wms:task = {str(task)[:80]!r} is no name", "write a name such as collide")
+    return task, seconds(prim, "wms:duration"), rate
 
 
 def observation(prim: Usd.Prim, cameras: Mapping[str, Camera]) -> Observation:

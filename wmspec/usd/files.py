@@ -7,15 +7,17 @@ from pathlib import Path
 from pxr import Tf, Usd
 
 from wmspec.diagnostics import WmsError
+from wmspec.usd.composed import bounded
 
 
 def opened(path: Path, shown: str) -> Usd.Stage:
     """The stage in a file, as it is there now. Whoever opens it keeps USD from printing meanwhile.
 
     Raises:
-        WmsError: saying what USD complains of, where the file is called `shown`.
+        WmsError: saying what USD complains of, where the file is called `shown`; or that the stage would be too large.
     """
     try:
+        bounded(path)
         stage = Usd.Stage.Open(str(path))
         stage.Reload()  # of a layer that was read before, USD gives what was in it then
     except Tf.ErrorException as error:

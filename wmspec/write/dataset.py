@@ -16,6 +16,8 @@ from wmspec.write.card import card
 from wmspec.write.croissant import croissant
 from wmspec.write.manifest import Summary, manifest, summary
 from wmspec.write.plan import Plan, Shard, differences
+from wmspec.write.reader import foreign
+from wmspec.write.rebuild import rebuilt
 from wmspec.write.rows import Row
 from wmspec.write.shards import Record, read_outcomes, read_record, sidecar, write_shard
 from wmspec.write.worker import Outcome
@@ -122,8 +124,13 @@ class Dataset:
                     "choose another folder with -o, or replace it with --force"
                 )
             self._clear()
-        if there != here:
+        if there != here or not (self.folder / files.PLAN).exists():
             self._put(files.PLAN, files.lines(here))
+        if others := foreign(self.folder, {shard.path for shard in self.plan.shards()}):
+            raise WmsError(
+                f"{self.folder / others[0]} is none of the dataset's files, and would be loaded with them; "
+                "move it away, or choose another folder with -o"
+            )
         self._verify()
 
     def _plan(self) -> dict[str, Any] | None:
@@ -131,8 +138,8 @@ class Dataset:
         try:
             record = json.loads((self.folder / files.PLAN).read_bytes())
         except FileNotFoundError:
-            return None
-        except ValueError:
+            return rebuilt(self.folder, self.plan)
+        except (ValueError, RecursionError):
             return {}
         return record if isinstance(record, dict) else {}
 

@@ -103,7 +103,12 @@ class Plan:
     @cached_property
     def fingerprint(self) -> str:
         """A hash that two plans share if and only if they make the same dataset."""
-        return hashlib.sha256(json.dumps(self.record, ensure_ascii=False).encode()).hexdigest()
+        return fingerprint(self.record)
+
+
+def fingerprint(record: dict[str, Any]) -> str:
+    """The hash of a plan as JSON values."""
+    return hashlib.sha256(json.dumps(record, ensure_ascii=False).encode()).hexdigest()
 
 
 def differences(there: dict[str, Any], here: dict[str, Any]) -> list[str]:

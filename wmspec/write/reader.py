@@ -14,7 +14,9 @@ import pyarrow.parquet as pq
 from wmspec.diagnostics import WmsError
 from wmspec.places import FilePlace
 from wmspec.write import files
+from wmspec.write.plan import fingerprint
 from wmspec.write.rows import Row
+from wmspec.write.schema import columns_fault, manifest_fault, pictures_fault, row_fault
 
 #: The columns that hold pictures to be looked at, as a list of {bytes, path}.
 PICTURES = ("context", "option_image")
@@ -23,11 +25,6 @@ CHANNELS = ("context_depth", "context_ids")
 
 #: What mends a dataset.
 MENDED = "give the command that made the dataset again (`wmspec generate ... -o FOLDER`), it is mended then"
-
-#: What the manifest says of the whole, of a task and of a shard.
-_WHOLE = {"tasks", "shards", "engines", "rows", "seed", "size", "versions", "consensus"}
-_TASK = {"dimension", "title", "description", "instances", "rows", "rejected"}
-_SHARD = {"sha256", "rows"}
 
 
 @dataclass(frozen=True)
@@ -45,18 +42,21 @@ class DatasetReader:
             manifest = json.loads(place.read_bytes())
         except OSError:
             raise WmsError(f"{folder} holds no finished dataset; make one with `wmspec generate`") from None
-        except ValueError:
+        except (ValueError, RecursionError):
             manifest = None
-        if not _as_written(manifest):
-            raise WmsError(f"{place} is not one that `wmspec generate` writes; {MENDED}")
+        if fault := manifest_fault(manifest):
+            raise WmsError(f"{place} is not one that `wmspec generate` writes: {fault}; {MENDED}")
+        _planned(folder, manifest)
         return cls(folder, manifest)
 
     def damaged(self) -> dict[str, str]:
-        """The shards that are not what the manifest says, by path, each with what is wrong with it. Reads all of them.
+        """The files of rows that are not what the manifest says, by path, each with what is wrong with it.
+
+        Those too that the manifest does not know, but whoever loads the folder finds. Reads all of them.
 
         Raises WmsError if a file may not be read.
         """
-        wrong = {}
+        wrong = dict.fromkeys(foreign(self.folder, self.manifest["shards"]), "is none of the dataset's files")
         for path, shard in self.manifest["shards"].items():
             file = self.folder / path
             if not file.is_file():
@@ -111,21 +111,36 @@ class DatasetReader:
             wanted = columns or [name for name in file.schema_arrow.names if name not in CHANNELS]
             try:
                 for group in range(file.num_row_groups):
-                    yield from _group(file, group, wanted, only)
-            except (OSError, pa.ArrowException) as error:
+                    for number, row in _group(file, group, wanted, only):
+                        self._check(path, number, row, task)
+                        yield row
+            except (OSError, pa.ArrowException, ValueError) as error:
                 raise _unreadable(self.folder / path, error) from None
 
-
-def _as_written(manifest: Any) -> bool:
-    """Whether a manifest has what one has that we write."""
-    return _has(manifest, _WHOLE) and all(
-        isinstance(manifest[name], dict) and all(_has(each, keys) for each in manifest[name].values())
-        for name, keys in (("tasks", _TASK), ("shards", _SHARD))
-    )
+    def _check(self, path: str, number: int, row: Row, task: str) -> None:
+        """Raise WmsError, which names the file and the row, if a row is none that wmspec writes."""
+        if fault := row_fault(row, task, self.engines) or pictures_fault(row, PICTURES):
+            raise WmsError(f"row {number + 1}: {fault}", FilePlace(str(self.folder / path)), MENDED)
 
 
-def _has(value: Any, keys: set[str]) -> bool:
-    return isinstance(value, dict) and keys <= value.keys()
+def foreign(folder: Path, known: Collection[str]) -> list[str]:
+    """The files that are loaded as rows of a folder, as its card says, and are none of those known, in order."""
+    there = (path.relative_to(folder).as_posix() for path in sorted(folder.glob("data/*/test-*.parquet")))
+    return [path for path in there if path not in known]
+
+
+def _planned(folder: Path, manifest: dict[str, Any]) -> None:
+    """Raise WmsError if a manifest says otherwise than the plan beside it; a folder may have come without that."""
+    try:
+        plan = json.loads((folder / files.PLAN).read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return
+    if not isinstance(plan, dict):
+        return
+    same = all(plan[key] == manifest[key] for key in plan.keys() & {"seed", "engines", "size", "consensus", "versions"})
+    if fingerprint(plan) != manifest.get("fingerprint") or not same:
+        place = folder / files.MANIFEST
+        raise WmsError(f"{place} is not of the dataset that {folder / files.PLAN} plans; {MENDED}")
 
 
 def _digest(path: Path) -> str:
@@ -135,21 +150,29 @@ def _digest(path: Path) -> str:
         raise _unreadable(path, error) from None
 
 
-def _group(file: pq.ParquetFile, group: int, columns: Sequence[str], only: Collection[int] | None) -> Iterator[Row]:
+def _group(
+    file: pq.ParquetFile, group: int, columns: Sequence[str], only: Collection[int] | None
+) -> Iterator[tuple[int, Row]]:
+    """The rows of a group, each with its number in the file."""
     if only is not None and not set(file.read_row_group(group, ["index"])["index"].to_pylist()) & set(only):
         return
-    for row in file.read_row_group(group, columns).to_pylist():
+    before = sum(file.metadata.row_group(g).num_rows for g in range(group))
+    for number, row in enumerate(file.read_row_group(group, columns).to_pylist(), before):
         if only is None or row["index"] in only:
-            yield row
+            yield number, row
 
 
 def _opened(path: Path) -> pq.ParquetFile:
     try:
-        return pq.ParquetFile(path)
-    except (OSError, pa.ArrowException) as error:
+        file = pq.ParquetFile(path)
+        fault = columns_fault(file.schema_arrow)
+    except (OSError, pa.ArrowException, ValueError) as error:
         raise _unreadable(path, error) from None
+    if fault:
+        raise WmsError(fault, FilePlace(str(path)), MENDED)
+    return file
 
 
 def _unreadable(path: Path, error: Exception) -> WmsError:
-    reason = str(error).splitlines()[0]
+    reason = (str(error).splitlines() or [type(error).__name__])[0][:200]
     return WmsError(f"cannot be read ({reason})", FilePlace(str(path)), MENDED)

@@ -10,11 +10,13 @@ import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from wmspec.diagnostics import WmsError
 from wmspec.write import files
 from wmspec.write.checkpoint import passing
 from wmspec.write.plan import Plan, Shard, Task, differences
+from wmspec.write.rebuild import rebuilt
 from wmspec.write.shards import Record, read_outcomes, read_record
 from wmspec.write.worker import Outcome
 
@@ -79,9 +81,10 @@ def _files(folder: Path, plan: Plan) -> Iterator[File]:
 def _plan(folder: Path, plan: Plan) -> Plan:
     """The plan of a folder: this one, but for which instances of the tasks it has."""
     try:
-        record = json.loads((folder / files.PLAN).read_bytes())
+        path = folder / files.PLAN
+        record: Any = json.loads(path.read_bytes()) if path.exists() else rebuilt(folder, plan)
         indices = {name: tuple(map(int, numbers)) for name, numbers in record["tasks"].items()}
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         raise WmsError(
             f"{folder} holds no dataset that could be reused; name a folder that `wmspec generate` made"
         ) from None

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-import pyarrow.compute as pc
-import pyarrow.dataset as ds
 from PIL import Image
 
 from wmspec.diagnostics import WmsError
+from wmspec.foreign import picture
 from wmspec.write import typeset
-from wmspec.write.reader import DatasetReader
+from wmspec.write.reader import PICTURES, DatasetReader
 from wmspec.write.rows import Row
 from wmspec.write.typeset import BLACK, GREEN, GREY, PALE, Picture, Style
 from wmspec.write.words import human, reading
@@ -48,7 +45,7 @@ def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = No
             raise WmsError(f"{folder} has no task `{name}`; it has {', '.join(manifest['tasks'])}")
     dataset.intact()
     parts = [_title(manifest)]
-    parts += [_task(folder, manifest, name, count) for name in chosen]
+    parts += [_task(dataset, name, count) for name in chosen]
     return typeset.padded(typeset.above(parts, 70), MARGIN)
 
 
@@ -69,11 +66,11 @@ def _title(manifest: dict[str, Any]) -> Picture:
     )
 
 
-def _task(folder: Path, manifest: dict[str, Any], name: str, count: int) -> Picture:
-    about = manifest["tasks"][name]
+def _task(dataset: DatasetReader, name: str, count: int) -> Picture:
+    about = dataset.manifest["tasks"][name]
     head = [typeset.rule(_inside(), BLACK, 3), typeset.paragraph(about["title"] or name, TASK, _inside())]
     head += [typeset.paragraph(f"{name}  ·  {about['dimension']}  ·  {_kept(about)}", SMALL, _inside())]
-    shown = [_question(list(rows), units) for rows, units in _picked(folder, manifest, name, count)]
+    shown = [_question(list(rows), units) for rows, units in _picked(dataset, name, count)]
     nothing = typeset.paragraph("every question was rejected", BODY, _inside())
     return typeset.above([typeset.above(head, 8), *(shown or [nothing])], 40)
 
@@ -83,20 +80,14 @@ def _kept(about: dict[str, Any]) -> str:
     return f"{rows:,} questions kept, {lost:,} rejected"
 
 
-def _picked(
-    folder: Path, manifest: dict[str, Any], task: str, count: int
-) -> Iterator[tuple[list[Row], dict[str, str]]]:
+def _picked(dataset: DatasetReader, task: str, count: int) -> Iterator[tuple[list[Row], dict[str, str]]]:
     """The rows of `count` questions, engine by engine, spread over the task; those that all engines ask come first."""
-    files = [str(folder / path) for path in manifest["shards"] if path.startswith(f"data/{task}/")]
-    if not files:
-        return
-    data = ds.dataset(files, format="parquet")
-    units = {f.name: (f.metadata or {}).get(b"unit", b"").decode() for f in data.schema}
-    keys = data.to_table(columns=["index", "question", "engine"]).to_pylist()
-    for index, question in _spread(keys, count):
-        which = (pc.field("index") == index) & (pc.field("question") == question)
-        rows = _decoded(data.to_table(filter=which))
-        yield sorted(rows, key=lambda r: manifest["engines"].index(r["engine"])), units
+    units = dataset.units(task)
+    chosen = _spread(list(dataset.rows(task, ["index", "question", "engine"])), count)
+    rows = [_decoded(row) for row in dataset.rows(task, only={index for index, _ in chosen})]
+    for which in chosen:
+        same = [row for row in rows if (row["index"], row["question"]) == which]
+        yield sorted(same, key=lambda r: dataset.engines.index(r["engine"])), units
 
 
 def _spread(keys: list[Row], count: int) -> list[tuple[int, int]]:
@@ -111,12 +102,8 @@ def _spread(keys: list[Row], count: int) -> list[tuple[int, int]]:
     return [best[i * len(best) // shown] for i in range(shown)]
 
 
-def _decoded(table: pa.Table) -> list[Row]:
-    rows: list[Row] = table.to_pylist()
-    for row in rows:
-        for column in ("context", "option_image"):
-            row[column] = [Image.open(io.BytesIO(p["bytes"])).convert("RGB") for p in row[column]]
-    return rows
+def _decoded(row: Row) -> Row:
+    return row | {name: [picture(p["bytes"], "PNG").convert("RGB") for p in row[name]] for name in PICTURES}
 
 
 # ---------------------------------------------------------------- a question
@@ -139,7 +126,7 @@ def _question(rows: list[Row], units: dict[str, str]) -> Picture:
 def _factors(row: Row, units: dict[str, str]) -> str:
     """The instance in words: its factors, then its nuisances."""
     named = [(name, value) for name, value in row.items() if name.startswith(("factor.", "nuisance."))]
-    values = "  ·  ".join(f"{name.partition('.')[2]} {human(value, units[name])}" for name, value in named)
+    values = "  ·  ".join(f"{name.partition('.')[2]} {human(value, units.get(name, ''))}" for name, value in named)
     return f"instance {row['index']}:  {values}"
 
 

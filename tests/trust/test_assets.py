@@ -1,0 +1,229 @@
+"""Files beside a spec from a stranger: links that lead out, and what would fill the memory."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import pytest
+import trimesh
+from PIL import Image, PngImagePlugin
+
+from tests.trust.made import wmspec
+from wmspec.foreign import inside, is_name, picture
+from wmspec.limits import PIXELS, TooLarge
+
+SPEC = """
+use tabletop
+task t : custom {{
+  object thing {{ file: "{file}" {more} }}
+  observe front at 0 s
+}}
+"""
+PLAIN = SPEC.replace('{{ file: "{file}" {more} }}', "{{ shape: cube size: 10 cm {more} }}")
+
+
+def checked(folder: Path, text: str) -> str:
+    (folder / "t.wms").write_text(text)
+    result = wmspec("check", folder / "t.wms")
+    assert result.exit_code in (0, 2)
+    return result.output
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    (tmp_path / "project").mkdir()
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "cup.obj")
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "project" / "cup.obj")
+    Image.new("RGB", (8, 8), "red").save(tmp_path / "label.png")
+    (tmp_path / "secret.wms").write_text("root:x:0:0:root:/root:/bin/bash\n")
+    return tmp_path / "project"
+
+
+def test_the_plain_project_is_right(project: Path) -> None:
+    assert "no mistakes" in checked(project, SPEC.format(file="cup.obj", more=""))
+
+
+def test_a_mesh_that_is_a_link_out_of_the_project(project: Path) -> None:
+    (project / "out.obj").symlink_to("../cup.obj")
+    output = checked(project, SPEC.format(file="out.obj", more=""))
+    assert "`out.obj` is a link that leads out of the spec's folder" in output
+
+
+def test_a_picture_that_is_a_link_out_of_the_project(project: Path) -> None:
+    (project / "out.png").symlink_to("../label.png")
+    output = checked(project, PLAIN.format(file="", more='image: "out.png"'))
+    assert "`out.png` is a link that leads out of the spec's folder" in output
+
+
+def test_a_library_that_is_a_link_out_of_the_project(project: Path) -> None:
+    (project / "lib.wms").symlink_to("../secret.wms")
+    output = checked(project, "use lib\n" + SPEC.format(file="cup.obj", more=""))
+    assert "there is no library `lib`" in output
+    assert "root:" not in output
+
+
+def test_a_spec_in_a_folder_that_is_a_link_out_of_it(project: Path) -> None:
+    (project / "spec.wms").symlink_to("../secret.wms")
+    (project / "t.wms").write_text(SPEC.format(file="cup.obj", more=""))
+    assert "root:" not in wmspec("check", project).output
+
+
+@pytest.mark.parametrize("form", ["urdf", "mjcf"])
+def test_the_mesh_of_an_asset_that_is_a_link_out_of_the_project(project: Path, form: str) -> None:
+    (project / "out.obj").symlink_to("../cup.obj")
+    urdf = (
+        '<robot name="r"><link name="l"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" '
+        'iyz="0"/></inertial><collision><geometry><mesh filename="out.obj"/></geometry></collision></link></robot>'
+    )
+    mjcf = (
+        '<mujoco><asset><mesh name="m" file="out.obj"/></asset><worldbody><body><geom type="mesh" mesh="m"/></body>'
+        "</worldbody></mujoco>"
+    )
+    name = {"urdf": "r.urdf", "mjcf": "r.xml"}[form]
+    (project / name).write_text({"urdf": urdf, "mjcf": mjcf}[form])
+    assert "there is no mesh `out.obj` below the spec's folder" in checked(project, SPEC.format(file=name, more=""))
+
+
+def test_links_inside_are_followed(project: Path) -> None:
+    (project / "same.obj").symlink_to("cup.obj")
+    assert "no mistakes" in checked(project, SPEC.format(file="same.obj", more=""))
+
+
+# ---------------------------------------------------------------- too large
+
+
+def test_references_that_double(project: Path) -> None:
+    """3 kB that ask for 2^25 prims: 60 s and 1.7 GB before they were refused."""
+    layers = ['def Xform "p0" {\ndef Sphere "s" {}\n}']
+    for i in range(1, 26):
+        both = "\n".join(f'def "{side}" (references = </p{i - 1}>) {{}}' for side in "ab")
+        layers.append(f'def Xform "p{i}" {{\n{both}\n}}')
+    (project / "many.usda").write_text('#usda 1.0\n(defaultPrim = "p25")\n' + "\n".join(layers))
+    began = time.process_time()
+    output = checked(project, SPEC.format(file="many.usda", more=""))
+    assert "many.usda: has more than 200,000 prims when its references are followed" in output
+    result = wmspec("run", project / "many.usda")
+    assert result.exit_code == 2
+    assert "has more than 200,000 prims when its references are followed" in result.output
+    assert time.process_time() - began < 30
+
+
+def test_layers_that_double(project: Path) -> None:
+    (project / "l0.usda").write_text('#usda 1.0\n(defaultPrim = "p")\ndef Sphere "p" {}')
+    for i in range(1, 26):
+        both = "\n".join(f'def "{side}" (payload = @l{i - 1}.usda@) {{}}' for side in "ab")
+        (project / f"l{i}.usda").write_text(f'#usda 1.0\n(defaultPrim = "p")\ndef Xform "p" {{\n{both}\n}}')
+    assert "has more than 200,000 prims when" in checked(project, SPEC.format(file="l25.usda", more=""))
+
+
+def test_references_in_a_circle_are_told_by_usd(project: Path) -> None:
+    (project / "round.usda").write_text('#usda 1.0\n(defaultPrim = "a")\ndef "a" (references = </a>) {}')
+    assert "round.usda" in checked(project, SPEC.format(file="round.usda", more=""))
+
+
+def test_a_mesh_of_too_many_faces(project: Path) -> None:
+    with (project / "cup.stl").open("wb") as file:
+        file.write(b"\0" * 80 + (400_000).to_bytes(4, "little"))
+        file.truncate(84 + 400_000 * 50)
+    output = checked(project, SPEC.format(file="cup.stl", more=""))
+    assert "has more than 1,000,000 points or corners" in output
+
+
+def test_a_file_of_too_many_bytes(project: Path) -> None:
+    with (project / "cup.ply").open("wb") as file:
+        file.truncate(100_000_001)
+    assert "has more than 100,000,000 bytes" in checked(project, SPEC.format(file="cup.ply", more=""))
+
+
+def test_a_picture_of_too_many_pixels(project: Path) -> None:
+    """`generate` ended with a traceback, at every resume; now `check` says it."""
+    Image.new("1", (30_000, 30_000)).save(project / "bomb.png")
+    output = checked(project, PLAIN.format(file="", more='image: "bomb.png"'))
+    assert "`bomb.png` has more than 67,108,864 pixels" in output
+
+
+@pytest.mark.parametrize("content", [b"", b"GIF89a", b"\x89PNG\r\n\x1a\n" + b"\0" * 40])
+def test_a_picture_that_is_none(project: Path, content: bytes) -> None:
+    (project / "bad.png").write_bytes(content)
+    output = checked(project, PLAIN.format(file="", more='image: "bad.png"'))
+    assert "`bad.png` cannot be read: it is damaged, or no PNG or JPEG" in output
+
+
+def test_texts_in_a_picture_that_unpack_to_too_much_are_told(tmp_path: Path) -> None:
+    info = PngImagePlugin.PngInfo()
+    for i in range(80):
+        info.add_text(f"t{i}", "x" * 1_000_000, zip=True)
+    Image.new("RGB", (8, 8)).save(tmp_path / "texts.png", pnginfo=info)
+    with pytest.raises(Exception, match="cannot be read"):
+        picture(tmp_path / "texts.png")
+
+
+@pytest.mark.parametrize("horizon", ["601 s", "36000000 s"])
+def test_a_horizon_that_is_too_far(project: Path, horizon: str) -> None:
+    text = PLAIN.format(file="", more="").replace("observe front", f"horizon {horizon}\n  observe front")
+    assert "`horizon` must be at most 600 s" in checked(project, text)
+
+
+def test_an_observation_that_is_too_far(project: Path) -> None:
+    text = PLAIN.format(file="", more="").replace("at 0 s", "at 20 min")
+    output = checked(project, text.replace("20 min", "1200 s"))
+    assert "the episode has more than 600 seconds here" in output
+
+
+# ---------------------------------------------------------------- refused by us, whatever the libraries do
+
+
+@pytest.mark.parametrize("uri", ["../secret.bin", "/etc/hostname", "file:///etc/hostname", "https://a.example/x.bin"])
+def test_a_gltf_that_uses_files_elsewhere(project: Path, uri: str) -> None:
+    (project.parent / "secret.bin").write_bytes(b"\0" * 100)
+    whole = trimesh.creation.box((0.1, 0.1, 0.1)).export(file_type="gltf")
+    text = json.loads(whole["model.gltf"])
+    text["buffers"][0]["uri"] = uri
+    (project / "cup.gltf").write_text(json.dumps(text))
+    assert f"uses `{uri}`, which is not beside it" in checked(project, SPEC.format(file="cup.gltf", more=""))
+
+
+def test_a_dae_with_entities(project: Path) -> None:
+    text = trimesh.creation.box((0.1, 0.1, 0.1)).export(file_type="dae").decode()
+    start = text.index("<COLLADA")
+    (project / "good.dae").write_text(text)
+    evil = '<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/hostname">]>'
+    (project / "cup.dae").write_text(text[:start] + evil + text[start:])
+    assert "has a document type or entities" in checked(project, SPEC.format(file="cup.dae", more=""))
+    assert "no mistakes" in checked(project, SPEC.format(file="good.dae", more=""))
+
+
+# ---------------------------------------------------------------- the helpers
+
+
+@pytest.mark.parametrize("name", ["collide", "a.b-c_1", "Ünïcode", "x" * 100])
+def test_names(name: str) -> None:
+    assert is_name(name)
+
+
+@pytest.mark.parametrize(
+    "name", ["", ".", "..", "a/b", "a\\b", ".hidden", "-o", "x" * 101, "a\0", "a\n", "a b", 7, None]
+)
+def test_what_is_no_name(name: object) -> None:
+    assert not is_name(name)
+
+
+def test_inside_follows_links_and_survives_what_is_no_path(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "f").write_text("")
+    (tmp_path / "a/link").symlink_to(tmp_path / "f")
+    (tmp_path / "a/round").symlink_to(tmp_path / "a/round")
+    assert inside(tmp_path, tmp_path / "f")
+    assert not inside(tmp_path / "a", tmp_path / "a/link")
+    assert not inside(tmp_path, tmp_path / "a/round")
+    assert not inside(tmp_path, tmp_path / "a")
+    assert not inside(tmp_path, tmp_path / ("x" * 5000))
+    assert not inside(tmp_path, tmp_path / "a\0b")
+
+
+def test_a_picture_is_as_large_as_the_limit(tmp_path: Path) -> None:
+    Image.new("1", (8192, 8193)).save(tmp_path / "large.png")
+    with pytest.raises(TooLarge, match=f"{PIXELS.most:,}"):
+        picture(tmp_path / "large.png")

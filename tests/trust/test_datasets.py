@@ -1,0 +1,162 @@
+"""A dataset from a stranger: what is wrong is told in a sentence, and nothing is written but where it was asked."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.dataset.made import make, plan
+from tests.dataset.test_dataset import contents
+from tests.trust.made import below, edited, png, rewritten, signed, wmspec
+from wmspec.diagnostics import WmsError
+from wmspec.write.dataset import Dataset
+from wmspec.write.reader import DatasetReader
+from wmspec.write.reuse import Before
+
+SHARD = "data/collide/test-00000-of-00003.parquet"
+Change = Callable[[list[dict[str, Any]]], None]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("whole") / "data set"
+    make(folder, plan())
+    return folder
+
+
+@pytest.fixture
+def folder(tmp_path: Path, whole: Path) -> Path:
+    shutil.copytree(whole, tmp_path / "in")
+    return tmp_path / "in"
+
+
+def setting(name: str, value: Any) -> Change:
+    def change(rows: list[dict[str, Any]]) -> None:
+        rows[1][name] = value
+
+    return change
+
+
+def pictured(content: bytes) -> Change:
+    return lambda rows: rows[1]["context"][0].update(bytes=content)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (setting("task", "../../out"), "row 2: its task is `../../out`"),
+        (setting("engine", "/tmp/x"), "row 2: its engine is `/tmp/x`"),
+        (setting("renderer", "../x"), "row 2: its renderer is `../x`, which is no name"),
+        (setting("text", None), "row 2: `text` is null"),
+        (setting("index", -1), "row 2: its index is -1"),
+        (setting("answer", 9), "row 2: its answer is 9, of 4 options"),
+        (setting("answer", None), "row 2: its answer is None, of 4 options"),
+        (setting("context_camera", []), "row 2: it has 3 context, 0 context_camera"),
+        (setting("option_image", []), "row 2: it has 4 options, 0 with a text and 0 with a picture"),
+        (pictured(b"<script>"), "row 2: picture 1 of `context` is no PNG"),
+    ],
+)
+@pytest.mark.parametrize("output", ["page.html", "folder", "sheet.png"])
+def test_rows_that_are_not_rows(tmp_path: Path, folder: Path, change: Change, told: str, output: str) -> None:
+    rewritten(folder, SHARD, change)
+    before = below(tmp_path)
+    result = wmspec("view", folder, "-o", tmp_path / "out" / output if output == "folder" else tmp_path / output)
+    assert result.exit_code == 2
+    assert f"{SHARD}: {told}" in result.output
+    assert all(path.is_relative_to(tmp_path / "out") for path in below(tmp_path) - before)
+
+
+@pytest.mark.parametrize("content", [png(64)[:-200], png(64)[:8] + b"no more", png(64)[:60]])
+@pytest.mark.parametrize("output", ["page.html", "folder", "sheet.png"])
+def test_pictures_that_are_cut_off(tmp_path: Path, folder: Path, content: bytes, output: str) -> None:
+    rewritten(folder, SHARD, pictured(content))
+    result = wmspec("view", folder, "-o", tmp_path / output)
+    assert result.exit_code == 2
+    assert "cannot be read: it is damaged, or no PNG" in result.output
+
+
+def test_a_task_whose_name_leads_out(tmp_path: Path, folder: Path) -> None:
+    """What `view` wrote under `pictures/{task}` went to wherever the manifest said."""
+    (folder / "data/collide").rename(tmp_path / "evil")
+
+    def renamed(manifest: dict[str, Any]) -> None:
+        manifest["tasks"]["../../evil"] = manifest["tasks"].pop("collide")
+
+    edited(folder, renamed)
+    before = below(tmp_path)
+    result = wmspec("view", folder, "-o", tmp_path / "out" / "deep")
+    assert result.exit_code == 2
+    assert "manifest.json is not one that `wmspec generate` writes: `tasks.../../evil" in result.output
+    assert below(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda m: m.update(rows=3), "it counts 3 rows"),
+        (lambda m: m.update(rows="many"), "`rows`: input should be a valid integer"),
+        (lambda m: m["tasks"]["collide"].update(rows={"mujoco": 1}), "it counts 1 rows of `collide`"),
+        (lambda m: m["tasks"].pop("collide"), "it has files of `collide`, which is none of its tasks"),
+        (lambda m: m["shards"].update({"data/../../x.parquet": {"rows": 0, "sha256": "0" * 64}}), "`shards."),
+        (lambda m: m["rejected"].update(list=[]), "its rejections are not those that it counts"),
+        (lambda m: m.update(engines=[]), "`engines`"),
+        (lambda m: m.update(seed=8), "is not of the dataset that"),
+        (lambda m: m.update(fingerprint="0" * 64), "is not of the dataset that"),
+    ],
+)
+@pytest.mark.parametrize("command", ["view", "audit"])
+def test_a_manifest_that_was_edited(tmp_path: Path, folder: Path, change: Any, told: str, command: str) -> None:
+    edited(folder, change)
+    result = wmspec(command, folder, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert told in result.output
+
+
+def test_a_file_too_many_is_told_by_whoever_reads_the_folder(tmp_path: Path, folder: Path) -> None:
+    foreign = "data/collide/test-00003-of-00004.parquet"
+    shutil.copy(folder / SHARD, folder / foreign)
+    for command in ("view", "audit"):
+        result = wmspec(command, folder, "-o", tmp_path / "out")
+        assert result.exit_code != 0
+        assert f"{foreign} is none of the dataset's files" in result.output
+    with pytest.raises(WmsError, match=f"{foreign} is none of the dataset's files"):
+        Dataset.open(folder, plan())
+    assert (folder / foreign).exists(), "it is somebody's"
+
+
+@pytest.mark.parametrize("name", ["context", "answer"])
+def test_columns_of_another_type(folder: Path, name: str) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(folder / SHARD)
+    place = table.column_names.index(name)
+    pq.write_table(table.set_column(place, name, pa.array(["x"] * len(table))), folder / SHARD)
+    signed(folder, SHARD)
+    with pytest.raises(WmsError, match=f"column `{name}` is string, expected"):
+        list(DatasetReader.open(folder).rows("collide"))
+
+
+def test_a_plan_that_was_lost_is_rebuilt(tmp_path: Path, folder: Path, whole: Path) -> None:
+    lost = folder / "plan.json"
+    lost.unlink()
+    Dataset.open(folder, plan()).close()
+    assert contents(folder) == contents(whole)
+
+
+def test_a_plan_that_was_lost_is_rebuilt_for_reuse(tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    ordered = plan(count=4)
+    ordered = replace(ordered, tasks=tuple(replace(t, indices=tuple(sorted(t.indices))) for t in ordered.tasks))
+    few = replace(ordered, tasks=tuple(replace(t, indices=t.indices[:2]) for t in ordered.tasks))
+    make(tmp_path / "few", few)
+    (tmp_path / "few/plan.json").unlink()
+    before = Before([tmp_path / "few"], ordered)
+    assert all(before.missing(s) == s.indices[len(s.indices) :] for s in few.shards())
+    with pytest.raises(WmsError, match="holds no dataset that could be reused"):
+        Before([tmp_path / "few"], replace(ordered, seed=8))

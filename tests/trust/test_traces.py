@@ -1,0 +1,112 @@
+"""Traces and stages from a stranger: nonsense is not drawn, and nothing is written outside the folder asked for."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.trust.made import STAGE, below, resaved, wmspec
+
+
+@pytest.fixture(scope="module")
+def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("trace")
+    (folder / "ball.usda").write_text(STAGE.format(task='"falls"'))
+    result = wmspec("run", folder / "ball.usda", "-b", "mujoco", "-o", folder / "ball.npz")
+    assert result.exit_code == 0, result.output
+    return folder / "ball.npz"
+
+
+@pytest.fixture
+def trace(tmp_path: Path, original: Path) -> Path:
+    (tmp_path / "in").mkdir()
+    copy = tmp_path / "in" / "ball.npz"
+    copy.write_bytes(original.read_bytes())
+    return copy
+
+
+def spoiled(value: float) -> Any:
+    def change(array: np.ndarray) -> np.ndarray:
+        array[3] = value
+        return array
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("arrays", "told"),
+    [
+        ({"position": spoiled(np.nan)}, "`position` has numbers that are not finite"),
+        ({"position": lambda a: a[:, :, :2]}, "`position` is float64 (25, 1, 2), expected float64 (25, 1, 3)"),
+        ({"position": lambda a: a.astype(complex)}, "`position` is complex128"),
+        ({"orientation": spoiled(0.0)}, "an orientation is no unit quaternion"),
+        ({"time": lambda a: a[:0]}, "`position` is float64"),
+        ({"time": spoiled(0.0)}, "its times do not begin at 0 and go on"),
+        ({"engine": np.array("../../evil")}, "its engine has no name"),
+        ({"engine": np.array(7)}, "there is no"),
+        ({"bodies": np.array(["cube"])}, "its bodies are not those of its stage, ball"),
+        ({"contacts": np.array([["a", "b"]]), "contact_times": np.array([[0.0, 1.0]])}, "a contact is of no bodies"),
+        ({"contacts": np.array([["a", "b"]])}, "not a trace of wmspec"),
+        ({"time": None}, "not a trace of wmspec"),
+        ({"stage": np.array("#usda 1.0\n(subLayers = [@/etc/hosts@])")}, "its stage uses files of its own"),
+    ],
+)
+def test_a_trace_that_is_not_one(tmp_path: Path, trace: Path, arrays: dict[str, Any], told: str) -> None:
+    resaved(trace, **arrays)
+    result = wmspec("render", trace, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert told in result.output
+    assert "ball.npz" in result.output or "engine" in told or "no" in told
+
+
+def test_a_trace_with_too_few_samples(tmp_path: Path, trace: Path) -> None:
+    names = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
+    resaved(trace, **dict.fromkeys(names, lambda a: a[:3]))
+    result = wmspec("render", trace, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "it has 3 samples; its stage lasts for 25" in result.output
+
+
+def test_an_array_that_says_it_is_longer_is_not_made_room_for(tmp_path: Path, trace: Path) -> None:
+    head = io.BytesIO()
+    np.lib.format.write_array_header_1_0(head, {"descr": "<f8", "fortran_order": False, "shape": (10**12,)})
+    with zipfile.ZipFile(trace, "a") as archive:
+        archive.writestr("more.npy", head.getvalue())
+    result = wmspec("render", trace, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "not a trace of wmspec" in result.output
+
+
+@pytest.mark.parametrize("end", [0, 1, 30, 400, -1, -100])
+def test_a_trace_that_is_cut_off(tmp_path: Path, trace: Path, end: int) -> None:
+    trace.write_bytes(trace.read_bytes()[:end])
+    result = wmspec("render", trace, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "not a trace of wmspec" in result.output
+
+
+@pytest.mark.parametrize("task", ['"../../evil"', '"/tmp/evil"', '"a/b"', '"."', '"x y"', '"' + "x" * 300 + '"'])
+@pytest.mark.parametrize("command", ["run", "render"])
+def test_a_task_whose_name_leads_out(tmp_path: Path, task: str, command: str) -> None:
+    """`render` wrote its pictures to wherever the stage's `wms:task` said."""
+    stage = tmp_path / "evil.usda"
+    stage.write_text(STAGE.format(task=task))
+    before = below(tmp_path)
+    result = wmspec(command, stage, "-b", "mujoco", *(["-o", tmp_path / "deep/out"] if command == "render" else []))
+    assert result.exit_code == 2
+    assert "is no name" in result.output
+    assert below(tmp_path) == before
+
+
+@pytest.mark.parametrize("seconds", [601, 36_000_000])
+def test_an_episode_that_lasts_too_long(tmp_path: Path, seconds: int) -> None:
+    stage = tmp_path / "long.usda"
+    stage.write_text(STAGE.format(task='"long"').replace("0.1", f"{seconds}", 1))
+    result = wmspec("run", stage, "-b", "mujoco")
+    assert result.exit_code == 2
+    assert "has more than 600 seconds" in result.output

@@ -1,0 +1,52 @@
+"""What others wrote, checked before it is used: a name as a name, a path as one that stays, a picture as a picture."""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from pathlib import Path
+
+from PIL import Image
+
+from wmspec.diagnostics import WmsError
+from wmspec.limits import PIXELS
+
+_NAME = re.compile(r"\w[\w.-]{0,99}")
+
+
+def is_name(text: object) -> bool:
+    """Whether a text can be (part of) the name of a file: letters, digits, `_`, and later also `-` and `.`."""
+    return isinstance(text, str) and _NAME.fullmatch(text) is not None
+
+
+def inside(folder: Path, path: Path) -> bool:
+    """Whether there is a file at a path that lies below the folder, wherever symbolic links lead."""
+    try:
+        return path.is_file() and path.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError):  # a name that is too long, a null character, links in a circle
+        return False
+
+
+def picture(source: Path | bytes, *formats: str) -> Image.Image:
+    """A picture, read to its end: of one of Pillow's `formats`, PNG or JPEG if none are named.
+
+    Raises WmsError if it is something else, damaged, or too large.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own limit is told below
+            image = Image.open(source if isinstance(source, Path) else io.BytesIO(source), "r", formats or _FORMATS)
+            if image.width * image.height > PIXELS.most:
+                raise PIXELS.exceeded()
+            image.load()
+    except Image.DecompressionBombError:
+        raise PIXELS.exceeded() from None
+    except (OSError, SyntaxError, ValueError, EOFError, MemoryError, AttributeError, IndexError, KeyError) as error:
+        kinds = " or ".join(formats or _FORMATS)
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else f"it is damaged, or no {kinds}"
+        raise WmsError(f"cannot be read: {reason}", help="save it again") from None
+    return image
+
+
+_FORMATS = ("PNG", "JPEG")
