@@ -90,7 +90,7 @@ def test_a_trace_that_is_cut_off(tmp_path: Path, trace: Path, end: int) -> None:
     assert "not a trace of wmspec" in result.output
 
 
-@pytest.mark.parametrize("task", ['"../../evil"', '"/tmp/evil"', '"a/b"', '"."', '"x y"', '"' + "x" * 300 + '"'])
+@pytest.mark.parametrize("task", ['"../../evil"', '"/tmp/evil"', '"."', '"x y"', '"' + "x" * 300 + '"'])
 @pytest.mark.parametrize("command", ["run", "render"])
 def test_a_task_whose_name_leads_out(tmp_path: Path, task: str, command: str) -> None:
     """`render` wrote its pictures to wherever the stage's `wms:task` said."""
@@ -110,3 +110,11 @@ def test_an_episode_that_lasts_too_long(tmp_path: Path, seconds: int) -> None:
     result = wmspec("run", stage, "-b", "mujoco")
     assert result.exit_code == 2
     assert "has more than 600 seconds" in result.output
+
+
+def test_a_task_may_be_named_by_its_folders(tmp_path: Path) -> None:
+    stage = tmp_path / "ball.usda"
+    stage.write_text(STAGE.format(task='"prediction/mechanistic/falls"'))
+    result = wmspec("render", stage, "-b", "mujoco", "-o", tmp_path / "out", "--size", "32")
+    assert result.exit_code == 0, result.output
+    assert all(path.name.startswith("falls-000000-mujoco-") for path in below(tmp_path / "out"))

@@ -68,7 +68,7 @@ def render_command(
     many = "," in backend or backend == "all"
     for episode in _episodes(source, backend, instance, seed):
         renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
-        name = f"{episode.scene.name}-{instance:06d}-{episode.engine}"
+        name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
         pictures = _Pictures(episode, camera, overlay, drawing)
         for path in _written(pictures, output, name, rate, many):
             click.echo(path)

@@ -57,7 +57,7 @@ def timing(episodes: Sequence[Usd.Prim]) -> tuple[str, float, int]:
     if rate <= 0:
         refuse(prim, f"wms:rate = {rate}", "expected a rate above 0")
     task = value(prim, "wms:task", "")
-    if task and not is_name(task):
+    if task and not all(map(is_name, str(task).split("/"))):
         refuse(prim, f"wms:task = {str(task)[:80]!r} is no name", "write a name such as collide")
     return task, seconds(prim, "wms:duration"), rate
 
