@@ -28,7 +28,14 @@ PER_TASK = {".png": 3, ".html": 20, "": 50}
     type=click.IntRange(1),
     help="How many instances of each task.  [default: 20 in a page, 50 in a folder, 3 on a sheet]",
 )
-def view_command(dataset: Path, output: Path, per_task: int | None) -> None:
+@click.option(
+    "--results",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="What models and people answered (evaluate, study collect), shown beside the truth.",
+)
+def view_command(dataset: Path, output: Path, per_task: int | None, results: tuple[Path, ...]) -> None:
     """Show a dataset: frames, options and answers, engine beside engine.
 
     The page opens from the disk in any browser. Truths are hidden until you answer or ask for them.
@@ -44,10 +51,11 @@ def view_command(dataset: Path, output: Path, per_task: int | None) -> None:
         click.echo(output)
         return
     from wmspec.gallery.gallery import folder, page
+    from wmspec.gallery.replies import read
     from wmspec.write.reader import DatasetReader
 
     opened = DatasetReader.open(dataset)
-    shown = (page if kind == ".html" else folder)(opened, count, output)
+    shown = (page if kind == ".html" else folder)(opened, count, output, read(results))
     where = output if kind == ".html" else output / "index.html"
     some = any(task["instances"] > count for task in opened.manifest["tasks"].values())
     which = f" of {count} instances of each task (--per-task)" if some else ""

@@ -5,20 +5,25 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
-import json
-from importlib.resources import files
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from wmspec.foreign import picture
-from wmspec.gallery.records import Put, about, records
+from wmspec.gallery.records import Record, about, records
+from wmspec.gallery.replies import NONE, Replies
 from wmspec.write.files import explained
 from wmspec.write.reader import DatasetReader
+from wmspec.write.webpage import encoded, webpage
 
 #: How good the pictures inside a page are, which are compressed: of 100.
 QUALITY = 88
+#: A folder with more questions keeps most of what is known of them beside the page, in files of so many, and each is
+#: loaded when one of its questions is looked at.
+INSIDE, CHUNK = 400, 50
 
 
-def page(dataset: DatasetReader, per_task: int, path: Path) -> int:
+def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = NONE) -> int:
     """Write one page, its pictures compressed inside it. Returns the number of questions.
 
     Raises WmsError if there is no such file to be written, or if the dataset is damaged.
@@ -29,45 +34,61 @@ def page(dataset: DatasetReader, per_task: int, path: Path) -> int:
         picture(png, "PNG").convert("RGB").save(out, "WEBP", quality=QUALITY, method=4)
         return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
 
-    return _write(dataset, per_task, path, inside)
-
-
-def folder(dataset: DatasetReader, per_task: int, path: Path) -> int:
-    """Write a folder with `index.html` and the dataset's own pictures. Returns the number of questions.
-
-    Raises WmsError if it cannot be written, or if the dataset is damaged.
-    """
-
-    def beside(task: str, png: bytes) -> str:
-        picture(png, "PNG")
-        name = f"pictures/{task}/{hashlib.sha256(png).hexdigest()[:20]}.png"
-        place = path / name
-        if not place.exists():
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_bytes(png)
-        return name
-
-    return _write(dataset, per_task, path / "index.html", beside)
-
-
-def _write(dataset: DatasetReader, per_task: int, path: Path, put: Put) -> int:
     dataset.intact()
     with explained(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        content = about(dataset) | {"questions": list(records(dataset, per_task, put))}
-        path.write_text(html(content), encoding="utf-8")
-    return len(content["questions"])
+        questions = list(records(dataset, per_task, inside, replies))
+        path.write_text(html(about(dataset, replies) | {"questions": questions}), encoding="utf-8")
+    return len(questions)
 
 
-def html(content: dict[str, object]) -> str:
-    """The page: its template with style, data and script. No text of the data can end the element that it is in."""
-    data = json.dumps(content, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
-    parts = {"style": _part("page.css"), "script": _part("page.js"), "data": data}
-    whole = _part("page.html")
-    for name, part in parts.items():
-        whole = whole.replace(f"{{{{ {name} }}}}", part)
-    return whole
+def folder(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = NONE, inside: int = INSIDE) -> int:
+    """Write a folder with `index.html` and the dataset's own pictures. Returns the number of questions.
+
+    What is known of more than `inside` questions lies beside the page. Raises WmsError if it cannot be written, or if
+    the dataset is damaged.
+    """
+
+    def beside(task: str, png: bytes) -> str:  # noqa: ARG001  as `Put` has it
+        name = hashlib.sha256(png).hexdigest()[:20]
+        picture(png, "PNG")
+        place = path / "pictures" / name[:2] / f"{name}.png"
+        if not place.exists():
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_bytes(png)
+        return f"pictures/{name[:2]}/{name}.png"
+
+    dataset.intact()
+    with explained(path):
+        path.mkdir(parents=True, exist_ok=True)
+        questions = list(_parted(path, list(records(dataset, per_task, beside, replies)), inside))
+        path.joinpath("index.html").write_text(
+            html(about(dataset, replies) | {"questions": questions}), encoding="utf-8"
+        )
+    return len(questions)
 
 
-def _part(name: str) -> str:
-    return (files("wmspec.gallery") / name).read_text(encoding="utf-8")
+def _parted(path: Path, questions: list[Record], inside: int) -> Iterator[Record]:
+    """The records as the page has them: whole, or with what is looked at only in files of their own."""
+    if len(questions) <= inside:
+        yield from questions
+        return
+    for number, begin in enumerate(range(0, len(questions), CHUNK)):
+        chunk = questions[begin : begin + CHUNK]
+        file = f"questions/{number:05d}.js"
+        place = path / file
+        place.parent.mkdir(exist_ok=True)
+        runs = encoded({question["id"]: question["runs"] for question in chunk})
+        place.write_text(f"wmspecQuestions({runs});\n", encoding="utf-8")
+        yield from (_light(question) | {"file": file} for question in chunk)
+
+
+def _light(question: Record) -> Record:
+    """What is filtered, sorted and scored by."""
+    texts = list(dict.fromkeys(run["text"] for run in question["runs"]))
+    return {k: v for k, v in question.items() if k != "runs"} | {"texts": texts, "true": question["runs"][0]["true"]}
+
+
+def html(content: dict[str, Any]) -> str:
+    """The page with its data."""
+    return webpage("wmspec.gallery", content, scripts_beside=True)

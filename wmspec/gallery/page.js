@@ -18,14 +18,39 @@
 
   // ------------------------------------------------------------ state
 
-  const chosen = new Map(), shown = new Set();
-  let page = 0, current = 0, here = [];
+  const KEY = `wmspec-gallery-${data.fingerprint}-${data.name}`;
+  const kept = (() => { try { return JSON.parse(localStorage.getItem(KEY) ?? "{}"); } catch { return {}; } })();
+  const chosen = new Map(kept.chosen), shown = new Set(kept.shown);
+  /** Notes by the question's id: { flag, note }. */
+  const notes = new Map(kept.notes);
+  let page = 0, current = 0, here = [], range = null;
+
+  /** Keep everything over reloads. Who browses without storage loses it. */
+  function remember() {
+    const filters = Object.fromEntries([...NAMES, "engine", "model", "order", "search"].map((id) => [id, $(id).value]));
+    try { localStorage.setItem(KEY, JSON.stringify({ chosen: [...chosen], shown: [...shown], notes: [...notes], filters, page, range })); } catch { /* as it is */ }
+  }
+
+  // ------------------------------------------------------------ what lies beside the page
+
+  const byId = new Map(data.questions.map((q) => [q.id, q])), loading = new Map();
+  globalThis.wmspecQuestions = (runs) => { for (const [id, some] of Object.entries(runs)) if (byId.has(id)) byId.get(id).runs = some; };
+
+  /** Load what the page does not have of some questions. */
+  const load = (questions) => Promise.all(unique(questions.filter((q) => !q.runs).map((q) => q.file)).map((file) => {
+    if (!loading.has(file)) loading.set(file, new Promise((done) => {
+      document.head.append(make("script", { src: file, onload: done, onerror: () => { loading.delete(file); done(); } }));
+    }));
+    return loading.get(file);
+  }));
+  const trueOf = (q) => q.runs ? q.runs[0].true : q.true;
+  const textsOf = (q) => q.texts ?? q.runs.map((run) => run.text);
 
   const dimensionOf = (q) => data.tasks[q.task].dimension;
   const varied = (q) => ({ ...q.factors, ...q.nuisances });
-  const text = (q) => [q.id, ...q.runs.map((run) => run.text)].join(" ").toLowerCase();
+  function unique(values) { return [...new Set(values)]; }
+  const text = (q) => [q.id, ...textsOf(q)].join(" ").toLowerCase();
   const haystack = new Map(data.questions.map((q) => [q, text(q)]));
-  const unique = (values) => [...new Set(values)];
   const orderly = (values) => unique(values).sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
 
   function parents(path) {
@@ -65,6 +90,34 @@
     agreement: {
       label: "Engines", values: (qs) => orderly(qs.map((q) => q.agreement)), has: (q, value) => q.agreement === value,
     },
+    answered: {
+      label: "Models",
+      values: (qs) => data.models.length ? ["all right", "some wrong", "all wrong"].filter((v) => qs.some((q) => FILTERS.answered.has(q, v))) : [],
+      has: (q, value) => { const a = accuracy(q); return a !== null && (value === "all right" ? a === 1 : value === "all wrong" ? a === 0 : a < 1); },
+    },
+    noted: {
+      label: "Notes", values: () => notes.size ? ["flagged", "with a note"] : [],
+      has: (q, value) => { const n = notes.get(q.id); return Boolean(value === "flagged" ? n?.flag : n?.note); },
+    },
+  };
+
+  /** The share of replies that are right: of the model chosen, else of all. */
+  const accuracy = (q) => q.accuracy?.[$("model").value] ?? null;
+  /** Of the quantity that differs in most questions; others have no place on its axis. */
+  const strength = (q) => q.strength && q.strength.name === quantity() ? q.strength.value : null;
+  let known = null;
+  function quantity() {
+    if (known) return known;
+    const counts = new Map();
+    for (const q of passing()) if (q.strength) counts.set(q.strength.name, (counts.get(q.strength.name) ?? 0) + 1);
+    return known = [...counts].sort((a, b) => b[1] - a[1])[0]?.[0] ?? "";
+  }
+
+  /** What questions can be sorted and counted by: a number of each, or null. */
+  const MEASURES = {
+    margin: { label: "margin", of: (q) => q.margin ?? null },
+    difference: { label: "difference", of: strength },
+    accuracy: { label: "accuracy", of: accuracy },
   };
   const NAMES = Object.keys(FILTERS);
 
@@ -78,12 +131,15 @@
     $("filters").append(
       ...NAMES.map((name) => control(name, FILTERS[name].label, make("select", { id: name }))),
       control("engine", "Shown", select("engine", engines)),
-      control("order", "Order", select("order", [["", "as made"], ["mixed", "mixed"]])),
+      control("model", "Accuracy of", select("model", [["", "all"], ...data.models.map((m) => [m, m])])),
+      control("order", "Order", select("order", [["", "as made"], ["mixed", "mixed"], ...Object.keys(MEASURES).map((m) => [m, `by ${MEASURES[m].label}`])])),
       control("search", "Search", make("input", { id: "search", type: "search", placeholder: "words or an id" })),
     );
+    $("model").parentElement.hidden = !data.models.length;
     $("filters").addEventListener("input", (event) => {
       if (event.target.id === "engine") return draw();
       if (event.target.id === "factor") $("value").value = "";
+      range = null;
       refilter();
     });
     $("filters").addEventListener("submit", (event) => event.preventDefault());
@@ -104,32 +160,64 @@
       $(name).value = values.includes(kept) ? kept : "";
       $(name).disabled = values.length === 0;
     }
+    known = null;
     here = passing();
-    if ($("order").value) here.sort((a, b) => mixed(a.id) - mixed(b.id));
+    const measure = MEASURES[$("order").value];
+    histogram(measure);
+    if (measure) here = sorted(here.filter((q) => !range || within(measure.of(q))), measure.of);
+    else if ($("order").value) here.sort((a, b) => mixed(a.id) - mixed(b.id));
     page = current = 0;
     draw();
+  }
+
+  /** The least first, what has no number last. */
+  const sorted = (questions, of) => questions.map((q) => [of(q), q])
+    .sort((a, b) => (a[0] === null) - (b[0] === null) || a[0] - b[0]).map(([, q]) => q);
+  const within = (value) => value !== null && value >= range[0] && value <= range[1];
+
+  /** How many questions have how much of what they are sorted by; a bar is a filter. */
+  function histogram(measure) {
+    const values = measure ? here.map(measure.of).filter((v) => v !== null) : [];
+    $("histogram").hidden = values.length === 0;
+    if (!values.length) return;
+    const low = values.reduce((a, b) => Math.min(a, b)), high = values.reduce((a, b) => Math.max(a, b)), count = low === high ? 1 : 16;
+    const edge = (i) => i === count ? high : low + (high - low) * i / count;
+    const bars = Array.from({ length: count }, () => 0);
+    for (const v of values) bars[low === high ? 0 : Math.min(count - 1, Math.floor((v - low) / (high - low) * count))] += 1;
+    const most = bars.reduce((a, b) => Math.max(a, b)), said = (v) => Number(v.toPrecision(3));
+    const name = measure === MEASURES.difference ? quantity() : measure.label;
+    $("histogram").replaceChildren(make("span", {}, `${said(low)}`), ...bars.map((n, i) => {
+      const is = range && range[0] === edge(i), label = `${name} ${said(edge(i))} to ${said(edge(i + 1))}: ${n}`;
+      const bar = make("button", { type: "button", title: label, "aria-label": label, "aria-pressed": String(Boolean(is)),
+                                   onclick: () => { range = is ? null : [edge(i), edge(i + 1)]; refilter(); } });
+      bar.style.setProperty("--share", n / most);
+      return bar;
+    }), make("span", {}, `${said(high)} ${name}`));
   }
 
   // ------------------------------------------------------------ a question
 
   const runsOf = (q) => { const e = $("engine").value; const some = q.runs.filter((run) => run.engine === e); return some.length ? some : q.runs; };
   const open = (q) => q.runs[0].options.length === 0;
+  const address = (q) => `#${encodeURIComponent(q.id)}`;
 
   function card(q, place) {
     const told = shown.has(q.id), runs = runsOf(q), heading = `question-${place}`;
     const texts = unique(runs.map((run) => run.text));
     return make("article", { id: `card-${place}`, "aria-labelledby": heading, tabindex: -1, "data-id": q.id,
                              class: place === current ? "current" : "" },
-      make("p", { class: "small" }, `${data.tasks[q.task].title} · ${dimensionOf(q)} · ${q.id}`),
+      make("p", { class: "small" }, `${data.tasks[q.task].title} · ${dimensionOf(q)} · `,
+        make("a", { class: "id", href: address(q), title: "A link to this question" }, q.id)),
       make("h2", { id: heading }, texts.join(" / ")),
       runs.map((run) => runRow(q, run, told)),
-      below(q, told), told ? facts(q, runs) : null);
+      below(q, told), told ? facts(q, runs) : null, told ? replies(runs) : null);
   }
 
   function runRow(q, run, told) {
     const drawn = run.renderer === run.engine ? null : make("small", {}, `drawn by ${run.renderer}`);
     const looks = run.context.map((look) => make("figure", {},
-      make("img", { src: look.src, loading: "lazy", decoding: "async", alt: `${look.camera} camera at ${look.time}, ${run.engine}` }),
+      make("button", { type: "button", "aria-label": `Large: ${look.camera} camera at ${look.time}, ${run.engine}`, onclick: () => enlarge(q, look.src) },
+        make("img", { src: look.src, loading: "lazy", decoding: "async", alt: `${look.camera} camera at ${look.time}, ${run.engine}` })),
       make("figcaption", {}, `${look.camera}, ${look.time}`)));
     const pictures = run.options.some((option) => "src" in option);
     const options = run.options.map((option, i) => choice(q, run, option, i, told));
@@ -150,11 +238,41 @@
   }
 
   function below(q, told) {
-    const picked = chosen.get(q.id), right = picked === q.runs[0].true;
+    const picked = chosen.get(q.id), right = picked === q.runs[0].true, { flag = false, note = "" } = notes.get(q.id) ?? {};
     return make("div", { class: "below" },
       make("button", { type: "button", "aria-expanded": String(told), onclick: () => reveal(q) }, told ? "Hide the truth" : "Show the truth"),
       picked === undefined ? null : make("span", { class: `outcome ${right ? "right" : "wrong"}` },
-        right ? `${LETTERS[picked]} is right` : `${LETTERS[picked]} is wrong`));
+        right ? `${LETTERS[picked]} is right` : `${LETTERS[picked]} is wrong`),
+      pictures(q).length ? make("button", { type: "button", onclick: () => enlarge(q) }, "Large") : null,
+      make("button", { type: "button", class: "flag", "aria-pressed": String(flag), onclick: () => mark(q, { flag: !flag }) }, flag ? "⚑ Flagged" : "⚐ Flag"),
+      make("details", { class: "note", open: Boolean(note) }, make("summary", {}, "Note"),
+        (() => { const area = make("textarea", { "aria-label": `A note on ${q.id}`, maxlength: 4000, oninput: (event) => mark(q, { note: event.target.value }, false) }); area.value = note; return area; })()));
+  }
+
+  /** Change a question's flag or note. */
+  function mark(q, change, again = true) {
+    const { flag, note } = { flag: false, note: "", ...notes.get(q.id), ...change };
+    if (flag || note) notes.set(q.id, { flag, note }); else notes.delete(q.id);
+    $("export").hidden = notes.size === 0;
+    remember();
+    if (again) redraw(q);
+  }
+
+  /** All flags and notes as a file. */
+  function save() {
+    const said = { dataset: data.name, fingerprint: data.fingerprint, notes: [...notes].map(([id, said]) => ({ id, ...said })) };
+    const url = URL.createObjectURL(new Blob([JSON.stringify(said, null, 1)], { type: "application/json" }));
+    make("a", { href: url, download: `${data.name}-notes.json` }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 60000);
+  }
+
+  /** What models and people answered. */
+  function replies(runs) {
+    const rows = runs.flatMap((run) => (run.replies ?? []).map((reply) => make("tr", {},
+      make("td", {}, reply.model), runs.length > 1 ? make("td", {}, run.engine) : null,
+      make("td", { class: reply.right ? "right" : "wrong" }, reply.right ? "✓" : "✗", " ", reply.parsed == null ? reply.status === "ok" ? "" : reply.status : LETTERS[reply.parsed]),
+      make("td", {}, reply.text))));
+    return rows.length ? make("div", { class: "scroll" }, make("table", { class: "replies", "aria-label": "Answers of models and people" }, make("tbody", {}, rows))) : null;
   }
 
   /** Everything that would give the answer away. */
@@ -188,11 +306,13 @@
     shown.add(q.id);
     redraw(q);
     score();
+    remember();
   }
 
   function reveal(q) {
     if (shown.has(q.id)) shown.delete(q.id); else shown.add(q.id);
     redraw(q);
+    remember();
   }
 
   function redraw(q) {
@@ -206,18 +326,160 @@
   }
 
   function score() {
-    const right = data.questions.filter((q) => chosen.get(q.id) === q.runs[0].true && chosen.has(q.id)).length;
+    const right = data.questions.filter((q) => chosen.get(q.id) === trueOf(q) && chosen.has(q.id)).length;
     $("score").textContent = chosen.size ? `${right} of ${chosen.size} right` : "";
     $("again").hidden = chosen.size === 0;
   }
 
+  const onPage = () => here.slice(page * PER_PAGE, (page + 1) * PER_PAGE);
+
   function draw() {
-    const pages = Math.max(1, Math.ceil(here.length / PER_PAGE));
-    const cards = here.slice(page * PER_PAGE, (page + 1) * PER_PAGE).map(card);
+    const questions = onPage(), pages = Math.max(1, Math.ceil(here.length / PER_PAGE));
+    const lacking = questions.some((q) => !q.runs);
+    if (lacking) load(questions).then(() => { if (onPage().every((q) => q.runs)) { draw(); if (wanted) { wanted = null; hold(); } } });
+    const cards = questions.filter((q) => q.runs).map((q) => card(q, questions.indexOf(q)));
+    if (lacking && !cards.length) cards.push(make("p", { class: "none" }, "Loading; if nothing comes, a file is missing beside this page."));
     $("questions").replaceChildren(...(cards.length ? cards : [make("p", { class: "none" }, "No question is like that.")]));
     $("where").textContent = `page ${page + 1} of ${pages}, ${here.length.toLocaleString("en")} questions`;
     $("before").disabled = page === 0;
     $("after").disabled = page >= pages - 1;
+    tellRejected();
+    remember();
+  }
+
+  /** Instances that yield no question, and why. */
+  function tellRejected() {
+    const task = $("task").value, dimension = $("dimension").value;
+    const some = data.rejected.filter(([name]) => (!task || name === task) && (!dimension || FILTERS.dimension.has({ task: name }, dimension)));
+    $("rejected").hidden = some.length === 0;
+    const reasons = new Map();
+    for (const [, , , , reason] of some) reasons.set(reason, (reasons.get(reason) ?? 0) + 1);
+    const first = data.rejections > data.rejected.length ? ` of the first ${data.rejected.length.toLocaleString("en")}` : "";
+    $("rejected").querySelector("summary").textContent = `Rejected${first}: ${[...reasons].map(([r, n]) => `${n.toLocaleString("en")} ${r}`).join(", ")}`;
+    const row = (cell, values) => make("tr", {}, values.map((value) => make(cell, {}, String(value))));
+    $("rejected").querySelector("div").replaceChildren(make("table", {}, make("tbody", {}, row("th", ["instance", "engine", "reason", ""]),
+      some.slice(0, 200).map(([name, index, question, engine, reason, detail]) => row("td", [`${name}/${index}${question ? `/q${question}` : ""}`, engine, reason, detail])))),
+      some.length > 200 ? make("p", { class: "small" }, `and ${(some.length - 200).toLocaleString("en")} more: choose a task`) : "");
+  }
+
+  // ------------------------------------------------------------ pictures, large
+
+  /** All pictures of a question as they are shown: what is said of each, where it is, which run and look. */
+  function pictures(q) {
+    return runsOf(q).flatMap((run) => [
+      ...run.context.map((look, i) => ({ src: look.src, said: `${run.engine}: ${look.camera}, ${look.time}`, ways: run.paths ?? [], upTo: i })),
+      ...run.options.flatMap((option, i) => "src" in option ? [{ src: option.src, said: `${run.engine}: option ${LETTERS[i]}`, ways: [], upTo: 0 }] : []),
+    ]);
+  }
+
+  const view = { all: [], images: [], other: false, scale: 1, timer: null };
+  const pressed = (id) => $(id).getAttribute("aria-pressed") === "true";
+
+  async function enlarge(q, src) {
+    view.all = pictures(q);
+    if (!view.all.length) return;
+    view.images = view.all.map(({ src }) => Object.assign(new Image(), { src }));
+    const first = Math.max(0, view.all.findIndex((picture) => picture.src === src));
+    for (const id of ["first", "second"]) $(id).replaceChildren(...view.all.map(({ said }, i) => make("option", { value: i }, said)));
+    $("first").value = first;
+    $("second").value = Math.min(first + 1, view.all.length - 1);
+    view.other = false;
+    $("ways").hidden = !view.all.some(({ ways }) => ways.length);
+    if (!$("viewer").open) $("viewer").showModal();
+    $("canvas").focus();
+    await Promise.allSettled(view.images.map((image) => image.decode()));
+    const room = $("canvas").parentElement, image = view.images[first];
+    const fit = Math.min(room.clientWidth / image.naturalWidth, (innerHeight - 220) / image.naturalHeight);
+    view.scale = fit >= 1 ? Math.floor(fit) : 1; // at its own size, or so many times larger
+    paint();
+  }
+
+  function paint() {
+    if (!$("viewer").open) return;
+    const places = [Number($("first").value), Number($("second").value)], place = places[view.other ? 1 : 0];
+    const image = view.images[place], canvas = $("canvas"), ink = canvas.getContext("2d");
+    if (!image?.naturalWidth) return;
+    canvas.width = image.naturalWidth;
+    canvas.height = image.naturalHeight;
+    ink.drawImage(image, 0, 0);
+    if (pressed("difference")) subtract(ink, view.images[places[0]], view.images[places[1]]);
+    else if (pressed("ways")) drawWays(ink, view.all[place]);
+    canvas.style.width = `${canvas.width * view.scale}px`;
+    $("scale").textContent = `${view.scale}×`;
+    $("caption").textContent = pressed("difference") ? `${view.all[places[0]].said} − ${view.all[places[1]].said}, 4 times as strong` : view.all[place].said;
+  }
+
+  /** What differs, four times as strong; done by composition, as pictures on a disk may not be read pixel by pixel. */
+  function subtract(ink, a, b) {
+    const { width, height } = ink.canvas;
+    ink.drawImage(a, 0, 0);
+    ink.globalCompositeOperation = "difference";
+    ink.drawImage(b, 0, 0, width, height);
+    ink.globalCompositeOperation = "lighter";
+    for (let times = 1; times < 4; times *= 2) ink.drawImage(ink.canvas, 0, 0);
+    ink.globalCompositeOperation = "source-over";
+  }
+
+  /** The ways of things up to a picture. */
+  function drawWays(ink, { ways, upTo }) {
+    ink.lineJoin = "round";
+    for (const [color, wide] of [["#141618", 4], ["#fff", 2]]) for (const { points } of ways) {
+      const seen = points.slice(0, upTo + 1).filter(Boolean);
+      ink.strokeStyle = ink.fillStyle = color;
+      ink.lineWidth = wide * ink.canvas.height / 512;
+      ink.beginPath();
+      seen.forEach(([x, y], i) => i ? ink.lineTo(x + .5, y + .5) : ink.moveTo(x + .5, y + .5));
+      ink.stroke();
+      for (const [x, y] of seen) { ink.beginPath(); ink.arc(x + .5, y + .5, 1.2 * ink.lineWidth, 0, 7); ink.fill(); }
+    }
+  }
+
+  function toggle(id) {
+    $(id).setAttribute("aria-pressed", String(!pressed(id)));
+    clearInterval(view.timer);
+    if (pressed("flicker")) view.timer = setInterval(swap, 400);  // slower than three flashes a second (WCAG 2.3.1)
+    paint();
+  }
+
+  function swap() { view.other = !view.other; paint(); }
+  function scale(by) { view.scale = Math.max(.5, Math.min(16, by > 0 ? view.scale * 2 : view.scale / 2)); paint(); }
+  function step(by) {
+    const count = view.all.length, at = (Number($("first").value) + by + count) % count;
+    $("first").value = at;
+    $("second").value = (at + 1) % count;
+    view.other = false;
+    paint();
+  }
+
+  const LARGE = { ArrowLeft: () => step(-1), ArrowRight: () => step(1), " ": swap, x: () => toggle("flicker"), d: () => toggle("difference"),
+                  w: () => { if (!$("ways").hidden) toggle("ways"); }, "+": () => scale(1), "=": () => scale(1), "-": () => scale(-1) };
+
+  // ------------------------------------------------------------ links to a question
+
+  let wanted = null;
+
+  /** Show the question that the address names. */
+  function follow() {
+    let id = "";
+    try { id = decodeURIComponent(location.hash.slice(1)); } catch { return; }
+    const q = byId.get(id);
+    if (!q) return;
+    if (!here.includes(q)) {
+      for (const name of [...NAMES, "search"]) $(name).value = "";
+      range = null;
+      refilter();
+    }
+    wanted = q;
+    page = Math.floor(here.indexOf(q) / PER_PAGE);
+    current = here.indexOf(q) % PER_PAGE;
+    draw();
+    hold();
+  }
+
+  /** The note on the question at hand. */
+  function write(q) {
+    const note = $(`card-${here.indexOf(q) - page * PER_PAGE}`)?.querySelector(".note");
+    if (note) { note.open = true; note.querySelector("textarea").focus(); }
   }
 
   function turn(by) {
@@ -252,16 +514,25 @@
     hold(); // fewer or more pictures make the page shorter or longer
   }
 
+  const at = () => { const q = here[page * PER_PAGE + current]; return q?.runs ? q : undefined; };
+
   const KEYS = {
     j: () => go(1), k: () => go(-1), ArrowDown: () => go(1), ArrowUp: () => go(-1), n: () => turn(1), p: () => turn(-1),
     e: nextEngine, "/": () => $("search").focus(), "?": () => $("keys").showModal(),
-    r: () => { const q = here[page * PER_PAGE + current]; if (q) reveal(q); },
+    z: () => { const q = at(); if (q) enlarge(q); }, c: () => { const q = at(); if (q) write(q); },
+    f: () => { const q = at(); if (q) mark(q, { flag: !notes.get(q.id)?.flag }); },
+    r: () => { const q = at(); if (q) reveal(q); },
   };
 
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || $("keys").open) return;
-    if (event.target.matches("input, select")) { if (event.key === "Escape") event.target.blur(); return; }
-    const q = here[page * PER_PAGE + current];
+    if ($("viewer").open) {
+      if (event.target.matches("select, button") && event.key === " ") return;
+      if (event.key in LARGE && !(event.target.matches("select") && event.key.startsWith("Arrow"))) { LARGE[event.key](); event.preventDefault(); }
+      return;
+    }
+    if (event.target.matches("input, select, textarea")) { if (event.key === "Escape") event.target.blur(); return; }
+    const q = at();
     if (/^[1-9]$/.test(event.key) && q) answer(q, Number(event.key) - 1);
     else if (event.key in KEYS) KEYS[event.key]();
     else return;
@@ -286,6 +557,13 @@
   $("before").addEventListener("click", () => turn(-1));
   $("after").addEventListener("click", () => turn(1));
   $("again").addEventListener("click", () => { chosen.clear(); shown.clear(); score(); draw(); });
+  $("export").addEventListener("click", save);
+  $("export").hidden = notes.size === 0;
+  for (const [id, does] of Object.entries({ swap, flicker: () => toggle("flicker"), difference: () => toggle("difference"), ways: () => toggle("ways"),
+                                            smaller: () => scale(-1), larger: () => scale(1), close: () => $("viewer").close() })) $(id).addEventListener("click", does);
+  for (const id of ["first", "second"]) $(id).addEventListener("input", () => { view.other = id === "second"; paint(); });
+  $("viewer").addEventListener("close", () => { if (pressed("flicker")) toggle("flicker"); hold(); });
+  window.addEventListener("hashchange", follow);
   $("questions").addEventListener("focusin", (event) => {
     const card = event.target.closest("article");
     if (!card || card.id === `card-${current}`) return;
@@ -294,5 +572,12 @@
   });
   buildFilters();
   refilter();
+  // What was chosen before: a factor offers its values only when it is chosen.
+  for (const [id, value] of Object.entries(kept.filters ?? {})) if (value && $(id)) { $(id).value = value; if (id === "factor") refilter(); }
+  range = kept.range ?? null;
+  const before = kept.page ?? 0;
+  refilter();
+  if (before * PER_PAGE < here.length) { page = before; draw(); }
   score();
+  follow();
 })();

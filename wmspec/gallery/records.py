@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterator
 from itertools import groupby
 from typing import Any
 
-from wmspec.write.reader import DatasetReader
+from wmspec.gallery.paths import IDS, paths
+from wmspec.gallery.replies import NONE, Replies
+from wmspec.write.reader import CHANNELS, DatasetReader
 from wmspec.write.rows import Row
 from wmspec.write.words import human, reading
 
@@ -16,10 +18,22 @@ Record = dict[str, Any]
 Put = Callable[[str, bytes], str]
 
 
-def about(dataset: DatasetReader) -> Record:
-    """What the page says of the dataset and of its tasks."""
+#: How many rejected instances are told one by one.
+MOST_REJECTED = 2_000
+
+
+def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
+    """What the page says of the dataset, of its tasks, of what was rejected, and of who answered."""
     manifest = dataset.manifest
+    rejected = manifest.get("rejected", {}).get("list", ())
     return {
+        "fingerprint": str(manifest.get("fingerprint", ""))[:16],
+        "models": list(replies.models),
+        "rejected": [
+            [r["task"], r["index"], r["question"], r["engine"], r["reason"], r["detail"]]
+            for r in rejected[:MOST_REJECTED]
+        ],
+        "rejections": len(rejected),
         "name": dataset.folder.resolve().name,
         "engines": list(dataset.engines),
         "rows": manifest["rows"],
@@ -39,20 +53,22 @@ def about(dataset: DatasetReader) -> Record:
     }
 
 
-def records(dataset: DatasetReader, per_task: int, put: Put) -> Iterator[Record]:
+def records(dataset: DatasetReader, per_task: int, put: Put, replies: Replies = NONE) -> Iterator[Record]:
     """The records of at most `per_task` instances of each task, spread over those that were kept."""
     for task in dataset.tasks:
         units = dataset.units(task)
         kept = sorted({row["index"] for row in dataset.rows(task, ["index"])})
         shown = min(per_task, len(kept))
         chosen = {kept[i * len(kept) // shown] for i in range(shown)}
-        rows = sorted(dataset.rows(task, only=chosen), key=lambda r: (r["index"], r["question"]))
+        columns = [name for name in dataset.columns(task) if name == IDS or name not in CHANNELS]
+        rows = sorted(dataset.rows(task, columns, chosen), key=lambda r: (r["index"], r["question"]))
         for _, same in groupby(rows, key=lambda r: (r["index"], r["question"])):
-            yield _record(list(same), units, dataset.engines, put)
+            yield _record(list(same), units, dataset.engines, put, replies)
 
 
-def _record(rows: list[Row], units: dict[str, str], engines: tuple[str, ...], put: Put) -> Record:
+def _record(rows: list[Row], units: dict[str, str], engines: tuple[str, ...], put: Put, replies: Replies) -> Record:
     first = rows[0]
+    margins = [row["margin"] for row in rows if row["margin"] is not None]
     return {
         "id": f"{first['task']}/{first['index']}" + (f"/q{first['question']}" if first["question"] else ""),
         "task": first["task"],
@@ -60,9 +76,12 @@ def _record(rows: list[Row], units: dict[str, str], engines: tuple[str, ...], pu
         "factors": _varied(first, "factor", units),
         "nuisances": _varied(first, "nuisance", units),
         "difference": _difference(first),
+        "strength": _strength(first),
+        "margin": min(margins) if margins else None,
+        "accuracy": _accuracy([reply for row in rows for reply in replies.of(row["id"])]),
         "answer": _answer(first),
         "agreement": _agreement(rows),
-        "runs": [_run(row, put) for row in sorted(rows, key=lambda r: engines.index(r["engine"]))],
+        "runs": [_run(row, put, replies) for row in sorted(rows, key=lambda r: engines.index(r["engine"]))],
     }
 
 
@@ -74,6 +93,21 @@ def _difference(row: Row) -> str | None:
     """How strong the stimulus is, where the row says so."""
     difference = row.get("difference")
     return f"{difference['name']}: {human(difference['value'], difference['unit'])}" if difference else None
+
+
+def _strength(row: Row) -> Record | None:
+    """The same as a number, to sort by."""
+    difference = row.get("difference")
+    return {"name": difference["name"], "value": difference["value"]} if difference else None
+
+
+def _accuracy(replies: list[Record]) -> dict[str, float]:
+    """The share of each model's replies that are right; `""` has that of all."""
+    by_model: dict[str, list[bool]] = {}
+    for reply in replies:
+        for name in ("", reply["model"]):
+            by_model.setdefault(name, []).append(reply["right"])
+    return {name: sum(right) / len(right) for name, right in by_model.items()}
 
 
 def _answer(row: Row) -> str:
@@ -90,7 +124,7 @@ def _agreement(rows: list[Row]) -> str:
     return "all agree" if agree else "some differ"
 
 
-def _run(row: Row, put: Put) -> Record:
+def _run(row: Row, put: Put, replies: Replies) -> Record:
     """What one engine makes of it."""
     looks = zip(row["context"], row["context_camera"], row["context_time"], strict=True)
     return {
@@ -103,6 +137,8 @@ def _run(row: Row, put: Put) -> Record:
         "value": row["answer_value"],
         "measured": [[m["name"], reading(m["name"], m["value"])] for m in row["measured"]],
         "margin": None if row["margin"] is None else f"{row['margin']:.2g}",
+        "paths": paths(row),
+        "replies": replies.of(row["id"]),
         "votes": [[v["engine"], v["answer"], v.get("rejected")] for v in row["agreement"]],
     }
 
