@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
+from tests.browser import PATIENCE, browser
 from tests.engines import installed
-from tests.gallery.conftest import PATIENCE, browser
 from wmspec.diagnostics import WmsError
 from wmspec.editor.page import PageServer
 from wmspec.editor.start import first_spec

@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner, Result
 
-from tests.gallery.conftest import browser, opened  # noqa: F401  a fixture
+from tests.browser import browser, opened  # noqa: F401  a fixture
 from tests.report.conftest import Made
 from tests.report.made import Rater, answers, write
 from wmspec.cli import main
