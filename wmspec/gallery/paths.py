@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
 
 import numpy as np
-from PIL import Image
 
+from wmspec.foreign import picture
 from wmspec.write.rows import Row
 
 #: The columns that tell it.
@@ -23,8 +22,8 @@ def paths(row: Row) -> list[dict[str, object]]:
     """
     if not row.get(IDS) or len(set(row["context_camera"])) > 1:
         return []
-    pictures = [np.asarray(Image.open(io.BytesIO(picture["bytes"]))) for picture in row[IDS]]
-    return list(_moving(pictures, row[NAMES]))
+    seen = [np.asarray(picture(each["bytes"], "PNG")) for each in row[IDS]]
+    return list(_moving(seen, row[NAMES]))
 
 
 def _moving(pictures: list[np.ndarray], names: list[str]) -> Iterator[dict[str, object]]:

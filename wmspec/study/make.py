@@ -10,6 +10,7 @@ from pathlib import Path
 from wmspec.diagnostics import WmsError
 from wmspec.draws import bits
 from wmspec.evaluate.question import Question, questions
+from wmspec.foreign import picture
 from wmspec.study import page, store
 from wmspec.study.assign import slots
 from wmspec.study.model import FILE, PAGE, Item, Kind, Study, load, save
@@ -115,6 +116,7 @@ def _item(question: Question, kind: Kind, pictures: Path) -> Item:
 
 def _put(png: bytes, folder: Path) -> str:
     """Write a picture under a name that tells nothing of it."""
+    picture(png, "PNG")
     name = f"{hashlib.sha256(png).hexdigest()[:20]}.png"
     if not (folder / name).exists():
         (folder / name).write_bytes(png)
