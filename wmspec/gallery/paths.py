@@ -11,8 +11,8 @@ from wmspec.write.rows import Row
 
 #: The columns that tell it.
 IDS, NAMES = "context_ids", "context_names"
-#: What has come less far is at rest, in pixels.
-LEAST = 1.0
+#: What has come less far is at rest, in pixels: the middle of what is seen shifts where something covers it.
+LEAST = 3.0
 
 
 def paths(row: Row) -> list[dict[str, object]]:
