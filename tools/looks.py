@@ -125,9 +125,100 @@ def stripes() -> Grey:
     return np.where(np.floor(2 * Y) % 2 == 0, 1.0, 0.34)
 
 
+def brick() -> Grey:
+    """Bricks in rows, each of its own tone, half a brick aside from row to row, with light mortar."""
+    rows, long = 4, 2
+    v = rows * Y
+    row = np.floor(v).astype(int)
+    u = (long * X + 0.5 * (row % 2)) % long
+    tone = np.random.default_rng(61).uniform(0.58, 0.82, (rows, long))[row, np.floor(u).astype(int)]
+    edge = np.minimum(np.minimum(u % 1, 1 - u % 1) * 2, np.minimum(v % 1, 1 - v % 1))
+    face = soft(edge - 0.07, 0.05)
+    return np.clip(face * (tone + 0.05 * noise(62, 0.7)) + (1 - face) * (0.97 + 0.02 * noise(63, 0.4)), 0, 1)
+
+
+def tiles() -> Grey:
+    """Two by two glazed tiles with dark joints."""
+    u, v = 2 * X % 1, 2 * Y % 1
+    edge = np.minimum(np.minimum(u, 1 - u), np.minimum(v, 1 - v))
+    return np.clip(0.62 + 0.36 * soft(edge - 0.025, 0.02) - 0.015 * noise(71, 2.0), 0, 1)
+
+
+def planks() -> Grey:
+    """Boards along x, each with its own tone and grain, butted at different places, with dark gaps."""
+    boards = 4
+    v = boards * Y
+    board = np.floor(v).astype(int)
+    ends = np.array([0.1, 0.6, 0.35, 0.85])[board]
+    tone = np.random.default_rng(81).uniform(0.72, 0.95, boards)[board]
+    end = np.abs((X - ends + 0.5) % 1 - 0.5)
+    gap = soft(0.012 - np.minimum(np.minimum(v % 1, 1 - v % 1) / boards * 2, end), 0.008)
+    grain = 0.06 * noise(82, 1.3, across=9, least=3) + 0.03 * noise(83, 0.9, across=14, least=14)
+    return np.clip((tone - grain) * (1 - 0.6 * gap), 0, 1)
+
+
+def carpet() -> Grey:
+    """Tufts of wool: light heads with dark between them."""
+    return level(noise(91, 0.4, least=12) + 0.4 * noise(92, 0.9, least=10), 0.55, 1.0)
+
+
+def leather() -> Grey:
+    """Pebbles with dark creases between them."""
+    place = np.random.default_rng(101).random((420, 2))
+    apart = np.abs(np.stack([X, Y], 2)[:, :, None] - place)
+    near = np.sort((np.minimum(apart, 1 - apart) ** 2).sum(3), axis=2)[:, :, :2]
+    crease = np.sqrt(near[:, :, 1]) - np.sqrt(near[:, :, 0])
+    return np.clip(0.62 + 0.36 * soft(crease - 0.006, 0.012) - 0.02 * noise(102, 1.0), 0, 1)
+
+
+def paper() -> Grey:
+    """Edges of pages, or the fibres of card: fine lines along x."""
+    return np.clip(0.93 + 0.045 * noise(111, 0.3, across=60, least=20), 0, 1)
+
+
+def weave() -> Grey:
+    """Wicker: flat strips that go over and under round rods."""
+    u, v = 4 * X, 8 * Y
+    over = (np.floor(u) + np.floor(v)) % 2
+    bulge = np.sin(np.pi * (u % 1)) ** 0.5
+    strip = np.sqrt(np.clip(1 - (1.9 * (v % 1 - 0.5)) ** 2, 0, 1))
+    return np.clip(0.30 + 0.68 * strip * np.where(over == 0, bulge, 0.55) - 0.03 * noise(121, 0.6), 0, 1)
+
+
+def leaf() -> Grey:
+    """Foliage: leaves over leaves, each of one tone with a light rib."""
+    dice = np.random.default_rng(131)
+    grey = np.full((SIZE, SIZE), 0.35)
+    for place, turn, tone in zip(dice.random((260, 2)), dice.uniform(0, np.pi, 260), dice.random(260), strict=True):
+        dx, dy = ((X - place[0] + 0.5) % 1 - 0.5), ((Y - place[1] + 0.5) % 1 - 0.5)
+        along, across = dx * np.cos(turn) + dy * np.sin(turn), dy * np.cos(turn) - dx * np.sin(turn)
+        inside = np.abs(across) < 0.028 * (1 - (along / 0.08) ** 2)
+        grey = np.where(inside, 0.5 + 0.45 * tone + 0.1 * (np.abs(across) < 0.003), grey)
+    return np.clip(grey, 0, 1)
+
+
+def concrete() -> Grey:
+    """Cloudy grey with small pores."""
+    pores = soft(noise(142, 0.5, least=20) - 2.4, 0.3)
+    return np.clip(0.86 + 0.05 * noise(141, 1.6) - 0.4 * pores, 0, 1)
+
+
+def asphalt() -> Grey:
+    """Dark tar with light grit."""
+    return np.clip(0.62 + 0.11 * noise(151, 0.2) + 0.3 * soft(noise(152, 0.3, least=24) - 2.2, 0.4), 0, 1)
+
+
+def grass() -> Grey:
+    """Blades that stand up, light tips over dark ground."""
+    return level(noise(161, 0.7, across=0.3, least=4) + 0.3 * noise(162, 2.0), 0.4, 1.0)
+
+
 IMAGES: dict[str, Callable[[], Grey]] = {
     f"{make.__name__}.png": make
-    for make in (wood, marble, stone, metal, fabric, rubber, glass, checker, stripes)
+    for make in (
+        wood, marble, stone, metal, fabric, rubber, glass, checker, stripes, brick, tiles, planks, carpet, leather,
+        paper, weave, leaf, concrete, asphalt, grass,
+    )
 }  # fmt: skip
 
 

@@ -52,6 +52,17 @@ MATERIALS: dict[str, Material] = {
     "glass": Material("glossy, with streaks of light", (0.80, 0.90, 0.92), 0.05, image="glass.png", texels=1600),
     "checker": Material("squares, light and dark", (0.95, 0.95, 0.93), 0.60, image="checker.png", texels=4267),
     "stripes": Material("stripes, light and dark", (0.95, 0.95, 0.93), 0.60, image="stripes.png", texels=4267),
+    "brick": Material("a brick wall", (0.72, 0.36, 0.26), 0.90, image="brick.png", texels=512),
+    "tiles": Material("glazed tiles with joints", (0.93, 0.94, 0.94), 0.15, image="tiles.png", texels=640),
+    "planks": Material("boards of a floor", (0.76, 0.55, 0.36), 0.50, image="planks.png", texels=440),
+    "carpet": Material("tufts of wool", (0.62, 0.55, 0.50), 0.95, image="carpet.png", texels=900),
+    "leather": Material("pebbled leather", (0.42, 0.24, 0.14), 0.50, image="leather.png", texels=1600),
+    "paper": Material("card, or pages from the side", (0.93, 0.91, 0.86), 0.90, image="paper.png", texels=3200),
+    "weave": Material("wicker", (0.72, 0.54, 0.33), 0.80, image="weave.png", texels=1600),
+    "leaf": Material("leaves over leaves", (0.25, 0.48, 0.18), 0.70, image="leaf.png", texels=640),
+    "concrete": Material("smooth concrete with pores", (0.66, 0.66, 0.64), 0.85, image="concrete.png", texels=256),
+    "asphalt": Material("tar with grit", (0.30, 0.30, 0.32), 0.95, image="asphalt.png", texels=640),
+    "grass": Material("a lawn", (0.33, 0.52, 0.20), 0.95, image="grass.png", texels=400),
 }  # fmt: skip
 """Material by its name in the language."""
 

@@ -1,0 +1,212 @@
+"""The pictures of docs/worlds.md: every thing of the libraries, with its name and without, and every room.
+
+python tools/worlds.py things [NAME ...]    docs/images/things.jpg, or only these, into things_NAME.jpg
+python tools/worlds.py rooms [NAME ...]     docs/images/rooms.jpg, or only these
+python tools/worlds.py parity               what the pictures of the engines differ by: lines of a table
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from wmspec.check.task import check
+from wmspec.design.design import Design
+from wmspec.diagnostics import Report
+from wmspec.execute.backends import names
+from wmspec.execute.render_cache import RenderCache
+from wmspec.parse.load import library_folder, read_source
+from wmspec.parse.parser import parse
+from wmspec.parse.syntax import Template
+from wmspec.scene.bounds import upright
+from wmspec.scene.model import Frame, Scene, Shot
+from wmspec.stage.episode import document
+from wmspec.stage.layers import compose
+from wmspec.usd import read
+from wmspec.write import typeset
+from wmspec.write.typeset import Style
+
+IMAGES = Path(__file__).parent.parent / "docs/images"
+LIBRARIES = ("kitchenware", "food", "toys", "household", "furniture")
+ROOMS: tuple[str, ...] = ("living_room", "kitchen", "office", "workshop", "nursery", "hall", "terrace", "laboratory")
+CAMERAS = ("front", "side", "top", "oblique", "person")
+ABREAST, GAP = 8, 4
+
+THING = """
+use {library} only [{name}]
+object ground {{ shape: box  size: ({0:.4f} m, {0:.4f} m, 10 cm)  color: plaster  at: (0, 0, -5 cm)  fixed: true }}
+light sun {{ diffuse: 0.8  ambient: 0.45 }}
+object it : {name} {{ on: ground at (0, 0){more} }}
+camera near {{ at: ({1:.4f} m, {2:.4f} m, {3:.4f} m)  look_at: ({4:.4f} m, {5:.4f} m, {6:.4f} m)  fov: 30 deg }}
+task one : custom {{
+  factor only in [1, 2]
+  object weight {{ shape: sphere  size: 1 mm  mass: only * 1 g  on: ground at ({0:.4f} m * 0.49, {0:.4f} m * 0.49) }}
+  observe near at [0 s]
+}}
+"""
+ROOM = """
+use {name}{settings} as here
+task one : custom {{
+  factor only in [1, 2]
+  object weight {{ shape: sphere  size: 1 mm  mass: only * 1 g  on: here.{surface} at (0, 0) }}
+  observe here.front at [0 s]
+}}
+"""
+
+
+def scene(text: str) -> Scene:
+    """The first instance of a spec."""
+    with tempfile.TemporaryDirectory() as folder:
+        spec = Path(folder) / "one.wms"
+        spec.write_text(text)
+        report = Report()
+        tasks = check(spec, report)
+        report.stop_if_failed()
+        return read(compose(document(tasks[0], Design(tasks[0])[0])))
+
+
+def templates(library: str) -> list[str]:
+    """The templates that a library declares, in their order."""
+    file = parse(read_source(library_folder() / f"{library}.wms"), Report())
+    return [item.name.id for item in file.items if isinstance(item, Template)]
+
+
+def things() -> dict[str, str]:
+    """The library of every thing."""
+    return {name: library for library in LIBRARIES for name in templates(library)}
+
+
+def thing(name: str, library: str, more: str = "") -> Scene:
+    """A thing on a floor, and a camera that it fills the picture of."""
+
+    def placed(*camera: float) -> Scene:
+        return scene(THING.format(*camera, name=name, library=library, more=more))
+
+    still = placed(9, 0, -1, 1, 0, 0, 0)
+    it = next(body for body in still.bodies if body.name == "it")
+    low, high = upright([geom for geom in it.geoms if geom.visible], it.pose)
+    size = high - low
+    rise = math.radians(50 if size[2] < 0.3 * max(size[:2]) else 22)
+    away = 0.5 * float(np.linalg.norm(size)) / math.sin(math.radians(15)) * 0.98
+    middle, turn = (low + high) / 2, math.radians(28)
+    return placed(
+        away * 2.5,
+        middle[0] + away * math.sin(turn) * math.cos(rise),
+        middle[1] - away * math.cos(turn) * math.cos(rise),
+        middle[2] + away * math.sin(rise),
+        *middle,
+    )
+
+
+def surface(name: str) -> str:
+    """What things stand on in a room."""
+    text = read_source(library_folder() / f"{name}.wms").text
+    return "table" if "object table" in text else "floor"
+
+
+def room(name: str, settings: str = "") -> Scene:
+    """A room with nothing going on."""
+    return scene(ROOM.format(name=name, settings=settings, surface=surface(name)))
+
+
+def frames(what: Scene, engine: str, side: int, cameras: Iterable[str]) -> list[Frame]:
+    """The scene as it begins, from cameras by the ends of their names."""
+    studio = RenderCache(engine, side, side)
+    poses = tuple(body.pose for body in what.bodies)
+    views = [next(one.name for one in what.cameras if one.name.endswith(camera)) for camera in cameras]
+    drawn = [studio.draw(what, Shot(view, poses), depth=True) for view in views]
+    studio.close()
+    return drawn
+
+
+def pictures(what: Scene, engine: str, side: int, cameras: Iterable[str] = ("near",)) -> list[Image.Image]:
+    """The same, to be looked at."""
+    return [Image.fromarray(frame.rgb) for frame in frames(what, engine, side, cameras)]
+
+
+def rows(cells: Iterable[Image.Image], abreast: int) -> Iterator[Image.Image]:
+    """So many beside one another."""
+    every = list(cells)
+    for i in range(0, len(every), abreast):
+        yield typeset.beside(every[i : i + abreast], GAP)
+
+
+def thing_cell(name: str, library: str, engines: Iterable[str], side: int, named: bool) -> Image.Image:
+    """A thing in each engine, with or without its name below."""
+    what = thing(name, library)
+    cell = typeset.beside([one for engine in engines for one in pictures(what, engine, side)])
+    if not named:
+        return cell
+    label = typeset.paragraph(name.replace("_", " "), Style(15), cell.width, centred=True)
+    return typeset.above([cell, label])
+
+
+def things_sheet(chosen: Iterable[str], engines: Iterable[str], side: int, named: bool) -> Image.Image:
+    """All things."""
+    every = things()
+    cells = [thing_cell(name, every[name], engines, side, named) for name in chosen]
+    return typeset.padded(typeset.above(rows(cells, ABREAST // len(tuple(engines)) or 1), GAP), GAP)
+
+
+def rooms_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Image.Image:
+    """A row for each room and engine, a column for each camera."""
+    lines = []
+    for name in chosen:
+        for engine in engines:
+            label = typeset.paragraph(f"{name.replace('_', ' ')}, {engine}", Style(15), 90)
+            shown = pictures(room(name), engine, side, CAMERAS)
+            lines.append(typeset.beside([label, *shown], GAP, middle=True))
+    return typeset.padded(typeset.above(lines, GAP), GAP)
+
+
+def apart(a: Frame, b: Frame) -> tuple[float, float, float]:
+    """Of what both show: least overlap (IoU), most apart in mean colour (of 255), 99th percentile in depth (mm)."""
+    overlap, color = 1.0, 0.0
+    for body in np.unique(a.ids):
+        one, two = a.ids == body, b.ids == body
+        if one.sum() < 50:
+            continue
+        overlap = min(overlap, float((one & two).sum() / (one | two).sum()))
+        color = max(color, float(np.abs(a.rgb[one].mean(axis=0) - b.rgb[two].mean(axis=0)).max()))
+    assert a.depth is not None
+    assert b.depth is not None
+    same = (a.ids == b.ids) & (a.ids >= 0)
+    return overlap, color, float(np.percentile(np.abs(a.depth - b.depth)[same], 99)) * 1000
+
+
+def parity(side: int = 256) -> Iterator[str]:
+    """A line of a table for each of a sample."""
+    every = things()
+    sample = {name: (thing(name, every[name]), "near") for name in list(every)[::6]}
+    sample |= {name: (room(name), "front") for name in ROOMS}
+    for name, (what, camera) in sample.items():
+        drawn = {engine: frames(what, engine, side, [camera])[0] for engine in names()}
+        worst = [apart(drawn[a], drawn[b]) for a, b in combinations(drawn, 2)]
+        overlap, color, depth = min(w[0] for w in worst), max(w[1] for w in worst), max(w[2] for w in worst)
+        yield f"| {name.replace('_', ' ')} | {overlap:.3f} | {color:.1f} | {depth:.2f} |"
+
+
+def main(kind: str, *chosen: str) -> int:
+    """Write a picture, or print the lines."""
+    if kind == "parity":
+        for line in parity():
+            print(line, flush=True)
+        return 0
+    if kind == "rooms":
+        rooms_sheet(chosen or ROOMS, names(), 192).save(IMAGES / "rooms.jpg", quality=85)
+        return 0
+    every = chosen or tuple(things())
+    things_sheet(every, ("mujoco",), 128, named=True).save(IMAGES / "things.jpg", quality=85)
+    things_sheet(every, ("mujoco",), 128, named=False).save(IMAGES / "things_unnamed.jpg", quality=85)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
