@@ -1,7 +1,7 @@
 """The pictures of docs/worlds.md: every thing of the libraries, with its name and without, and every room.
 
-python tools/worlds.py things [NAME ...]    docs/images/things.jpg, or only these, into things_NAME.jpg
-python tools/worlds.py rooms [NAME ...]     docs/images/rooms.jpg, or only these
+python tools/worlds.py things [NAME ...]    all or these, named, and without names by each engine: docs/images/things*.jpg
+python tools/worlds.py rooms [NAME ...]     all or these, by each engine from each camera: docs/images/rooms.jpg
 python tools/worlds.py parity               what the pictures of the engines differ by: lines of a table
 """
 
@@ -152,7 +152,7 @@ def things_sheet(chosen: Iterable[str], engines: Iterable[str], side: int, named
     """All things."""
     every = things()
     cells = [thing_cell(name, every[name], engines, side, named) for name in chosen]
-    return typeset.padded(typeset.above(rows(cells, ABREAST // len(tuple(engines)) or 1), GAP), GAP)
+    return typeset.padded(typeset.above(rows(cells, ABREAST if len(tuple(engines)) == 1 else 5), GAP), GAP)
 
 
 def rooms_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Image.Image:
@@ -200,11 +200,11 @@ def main(kind: str, *chosen: str) -> int:
             print(line, flush=True)
         return 0
     if kind == "rooms":
-        rooms_sheet(chosen or ROOMS, names(), 192).save(IMAGES / "rooms.jpg", quality=85)
+        rooms_sheet(chosen or ROOMS, names(), 144).save(IMAGES / "rooms.jpg", quality=85)
         return 0
     every = chosen or tuple(things())
     things_sheet(every, ("mujoco",), 128, named=True).save(IMAGES / "things.jpg", quality=85)
-    things_sheet(every, ("mujoco",), 128, named=False).save(IMAGES / "things_unnamed.jpg", quality=85)
+    things_sheet(every, names(), 80, named=False).save(IMAGES / "things_engines.jpg", quality=80)
     return 0
 
 

@@ -1,0 +1,117 @@
+"""The things and rooms of the libraries: they weigh what they would, rest, fill their picture, and look alike."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+import wmspec
+from tests.engines import ENGINES, installed
+from tools import worlds
+from wmspec.execute.backends import default
+
+THINGS = worlds.things()
+#: Least and most that things of a library weigh (kg), but those that are lighter or heavier by nature.
+WEIGHS = {
+    "kitchenware": (0.1, 2.5),
+    "food": (0.03, 2.5),
+    "toys": (0.03, 2),
+    "household": (0.05, 6),
+    "furniture": (3, 80),
+}
+APART = {
+    "spoon": (0.02, 0.08),
+    "fork": (0.02, 0.08),
+    "pencil": (0.002, 0.01),
+    "television": (5, 20),
+    "window": (20, 60),
+    "door": (20, 60),
+}
+#: What stands up in MuJoCo for a second within this (m); a hammer lies down on its head first.
+STILL = 0.01
+
+STANDS = """
+use floor
+use {library} only [{name}]
+task stands : custom {{
+  factor only in [1, 2]
+  object it : {name} {{ on: floor at (0, 0) }}
+  object weight {{ shape: sphere  size: 1 cm  mass: only * 1 kg  on: floor at (9 m, 0) }}
+  observe front at [0 s, 0.5 s]
+}}
+"""
+PLAYED = """
+use {name}(style: style, clutter: clutter) as here
+task played : custom {{
+  factor style in ["warm", "cold", "dark"]
+  factor clutter in [0, 3]
+  object ball {{ shape: sphere  size: 6 cm  on: here.{surface} at (0, 0) }}
+  observe here.front at [0 s]
+}}
+"""
+
+
+def test_there_are_many() -> None:
+    assert len(THINGS) >= 40
+    assert sum(len(worlds.templates(library)) for library in worlds.LIBRARIES) == len(THINGS)
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_a_thing_weighs_what_it_would(name: str) -> None:
+    scene = worlds.scene(STANDS.format(library=THINGS[name], name=name))
+    inertia = next(body.inertia for body in scene.bodies if body.name == "it")
+    low, high = APART.get(name, WEIGHS[THINGS[name]])
+    assert inertia is not None
+    assert low < inertia.mass < high
+
+
+@pytest.mark.slow
+@pytest.mark.engine
+@pytest.mark.parametrize("name", THINGS)
+def test_a_thing_stands(name: str) -> None:
+    installed("mujoco")
+    run = wmspec.load(text=STANDS.format(library=THINGS[name], name=name))[0].run("mujoco")
+    path = run["it"].position
+    assert np.linalg.norm(path[-1] - path[0]) < STILL
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("name", ["mug", "tangerine", "striped_ball", "clock", "sofa"])
+def test_a_thing_fills_its_picture(name: str) -> None:
+    scene = worlds.thing(name, THINGS[name])
+    (frame,) = worlds.frames(scene, default(), 64, ["near"])
+    assert (frame.ids == [body.name for body in scene.bodies].index("it")).mean() > 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.engine
+@pytest.mark.parametrize("name", THINGS)
+def test_a_thing_looks_alike_in_all_engines(name: str) -> None:
+    for engine in ENGINES:
+        installed(engine)
+    scene = worlds.thing(name, THINGS[name])
+    drawn = [worlds.frames(scene, engine, 128, ["near"])[0] for engine in ENGINES]
+    assert (drawn[0].ids == [body.name for body in scene.bodies].index("it")).mean() > 0.015
+    for pair in combinations(drawn, 2):
+        overlap, color, _ = worlds.apart(*pair)
+        assert overlap > 0.97
+        assert color < 6
+
+
+@pytest.mark.parametrize("name", worlds.ROOMS)
+def test_a_room_has_styles_and_clutter_and_a_place_to_stand(name: str) -> None:
+    task = wmspec.load(text=PLAYED.format(name=name, surface=worlds.surface(name)))
+    assert len(task) == 6
+    looks = [task[i].stage().Flatten().ExportToString() for i in range(6)]
+    assert len(set(looks)) == 6
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("name", worlds.ROOMS)
+def test_no_camera_of_a_room_sees_an_empty_sky_or_one_thing_alone(name: str) -> None:
+    scene = worlds.room(name)
+    for frame in worlds.frames(scene, default(), 64, worlds.CAMERAS):
+        assert (frame.ids < 0).mean() < 0.02
+        assert len(np.unique(frame.ids)) >= 2 or name in ("terrace",)
