@@ -1,7 +1,7 @@
 """The pictures of docs/worlds.md: every thing of the libraries, with its name and without, and every room.
 
-python tools/worlds.py things [NAME ...]    all or these, named, and without names by each engine: docs/images/things*.jpg
-python tools/worlds.py rooms [NAME ...]     all or these, by each engine from each camera: docs/images/rooms.jpg
+python tools/worlds.py things [NAME ...]    named; every sixth without a name by each engine: docs/images/things*.jpg
+python tools/worlds.py rooms [NAME ...]     from each camera: docs/images/rooms.jpg
 python tools/worlds.py parity               what the pictures of the engines differ by: lines of a table
 """
 
@@ -20,7 +20,7 @@ from PIL import Image
 from wmspec.check.task import check
 from wmspec.design.design import Design
 from wmspec.diagnostics import Report
-from wmspec.execute.backends import names
+from wmspec.execute.backends import default, names
 from wmspec.execute.render_cache import RenderCache
 from wmspec.parse.load import library_folder, read_source
 from wmspec.parse.parser import parse
@@ -200,11 +200,11 @@ def main(kind: str, *chosen: str) -> int:
             print(line, flush=True)
         return 0
     if kind == "rooms":
-        rooms_sheet(chosen or ROOMS, names(), 144).save(IMAGES / "rooms.jpg", quality=85)
+        rooms_sheet(chosen or ROOMS, (default(),), 160).save(IMAGES / "rooms.jpg", quality=85)
         return 0
     every = chosen or tuple(things())
-    things_sheet(every, ("mujoco",), 128, named=True).save(IMAGES / "things.jpg", quality=85)
-    things_sheet(every, names(), 80, named=False).save(IMAGES / "things_engines.jpg", quality=80)
+    things_sheet(every, (default(),), 128, named=True).save(IMAGES / "things.jpg", quality=85)
+    things_sheet(every[::6], names(), 80, named=False).save(IMAGES / "things_engines.jpg", quality=85)
     return 0
 
 
