@@ -6,13 +6,13 @@ wants to know (its code, its place) is in the value; no text is ever read back.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Self
 
 from wmspec.places import FilePlace, Location, Place, PrimPlace, Span
+from wmspec.spelling import nearest
 
 Severity = Literal["error", "warning"]
 Part = Literal["error", "warning", "note", "help", "caret"]
@@ -242,12 +242,17 @@ def _order(place: Place | None) -> tuple[str, int]:
             return "", 0
 
 
-def suggestion(word: str, known: Iterable[str]) -> str:
-    """`did you mean X?` for the known word closest to `word`, or a list of a few known ones, or nothing."""
-    names = sorted(set(known))
-    close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
-    if close:
-        return f"did you mean `{close[0]}`?"
-    if 0 < len(names) <= 16:
-        return "known here: " + ", ".join(names)
-    return ""
+#: No more words than these are listed.
+FEW = 16
+
+
+def suggestion(word: str, *groups: Iterable[str]) -> str:
+    """`did you mean X?` for the known word closest to `word`, of equals one of an earlier group.
+
+    If none is close, a list of the first group that has a few, or nothing.
+    """
+    known = [sorted(set(group)) for group in groups]
+    if close := nearest(word, *known):
+        return f"did you mean `{close}`?"
+    few = next((names for names in known if 0 < len(names) <= FEW), ())
+    return f"known here: {', '.join(few)}" if few else ""

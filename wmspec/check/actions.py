@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir
-from wmspec.check.typed import Typed
+from wmspec.check.typed import Failed, Typed
 from wmspec.check.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, ROBOT, Type
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import Slot
@@ -46,6 +46,11 @@ class Act:
             name = argument.name.id if argument.name else names[i] if i < len(names) else ""
             found.append((name if name in names else "", argument))
         return found
+
+    @property
+    def strange(self) -> bool:
+        """Whether an argument is given that the verb does not know: one of its own may be meant by that."""
+        return any(not name for name, _ in self.assigned)
 
     @property
     def written(self) -> dict[str, s.Argument]:
@@ -99,6 +104,8 @@ def property_(check: Expressions, name: str, member: s.Name) -> Typed:
     if member.id in ("start", "duration"):
         return Typed(expr, A_TIME)
     if member.id not in does.written:
+        if slot.default is None and does.strange:
+            raise Failed
         if slot.default is None:
             check.fail("WMS206", f"`{name}` does not say its {member.id}", member.span, f"add `{member.id}:` to it")
         return Typed(expr, slot.types[0])

@@ -165,7 +165,7 @@ def _common(check: Expressions, function: str, written: list[s.Argument], given:
     for argument, typed in zip(written[1:], given[1:], strict=True):
         common = joined(kind, typed.type)
         if common is None:
-            check.misfit(argument.span, typed.type, (kind,), f"`{function}`, like its first argument,")
+            check.misfit(argument.value, typed.type, (kind,), f"`{function}`, like its first argument,")
         kind = common
     return kind
 

@@ -149,7 +149,7 @@ def _either(check: Expressions, e: s.Operation) -> Written:
     yes, no = (_separate(check, branch, "a choice between domains") for branch in branches)
     kind = joined(yes.type, no.type)
     if kind is None:
-        check.misfit(branches[1].span, no.type, (yes.type,), "`else`, like its `then`,")
+        check.misfit(branches[1], no.type, (yes.type,), "`else`, like its `then`,")
     options = [
         replace(option, when=((condition, holds), *option.when))
         for written, holds in ((yes, True), (no, False))
@@ -206,7 +206,7 @@ def _product(check: Expressions, e: s.Call) -> Written:
         common = joined(kind, written.type)
         if not isinstance(common, Quantity):
             wanted = kind if isinstance(kind, Quantity) else A_NUMBER
-            check.misfit(argument.span, written.type, (wanted,), "`product`")
+            check.misfit(argument, written.type, (wanted,), "`product`")
         if written.conditional:
             check.fail("WMS401", "`product` takes lists of which all values are always there", argument.span)
         kind = common
@@ -282,7 +282,7 @@ def _numbers(check: Expressions, e: s.Call, what: str) -> tuple[Type, tuple[floa
         check.fail("WMS302", f"`{e.function.id}` wants quantities, but this is {article(str(a.type))}", first.span)
     kind = joined(a.type, b.type)
     if kind is None:
-        check.misfit(second.span, b.type, (a.type,), f"`{e.function.id}`, like its first argument,")
+        check.misfit(second, b.type, (a.type,), f"`{e.function.id}`, like its first argument,")
     return kind, (_number(check, a.expr, first.span), _number(check, b.expr, second.span))
 
 

@@ -14,7 +14,7 @@ from wmspec.check.scope import Scope
 from wmspec.check.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.check.types import DIRECTION, OBJECT, TEXT, TRUTH, Quantity, Type, Vector, article, either
 from wmspec.check.units import NUMBER, Dimension
-from wmspec.diagnostics import Note, Report, suggestion
+from wmspec.diagnostics import Note, Report
 from wmspec.parse import syntax as s
 from wmspec.places import Span
 
@@ -31,6 +31,9 @@ class Expressions:
         self.scope = scope
         self.report = report
         self.subject: ir.Expr | None = None  # the acting object, inside an action's arguments
+        self._unknown: set[str] = set()
+        self.doubtful: set[str] = set()
+        """Named values that may be wrong themselves: no misfit of theirs is told (again)."""
         self.measured = False  # whether measured functions may stand here
         self._known: dict[tuple[str, str], Typed | None] = {}
         self._open: list[tuple[tuple[str, str], Span]] = []
@@ -44,7 +47,7 @@ class Expressions:
         for kind in wanted:
             if fits(typed.type, kind):
                 return Typed(typed.expr, kind)
-        self.misfit(e.span, typed.type, wanted, what)
+        self.misfit(e, typed.type, wanted, what)
 
     def infer(self, e: s.Expr, wanted: tuple[Type, ...] = ()) -> Typed:
         """Check an expression of any kind; `wanted` helps to read bare words and suggest others."""
@@ -58,7 +61,7 @@ class Expressions:
     def _infer(self, e: s.Expr, wanted: tuple[Type, ...]) -> Typed:
         match e:
             case s.Number():
-                return self._number(e)
+                return self._number(e, wanted)
             case s.Text() | s.Truth():
                 return Typed(ir.Value(value=e.value), TEXT if isinstance(e, s.Text) else TRUTH)
             case s.Name():
@@ -89,31 +92,61 @@ class Expressions:
         self.report.add(code, message, span, help, notes)
         raise Failed
 
-    def misfit(self, span: Span, found: Type, wanted: tuple[Type, ...], what: str) -> NoReturn:
-        """Report a value of the wrong kind."""
+    def unknown(self, e: s.Name, message: str, help: str, code: str = "WMS201") -> NoReturn:
+        """Report a name that stands for nothing here: each once, and none where names are missing."""
+        doubled = self.scope.doubled and "did you mean" not in help  # one of two may have been meant to be called so
+        if not e.id or not self.scope.whole or doubled or e.id in self._unknown:
+            raise Failed
+        self._unknown.add(e.id)
+        close = self.scope.names.get(help.partition("did you mean `")[2].partition("`")[0])
+        near = close is not None and close.name.span.source is e.span.source
+        notes = (Note("it is declared here", close.name.span),) if close is not None and near else ()
+        self.fail(code, message, e.span, help, notes)
+
+    def misfit(
+        self, e: s.Expr, found: Type, wanted: tuple[Type, ...], what: str, beside: s.Expr | None = None
+    ) -> NoReturn:
+        """Report a value of the wrong kind, which may be the fault of what is `beside` it.
+
+        Where a named value is involved, that may be what is wrong: of each, this is told once.
+        """
+        span = e.span
         wants = either([article(str(k)) for k in wanted])
         examples = [f"`{example(k)}`" for k in wanted[:2] if example(k)]
         quantities = isinstance(found, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
         if found == OBJECT and DIRECTION in wanted:
             help = f"write `toward({span.text})`"
+        elif isinstance(e, s.Name):
+            help = names.instead(self, e, wanted) or help
         shown = "a bare 0" if found == Quantity(ZERO) else article(str(found))
-        self.fail("WMS301" if quantities else "WMS302", f"{what} wants {wants}, but this is {shown}", span, help)
+        message = f"{what} wants {wants}, but this is {shown}"
+        if isinstance(e, s.Name) and names.undeclared(self, e, found) and set(wanted) & set(names.BLOCKS.values()):
+            self.unknown(e, message, help, "WMS302")
+        named = {n.id: d for n in s.names((e, beside)) if isinstance(d := self.scope.names.get(n.id), s.Let | s.Factor)}
+        if named.keys() & self.doubtful:
+            raise Failed
+        self.doubtful |= named.keys()
+        own = (d for d in named.values() if d.name.span.source is span.source)
+        notes = tuple(Note(f"`{d.name.id}` is declared here", d.name.span) for d in own)
+        self.fail("WMS301" if quantities else "WMS302", message, span, help, notes[:2])
 
-    def _number(self, e: s.Number) -> Typed:
-        scale, dimension = self.unit(e.unit, e.span) if e.unit else (1.0, NUMBER)
+    def _number(self, e: s.Number, wanted: tuple[Type, ...]) -> Typed:
+        scale, dimension = self.unit(e.unit, e.span, wanted) if e.unit else (1.0, NUMBER)
         if not math.isfinite(e.value * scale):
             self.fail("WMS304", "this number is too large", e.span)
         if e.value == 0 and e.unit is None:
             dimension = ZERO
         return Typed(ir.Value(value=units.convert(e.value, scale)), Quantity(dimension))
 
-    def unit(self, unit: str, span: Span) -> tuple[float, Dimension]:
+    def unit(self, unit: str, span: Span, wanted: tuple[Type, ...] = ()) -> tuple[float, Dimension]:
         """The SI value and dimension of a unit as written."""
         try:
             return units.parse_unit(unit)
         except units.UnknownUnit as error:
-            self.fail("WMS103", f"unknown unit `{error}`", span, suggestion(str(error), units.UNITS))
+            dimensions = [kind.dimension for kind in wanted if isinstance(kind, Quantity | Vector)]
+            help = units.remedy(str(error), span.text, dimensions)
+            self.fail("WMS103", f"unknown unit `{error}`", span, help)
 
     def once(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed:
         """Check a declaration the first time it is needed; a circle of declarations is a mistake."""

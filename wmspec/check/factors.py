@@ -161,7 +161,7 @@ class Factors:
         factor = self.check.scope.names.get(name)
         if not isinstance(factor, s.Factor) or factor.nuisance:
             factors = [f for f, x in self.check.scope.names.items() if isinstance(x, s.Factor) and not x.nuisance]
-            self.check.fail("WMS201", f"there is no factor `{name}`", span, suggestion(name, factors))
+            self.check.unknown(s.Name(name, span), f"there is no factor `{name}`", suggestion(name, factors))
         return factor
 
     def _count(self, e: s.Expr) -> int:

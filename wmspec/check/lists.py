@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wmspec.check import ir, units
+from wmspec.check import ir, names, units
 from wmspec.check.typed import Typed, constant, fits, joined
 from wmspec.check.types import A_NUMBER, List, Quantity, Type, Vector
 from wmspec.parse import syntax as s
@@ -24,14 +24,18 @@ def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -
         what = "only the values of a factor or nuisance have names, where it lists them"
         check.fail("WMS302", what, e.text.span, "remove the name")
     inner = tuple(k.item for k in wanted if isinstance(k, List) and k.item) or wanted
-    found = [check.infer(i, inner) for i in e.items]
+    found: list[Typed] = []
+    for item in e.items:
+        found.append(check.infer(item, inner or tuple(first.type for first in found[:1])))
     if e.unit is not None:
         found = [_scaled(check, i, e.unit, written.span) for i, written in zip(found, e.items, strict=True)]
     kind = found[0].type if found else None
-    for item, written in zip(found, e.items, strict=True):
-        common = joined(kind, item.type) if kind else None
+    for typed, written in zip(found, e.items, strict=True):
+        common = joined(kind, typed.type) if kind else None
         if kind is not None and common is None:
-            check.misfit(written.span, item.type, (kind,), f"this {e.kind}, like its first item,")
+            if names.undeclared(check, e.items[0], kind):  # a name may be misspelled where it is declared
+                check.misfit(e.items[0], kind, (typed.type,), f"this {e.kind}, like its other items,")
+            check.misfit(written, typed.type, (kind,), f"this {e.kind}, like its first item,")
         kind = common
     expr = ir.Items(items=tuple(i.expr for i in found))
     if e.kind == "list":
@@ -58,7 +62,7 @@ def range_(check: Expressions, e: s.Range) -> Typed:
     start, stop = check.infer(e.start), check.infer(e.stop)
     kind = joined(start.type, stop.type)
     if not isinstance(kind, Quantity):
-        check.misfit(e.stop.span, stop.type, (start.type,), "`..`, like its start,")
+        check.misfit(e.stop, stop.type, (start.type,), "`..`, like its start,")
     if e.step is not None:
         step = check.value(e.step, (kind,), "`by`")
         return Typed(_steps(check, e, start.expr, stop.expr, step.expr), List(kind))

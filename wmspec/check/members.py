@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check import actions, ir
-from wmspec.check.names import BLOCKS, present
+from wmspec.check.names import BLOCKS, present, undeclared
 from wmspec.check.owners import Owner, owner, parts
 from wmspec.check.typed import Failed, Typed, constant
 from wmspec.check.types import (
@@ -31,12 +31,14 @@ _OWNERS = {**{kind: block for block, kind in BLOCKS.items()}, PART: "part"}
 
 def member(check: Expressions, e: s.Member) -> Typed:
     """`ball.mass`, `push.speed`, `rack.left`, `spot.x`."""
-    whole = check.infer(e.value)
+    whole = check.infer(e.value, tuple(_OWNERS))
     if isinstance(whole.type, Vector):
         return _coordinate(check, whole, whole.type, e.name)
     if whole.type == ACTION and isinstance(whole.expr, ir.Value):
         return actions.property_(check, str(whole.expr.value), e.name)
     if whole.type not in _OWNERS:
+        if undeclared(check, e.value, whole.type):
+            check.misfit(e.value, whole.type, (OBJECT,), f"`.{e.name.id}`")
         check.fail("WMS203", f"{article(str(whole.type))} has no properties", e.name.span)
     kind = _OWNERS[whole.type]
     if not isinstance(whole.expr, ir.Value):  # which one depends on a factor
@@ -100,6 +102,8 @@ def _type(check: Expressions, of: Owner, name: s.Name) -> Type:
     if name.id in of.said:
         return setting(check, of, of.said[name.id], slot).type
     if slot.default is None and name.id not in BY_MATERIAL:
+        if of.strange:
+            raise Failed
         check.fail(*of.silent(name))
     return slot.types[0]
 

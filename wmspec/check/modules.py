@@ -7,7 +7,7 @@ needs.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -33,6 +33,11 @@ class Modules:
         self._report = report
         self._used: dict[tuple[Path, str], s.Use] = {}
         self._prefixes: Prefixes = {}
+
+    @property
+    def whole(self) -> bool:
+        """Whether all files could be read and found."""
+        return self._program.whole
 
     def statements(self, *items: Iterable[Item]) -> list[s.Statement]:
         """Items without tasks and variants after what they use; all names plain, all parameters filled in."""
@@ -126,7 +131,7 @@ class Modules:
             name = pending.pop()
             if name in by_name and name not in needed:
                 needed.add(name)
-                pending += _names(by_name[name])
+                pending += (n.id for n in s.names(by_name[name]))
         return [statement for name, statement in by_name.items() if name in needed]
 
 
@@ -148,18 +153,6 @@ def _name(statement: s.Statement) -> str:
     if isinstance(statement, Declared) and not _world(statement):
         return statement.name.id
     return ""
-
-
-def _names(node: Any) -> Iterator[str]:
-    """All names in a piece of the syntax tree."""
-    if isinstance(node, s.Name):
-        yield node.id
-    elif isinstance(node, tuple):
-        for item in node:
-            yield from _names(item)
-    elif isinstance(node, Node):
-        for field in fields(node):  # type: ignore[arg-type]
-            yield from _names(getattr(node, field.name))
 
 
 # ---------------------------------------------------------------- rewriting

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir
-from wmspec.check.typed import Typed, fits
+from wmspec.check.typed import Failed, Typed, fits
 from wmspec.check.types import (
     A_TIME,
     ACTION,
@@ -16,13 +16,14 @@ from wmspec.check.types import (
     NEITHER,
     OBJECT,
     ROBOT,
+    TRUTH,
     WORLD,
     List,
     Type,
     Word,
 )
 from wmspec.check.vocabulary import WORDS
-from wmspec.diagnostics import suggestion
+from wmspec.diagnostics import FEW, suggestion
 from wmspec.parse import syntax as s
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ BLOCKS: dict[str, Type] = {
 
 def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
     """What a name stands for. What is declared goes before a word, unless only the word fits what is wanted."""
+    if not e.id:  # it is missing, and that was reported
+        raise Failed
     word = _word(e.id, wanted)
     declared = check.scope.names.get(e.id)
     if declared is not None:
@@ -54,7 +57,12 @@ def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
     found_word = word or _word(e.id, tuple(Word(vocabulary) for vocabulary in WORDS))
     if found_word is not None:
         return found_word
-    check.fail("WMS201", f"`{e.id}` is not known here", e.span, _suggest(check, e.id, wanted))
+    check.unknown(e, f"`{e.id}` is not known here", suggest(check, e.id, wanted))
+
+
+def undeclared(check: Expressions, e: s.Expr, given: Type) -> bool:
+    """Whether an expression is a word of the language that may have been meant as the name of something."""
+    return isinstance(e, s.Name) and isinstance(given, Word) and e.id not in check.scope.names
 
 
 def _declared(check: Expressions, e: s.Name, declared: Declaration) -> Typed:
@@ -91,10 +99,29 @@ def _word(word: str, wanted: tuple[Type, ...]) -> Typed | None:
     return None
 
 
-def _suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
-    words = [w for k in wanted if isinstance(k, Word) for w in WORDS.get(k.vocabulary, ())]
+def suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
+    """What may have been meant by a name where types of values are wanted: first what is of these, then all else."""
+    values = check.scope.of(s.Factor, s.Let)
+    groups = [[w for w in group if w != name] for group in (fitting(check, wanted), values, check.scope.known())]
+    return suggestion(name, *groups)
+
+
+def instead(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> str:
+    """What may be meant by a name of something that is of none of the types that are wanted."""
+    names = fitting(check, wanted)
+    if e.id in check.scope.names:  # it is not misspelled
+        return f"known here: {', '.join(sorted(set(names)))}" if 0 < len(names) <= FEW else ""
+    return suggestion(e.id, names)
+
+
+def fitting(check: Expressions, wanted: tuple[Type, ...]) -> list[str]:
+    """The words and names that are of one of these types whatever the instance."""
+    items = [k.item if isinstance(k, List) else k for k in wanted]
+    found = [w for k in items if isinstance(k, Word) for w in WORDS.get(k.vocabulary, ())]
+    found += ["true", "false"] if TRUTH in items else []
     for block, kind in BLOCKS.items():
-        if kind in wanted or (kind == OBJECT and LABEL in wanted):
-            words += check.scope.blocks(block)
-    near = words and suggestion(name, [*words, *check.scope.of(s.Factor, s.Let)])
-    return near or suggestion(name, check.scope.known())
+        if kind in items or (kind == OBJECT and LABEL in items):
+            found += check.scope.blocks(block)
+    if OBJECT in items or LABEL in items:
+        found += check.scope.blocks("objects")
+    return [*found, *(check.scope.of(s.Action) if ACTION in items else ())]

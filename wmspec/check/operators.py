@@ -39,7 +39,7 @@ def _conditional(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -
     yes, no = (check.infer(o, wanted) for o in e.operands[1:])
     kind = joined(yes.type, no.type)
     if kind is None:
-        check.misfit(e.operands[2].span, no.type, (yes.type,), "`else`, like its `then`,")
+        check.misfit(e.operands[2], no.type, (yes.type,), "`else`, like its `then`,", e.operands[1])
     return operation("if", [condition, yes, no], kind)
 
 
@@ -51,7 +51,7 @@ def _comparison(check: Expressions, e: s.Operation) -> Typed:
         left, right = Typed(left.expr, _single(left.type)), Typed(right.expr, _single(right.type))
     if joined(left.type, right.type) is None:
         what = f"`{e.operator}`, after {article(str(left.type))},"
-        check.misfit(e.operands[1].span, right.type, (left.type,), what)
+        check.misfit(e.operands[1], right.type, (left.type,), what, e.operands[0])
     if e.operator not in ("==", "!=") and not isinstance(left.type, Quantity):
         check.fail("WMS302", f"`{e.operator}` compares quantities, not {left.type}s", e.span, "use `==` or `!=`")
     return operation(e.operator, [left, right], TRUTH if each is None else List(TRUTH), each)
@@ -95,5 +95,5 @@ def _arithmetic_of(check: Expressions, e: s.Operation, operands: list[Typed], ea
     kind = joined(*kinds)
     if kind is None:
         what = f"`{e.operator}`, after {article(str(kinds[0]))},"
-        check.misfit(e.operands[1].span, kinds[1], (kinds[0],), what)
+        check.misfit(e.operands[1], kinds[1], (kinds[0],), what, e.operands[0])
     return operation(e.operator, operands, kind, each)

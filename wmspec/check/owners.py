@@ -38,6 +38,11 @@ class Owner:
                 found.setdefault("at", s.Property(s.Name("at", p.at.span), p.at, None, p.span))
         return found
 
+    @property
+    def strange(self) -> bool:
+        """Whether something is said that it cannot have: one of its properties may be meant by that."""
+        return not self.said.keys() <= {*self.slots, "at"}
+
     def lacks(self, name: s.Name) -> tuple[str, str, Span, str]:
         """The complaint about a property that it cannot have: code, message, place and remedy."""
         if reason := unfit(self.type, name.id):

@@ -176,7 +176,7 @@ class Questions:
         options = self.check.infer(clause.value, (List(answer.type), List(LABEL)))
         common = joined(options.type, List(answer.type))
         if not isinstance(common, List) or common.item is None:
-            self.check.misfit(clause.value.span, options.type, (List(answer.type),), "`options`, like the answer,")
+            self.check.misfit(clause.value, options.type, (List(answer.type),), "`options`, like the answer,")
         if isinstance(options.expr, ir.Items) and len(options.expr.items) < 2:
             self.check.fail("WMS502", "a question has two or more options", clause.value.span)
         return options.expr, Typed(answer.expr, common.item)

@@ -27,6 +27,10 @@ class Scope:
         """The set of every member of one."""
         self.assets: dict[str, dict[str, str]] = {}
         """Of every asset, its links and joints: what they are called after its name, and the names of their blocks."""
+        self.whole = True
+        """Whether all that could declare a name was read; if not, an unknown name is no mistake of its own."""
+        self.doubled = False
+        """Whether two things are called the same."""
         self.broken: set[str] = set()
         """Assets whose file cannot be used, which was reported."""
         self.designs: list[s.Design] = []
@@ -40,12 +44,16 @@ class Scope:
     def declare(self, statement: Declaration, member_of: str = "") -> None:
         """Take in a name; complain if it is taken."""
         name = statement.name.id
+        if not name:  # it is missing, and that was reported
+            self.whole = False
+            return
         if (first := self.names.get(name)) is not None:
             notes = (Note("declared here first", first.name.span),)
             remedy = "give one of them another name"
             if first.name.span.source is not statement.name.span.source:
                 remedy += ", or the library a name of its own: `use LIBRARY as NAME`"
             self._report.add("WMS202", f"`{name}` is declared twice", statement.name.span, remedy, notes)
+            self.doubled = True
             return
         if name in RESERVED:
             message = f"`{name}` is a word of the language"

@@ -25,10 +25,11 @@ from wmspec.check.things import Things
 from wmspec.check.tolerances import tolerances
 from wmspec.check.typed import Failed, Typed, constant
 from wmspec.check.vocabulary import SETTINGS
-from wmspec.diagnostics import Note, Report
+from wmspec.diagnostics import Diagnostic, Note, Report
 from wmspec.limits import SECONDS
 from wmspec.parse import syntax as s
 from wmspec.parse.load import Program, load
+from wmspec.places import Span
 
 S = TypeVar("S", bound=s.Statement)
 T = TypeVar("T")
@@ -43,7 +44,23 @@ def check(path: Path, report: Report) -> tuple[ir.TaskSpec, ...]:
 
 
 def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
-    """The tasks of a parsed spec. A library (a file without tasks) is checked and yields none."""
+    """The tasks of a parsed spec. A library (a file without tasks) is checked and yields none.
+
+    Where a line could not be read as it is written, only that is told of it: the rest rests on a guess.
+    """
+    guessed = {_line(d) for d in report.diagnostics}
+    own = Report()
+    own.include(report.diagnostics)
+    specs = _specs(program, own)
+    report.include(d for d in own.diagnostics if not guessed or _line(d) not in guessed)
+    return specs
+
+
+def _line(d: Diagnostic) -> object:
+    return (d.place.source.name, d.place.line) if isinstance(d.place, Span) else d
+
+
+def _specs(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
     tasks = [item for item in program.file.items if isinstance(item, s.Task)]
     if not tasks:
         _Task(None, Modules(program, report), (program.file.items,), report).library()
@@ -81,7 +98,11 @@ class _Task:
         templates = Templates(statements, substitute, report)
         self.statements = [templates.expanded(statement) for statement in statements]
         self.scope = Scope(self.statements, report)
+        self.scope.whole = self.scope.whole and modules.whole
         self.check = Expressions(self.scope, report)
+        guessed = {_line(d) for d in report.diagnostics}
+        declared = (x.name for x in self.statements if isinstance(x, s.Let | s.Factor) and guessed)
+        self.check.doubtful = {n.id for n in declared if (n.span.source.name, n.span.line) in guessed}
         self.factors = Factors(self.check)
         self.things = Things(self.check)
         self.questions = Questions(self.check, modules, self.things)

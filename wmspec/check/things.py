@@ -103,7 +103,7 @@ class Things:
         for name, slot in of.slots.items():
             if name not in spans and slot.default is not None:
                 properties[name] = ir.Setting(value=default_value(slot), place=here)
-            elif name not in spans and not slot.optional:
+            elif name not in spans and not slot.optional and not of.strange:
                 message = f"the {of.type.kind} `{of.name}` needs `{name}`: {slot.meaning}"
                 self.report.add("WMS206", message, of.span)
         self._in_vain(of, properties)
@@ -166,7 +166,7 @@ class Things:
                     continue
             elif slot.default is not None:
                 properties[name] = ir.Setting(value=default_value(slot), place=Location.of(action.name.span))
-            elif not slot.optional:
+            elif not slot.optional and not does.strange:
                 self.report.add("WMS205", f"`{does.name}` needs `{name}`: {slot.meaning}", does.call.span)
         if does.name == "drive" and not does.robot:
             self._driven(action, does)

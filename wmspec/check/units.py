@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
+
+from wmspec.spelling import nearest
 
 
 @dataclass(frozen=True)
@@ -137,6 +140,57 @@ _FACTOR = re.compile(r"([*/]?)([A-Za-z]+|%)(?:\^(-?\d+))?")
 
 class UnknownUnit(Exception):
     """The unit's name, as written."""
+
+
+#: Units of elsewhere, and what people write for those there are: how much of which unit each is.
+FOREIGN: dict[str, tuple[float, str]] = {
+    **dict.fromkeys(("inch", "inches"), (2.54, "cm")),
+    **dict.fromkeys(("ft", "foot", "feet"), (30.48, "cm")),
+    **dict.fromkeys(("yd", "yard", "yards"), (91.44, "cm")),
+    **dict.fromkeys(("mi", "mile", "miles"), (1.609344, "km")),
+    **dict.fromkeys(("lb", "lbs", "pound", "pounds"), (453.59237, "g")),
+    **dict.fromkeys(("oz", "ounce", "ounces"), (28.349523, "g")),
+    **dict.fromkeys(("um", "micron", "microns"), (0.001, "mm")),
+    **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres"), (1, "mm")),
+    **dict.fromkeys(("centimeter", "centimeters", "centimetre", "centimetres"), (1, "cm")),
+    **dict.fromkeys(("meter", "meters", "metre", "metres"), (1, "m")),
+    **dict.fromkeys(("kilometer", "kilometers", "kilometre", "kilometres"), (1, "km")),
+    **dict.fromkeys(("gram", "grams", "gramme", "grammes"), (1, "g")),
+    **dict.fromkeys(("kilogram", "kilograms", "kilo", "kilos", "kgs", "Kg", "KG"), (1, "kg")),
+    **dict.fromkeys(("ton", "tons", "tonne", "tonnes"), (1, "t")),
+    **dict.fromkeys(("sec", "secs", "second", "seconds"), (1, "s")),
+    **dict.fromkeys(("msec", "msecs", "millisecond", "milliseconds"), (1, "ms")),
+    **dict.fromkeys(("us", "usec", "microsecond", "microseconds"), (0.001, "ms")),
+    **dict.fromkeys(("mins", "minute", "minutes"), (1, "min")),
+    **dict.fromkeys(("hr", "hrs", "hour", "hours"), (1, "h")),
+    **dict.fromkeys(("degree", "degrees", "degs"), (1, "deg")),
+    **dict.fromkeys(("radian", "radians", "rads"), (1, "rad")),
+    **dict.fromkeys(("turns", "rev", "revs", "revolution", "revolutions"), (1, "turn")),
+    **dict.fromkeys(("rpm",), (1, "turn/min")),
+    **dict.fromkeys(("mph",), (0.44704, "m/s")),
+    **dict.fromkeys(("kph", "kmh", "kmph"), (1, "km/h")),
+    **dict.fromkeys(("mps",), (1, "m/s")),
+    **dict.fromkeys(("fps",), (30.48, "cm/s")),
+    **dict.fromkeys(("newton", "newtons"), (1, "N")),
+    **dict.fromkeys(("hertz", "hz", "HZ"), (1, "Hz")),
+    **dict.fromkeys(("percent", "pct"), (1, "%")),
+    **dict.fromkeys(("J", "joule", "joules"), (1, "N*m")),
+    **dict.fromkeys(("lbf",), (4.448222, "N")),
+}
+
+
+def remedy(unknown: str, text: str, wanted: Iterable[Dimension]) -> str:
+    """What to write for an unknown unit in a text such as `8 inch`; of units equally close one that is wanted."""
+    if unknown in FOREIGN:
+        scale, unit = FOREIGN[unknown]
+        match = re.fullmatch(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(.+)", text)
+        if match and match[2] == unknown:
+            return f"write `{float(match[1]) * scale:.6g} {unit}`"
+        return f"write `{unit}`" if scale == 1 else f"1 {unknown} is {scale:g} {unit}"
+    dimensions = set(wanted)
+    fitting = [name for name, (_, dimension) in UNITS.items() if dimension in dimensions]
+    close = nearest(unknown, fitting, ("cm", "m", "s", "deg", "kg", "g", "N"), UNITS)
+    return f"did you mean `{close}`?" if close else "the units are mm, cm, m, g, kg, ms, s, deg, N and others"
 
 
 @lru_cache(maxsize=256)

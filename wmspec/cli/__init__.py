@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from wmspec import __version__
-from wmspec.diagnostics import WmsError
+from wmspec.diagnostics import WmsError, suggestion
 
 COMMANDS = (
     "new",
@@ -55,6 +55,16 @@ class _Commands(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click calls it by name
         return list(COMMANDS)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that is meant; of one that there is not, what may be meant."""
+        if args and not args[0].startswith("-") and args[0] not in COMMANDS:
+            raise WmsError(
+                f"there is no command `{args[0]}`", help=suggestion(args[0], COMMANDS) or "see `wmspec --help`"
+            )
+        return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         if cmd_name not in COMMANDS:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.diagnostics import WmsError
 
 
 @click.command("explain")
@@ -20,8 +20,9 @@ def explain_command(code: str | None) -> None:
         return
     wanted = code.upper() if code.upper().startswith("WMS") else f"WMS{code}"
     if wanted not in CODES:
-        hint = suggestion(wanted, CODES)
-        raise WmsError(f"there is no code `{code}`; {hint + ' ' if hint else ''}`wmspec explain` lists all")
+        alike = [known for known in CODES if known[:4] == wanted[:4]]
+        hint = f"there are {', '.join(alike)}; " if alike else ""
+        raise WmsError(f"there is no code `{code}`", help=f"{hint}`wmspec explain` lists all, with what they mean")
     _show(page(wanted).markdown)
 
 

@@ -16,10 +16,10 @@ _QUANTITY = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)[ \t]*(.+)")
 _ESCAPES = {"n": "\n", "t": "\t", '"': '"', "\\": "\\"}
 
 
-def build_file(source: Source, tree: Tree, report: Report) -> s.File:
-    """The syntax tree of a whole file."""
+def build_file(source: Source, tree: Tree, report: Report, whole: bool) -> s.File:
+    """The syntax tree of a whole file; `whole` is whether nothing was left out."""
     build = _Builder(source, report)
-    return s.File(tuple(build(c) for c in tree.children if c is not None), Span(source, 0, len(source.text)))
+    return s.File(tuple(build(c) for c in tree.children if c is not None), Span(source, 0, len(source.text)), whole)
 
 
 def build_expression(source: Source, tree: Tree, report: Report) -> s.Expr:

@@ -32,6 +32,12 @@ class Program:
     libraries: dict[Path, File]
     paths: dict[Span, Path]
 
+    @property
+    def whole(self) -> bool:
+        """Whether all was read and found; if not, names may be missing."""
+        files = (self.file, *self.libraries.values())
+        return all(file.whole and all(use.name.span in self.paths for use in _uses(file.items)) for file in files)
+
 
 def load(path: Path, report: Report) -> Program:
     """Read and parse the spec at `path`. Raises WmsError if there is no such readable file."""
@@ -152,6 +158,8 @@ def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
 
 
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
+    if not name.id:  # it is missing, and that was reported
+        return None
     file = f"{name.id}.wms"
     if inside(folder, folder / file):
         return (folder / file).resolve()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any, NamedTuple
 
 from wmspec.parse.tables import Rule, tables
@@ -57,6 +58,20 @@ class Machine:
                 return True
         return False
 
+    def follow(self, kind: str) -> bool:
+        """As `read`, but only the state is kept of what is read; a word of this type is enough."""
+        states, moves = self.states, self.tables.states
+        while (action := moves[states[-1]].get(kind)) is not None:
+            if action >= 0:
+                states.append(action)
+                return True
+            rule = self.tables.rules[~action]
+            del states[len(states) - rule.size :]
+            states.append(moves[states[-1]][rule.origin])
+            if kind == END and states[-1] == self.last:
+                return True
+        return False
+
     def takes(self, kind: str, depth: int | None = None) -> bool:
         """Whether a word of a type could be read next, if only the first `depth` states were on the stack."""
         left = len(self.states) if depth is None else depth
@@ -76,13 +91,20 @@ class Machine:
         """The types of words that could be read next."""
         return {kind for kind in self._next([], len(self.states)) if _is_word(kind) and self.takes(kind)}
 
-    def unwind(self, kind: str) -> bool:
-        """Forget what was read last until a word of this type could follow; nothing if it never could."""
+    def unwind(self, *kinds: str) -> bool:
+        """Forget what was read last until words of these types could follow; nothing if they never could."""
         for depth in range(len(self.states), 0, -1):
-            if self.takes(kind, depth):
+            if self.takes(kinds[0], depth) and self._follows(kinds, depth):
                 del self.states[depth:], self.parts[depth - 1 :]
                 return True
         return False
+
+    def _follows(self, kinds: tuple[str, ...], depth: int) -> bool:
+        if len(kinds) == 1:
+            return True
+        other = copy(self)
+        other.states = self.states[:depth]
+        return all(other.follow(kind) for kind in kinds)
 
     def _next(self, pushed: list[int], left: int) -> dict[str, int]:
         return self.tables.states[pushed[-1] if pushed else self.states[left - 1]]

@@ -5,6 +5,8 @@ Nothing is copied or tried twice, so that it takes time in proportion to the wor
 
 from __future__ import annotations
 
+from bisect import bisect_left
+
 from wmspec.parse.machine import END, Machine
 from wmspec.parse.tables import tables
 from wmspec.parse.words import Token
@@ -17,11 +19,25 @@ def recover(machine: Machine, tokens: list[Token], i: int) -> int:
     """
     stuck, starters = i, tables().starters
     while i < len(tokens):
-        if (i > stuck or tokens[i].type in starters) and _boundary(tokens, i) and machine.unwind(tokens[i].type):
+        if (i > stuck or tokens[i].type in starters) and (kinds := _boundary(tokens, i)) and machine.unwind(*kinds):
             return i
         i += 1
     return i
 
 
-def _boundary(tokens: list[Token], i: int) -> bool:
-    return tokens[i].type in tables().starters or tokens[i].type in ("RBRACE", END) or tokens[i + 1].type == "COLON"
+def dropped(machine: Machine, tokens: list[Token], i: int) -> list[Token]:
+    """The words without those that `recover` drops and forgets."""
+    on = recover(machine, tokens, i)
+    if on >= len(tokens):
+        return [*tokens[:i], tokens[-1]] if tokens[i].type != END else [tokens[-1]]
+    read = max((part.end for part in machine.parts), default=0)
+    kept = bisect_left([token.end for token in tokens[:i]], int(read) + 1)
+    return [*tokens[:kept], *tokens[on:]]
+
+
+def _boundary(tokens: list[Token], i: int) -> tuple[str, ...]:
+    """The types of the words with which reading could go on here; none if it is no place to go on."""
+    kind = tokens[i].type
+    if kind in tables().starters or kind in ("RBRACE", END):
+        return (kind,)
+    return (kind, "COLON") if tokens[i + 1].type == "COLON" else ()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import fields
 from typing import Literal
 
 from wmspec.node import Node
@@ -348,3 +350,17 @@ class File(Node):
 
     items: tuple[Statement | Task, ...]
     span: Span
+    whole: bool = True
+    """Whether all of the text could be made sense of; if not, names may be missing."""
+
+
+def names(node: object) -> Iterator[Name]:
+    """All names in a piece of the syntax tree."""
+    if isinstance(node, Name):
+        yield node
+    elif isinstance(node, tuple):
+        for item in node:
+            yield from names(item)
+    elif isinstance(node, Node):
+        for field in fields(node):  # type: ignore[arg-type]
+            yield from names(getattr(node, field.name))
