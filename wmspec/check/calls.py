@@ -155,7 +155,7 @@ def _one_or_each(check: Expressions, function: str, argument: s.Argument, kind: 
     if fits(typed.type, List(OBJECT)) and typed.type != List(None):
         return Typed(typed.expr, List(OBJECT))
     if not fits(typed.type, kind):
-        check.misfit(argument.span, typed.type, (kind,), f"`{function}`")
+        check.misfit(argument.value, typed.type, (kind,), f"`{function}`")
     return Typed(typed.expr, kind)
 
 
