@@ -108,7 +108,7 @@ def suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
 
 def instead(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> str:
     """What may be meant by a name of something that is of none of the types that are wanted."""
-    names = fitting(check, wanted)
+    names = fitting(check, tuple(k for k in wanted if k != TRUTH and not isinstance(k, List)))
     if e.id in check.scope.names:  # it is not misspelled
         return f"known here: {', '.join(sorted(set(names)))}" if 0 < len(names) <= FEW else ""
     return suggestion(e.id, names)
