@@ -48,6 +48,7 @@ def mjcf(scene: Scene, episode: Episode, trees: tuple[Tree, ...] = ()) -> str:
         _camera(elements[rides], camera, pose)
     for a, g, b, h in touchable(scene):
         _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", mix(g.friction, h.friction), episode)
+    _equality(root, scene, episode)
     drives = [limb for tree in trees for limb in tree if limb.drive]
     actuators = ET.SubElement(root, "actuator") if drives else root
     for limb in drives:
@@ -170,6 +171,27 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
         solimp=text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
         gap=text([TOUCH]),  # seen from there on, pushed from 0 on
     )
+
+
+def _equality(root: ET.Element, scene: Scene, episode: Episode) -> None:
+    """The points by which bodies will be held, not yet active; as stiff as the step allows."""
+    if not episode.grips:
+        return
+    equality = ET.SubElement(root, "equality")
+    solref = text([-((0.1 / episode.step) ** 2), -0.5 / episode.step])
+    for number, grip in enumerate(episode.grips):
+        for i in range(len(grip.points)):
+            ET.SubElement(
+                equality,
+                "connect",
+                name=f"grip {number} {i}",
+                body1=scene.bodies[grip.hand].name,
+                body2=scene.bodies[grip.body].name,
+                anchor="0 0 0",
+                active="false",
+                solref=solref,
+                solimp=text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
+            )
 
 
 def _keyframe(

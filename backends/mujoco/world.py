@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.episode import MEET
+from wmspec.scene.episode import MEET, Grip
 from wmspec.scene.rigid import Assembly
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import conjugate, rotate
@@ -97,6 +97,18 @@ class World:
         if body not in self.trees:
             self.held.remove(body)
             self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
+
+    def grip(self, number: int, grip: Grip, anchors: Any) -> None:
+        """Tie points of a hand to the anchors in a body's frame."""
+        for i, (point, anchor) in enumerate(zip(grip.points, anchors, strict=True)):
+            tie = self.model.equality(f"grip {number} {i}").id
+            self.model.eq_data[tie, :6] = [*point, *anchor]
+            self.data.eq_active[tie] = 1
+
+    def loose(self, number: int, grip: Grip) -> None:
+        """Let go of what a hand holds."""
+        for i in range(len(grip.points)):
+            self.data.eq_active[self.model.equality(f"grip {number} {i}").id] = 0
 
     def weigh(self, body: int, mass: float, moments: Any) -> None:
         """Set the mass and the moments of inertia; of a free body, MuJoCo takes them from its degrees of freedom."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from wmspec.scene.articulations import Link
-from wmspec.scene.episode import MEET, TOUCH
+from wmspec.scene.episode import MEET, TOUCH, Grip
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.silence import silence
 
@@ -22,6 +22,7 @@ HEAVY_MASS, HEAVY_INERTIA = 1e4, 1e6  # kg, kg m²: a body that nothing in the s
 DYNAMIC, GIVEN = 1, 2  # collision groups: bodies whose motion is given pass through each other
 ROUND = ("sphere", "capsule")  # their margin is their radius
 SOFT_ERP = 0.02  # part of an overlap that is undone in a step, where links gain speed by it: free bodies don't
+TIE_FORCE = 1e6  # N: the most that a point of a grip holds
 FASTEST = 1e4  # rad/s or m/s of a joint, PyBullet's default is 100
 
 
@@ -59,6 +60,7 @@ class World:
         self.targets = {joint: limb.drive[2] for joint, limb in self.drives.items()}
         self.fresh = set(self.drives)
         self.held: set[int] = set()
+        self.ties: dict[int, list[int]] = {}
         self.met: set[tuple[int, int]] = set()
         for a, b in assembly.apart:
             for one, other in [(one, other) for one in self.parts[a] for other in self.parts[b]]:
@@ -169,6 +171,28 @@ class World:
         if body not in self.trees:
             self.held.remove(body)
             self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
+
+    def grip(self, number: int, grip: Grip, anchors: Any) -> None:
+        """Tie points of a hand to the anchors in a body's frame."""
+        hand, body = self.ids[grip.hand][0], self.ids[grip.body][0]
+        self.ties[number] = [
+            pybullet.createConstraint(
+                *(hand, -1, body, -1),
+                pybullet.JOINT_POINT2POINT,
+                [0.0, 0.0, 0.0],
+                list(point),
+                list(anchor),
+                physicsClientId=self.client,
+            )
+            for point, anchor in zip(grip.points, anchors, strict=True)
+        ]
+        for tie in self.ties[number]:
+            pybullet.changeConstraint(tie, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
+
+    def loose(self, number: int, _grip: Grip) -> None:
+        """Let go of what a hand holds."""
+        for tie in self.ties.pop(number):
+            pybullet.removeConstraint(tie, physicsClientId=self.client)
 
     def weigh(self, body: int, mass: float, moments: Any) -> None:
         """Set the mass and the moments of inertia."""

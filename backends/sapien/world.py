@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from wmspec.scene.articulations import Link
+from wmspec.scene.episode import Grip
 from wmspec.scene.rigid import Assembly, Rigid
 from wmspec.scene.silence import silence
 
@@ -46,6 +47,7 @@ class World:
         self.scene.set_timestep(assembly.step)
         self.bodies = assembly.bodies
         self.targets: dict[int, Any] = {}
+        self.ties: dict[int, list[Any]] = {}
         self.lanes = lanes(assembly.bodies)
         self.ignored = ignored(assembly.apart, len(self.bodies))
         self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
@@ -167,6 +169,25 @@ class World:
         """Let go of what has been held."""
         if body not in self.trees:
             self.parts[body].set_kinematic(False)
+
+    def grip(self, number: int, grip: Grip, anchors: Any) -> None:
+        """Tie points of a hand to the anchors in a body's frame."""
+        hand, body = self.parts[grip.hand], self.parts[grip.body]
+        self.ties[number] = []
+        for point, anchor in zip(grip.points, anchors, strict=True):
+            tie = sapien.physx.PhysxDriveComponent(body)
+            tie.set_parent(hand)
+            tie.set_pose_in_parent(sapien.Pose(np.array(point, np.float32)))
+            tie.set_pose_in_child(sapien.Pose(np.array(anchor, np.float32)))
+            for lock in (tie.set_limit_x, tie.set_limit_y, tie.set_limit_z):
+                lock(0.0, 0.0)
+            body.entity.add_component(tie)
+            self.ties[number].append(tie)
+
+    def loose(self, number: int, grip: Grip) -> None:
+        """Let go of what a hand holds."""
+        for tie in self.ties.pop(number):
+            self.parts[grip.body].entity.remove_component(tie)
 
     def step(self) -> None:
         """Advance."""

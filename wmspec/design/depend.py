@@ -143,10 +143,27 @@ class Dependencies:
 
     def _way(self, action: Thing) -> Iterator[str]:
         yield f"{action.name}.start"
+        if action.of:
+            yield from self._robots()
+            return
         for owner in self._named(action.properties["object"].value):
             yield f"{owner}.pose"
             for move in self._acting(CARRYING, owner):
                 yield from (f"{move.name}.{name}" for name in ("there", "yaw", *move.properties))
+
+    def _robots(self) -> Iterator[str]:
+        """What the plan of all arms goes by: all that they do, to what, and where they stand."""
+        yield from ("end", "world.gravity")
+        for thing in self._things.values():
+            if thing.kind == "robot":
+                yield from (f"{thing.name}.{name}" for name in ("on", "at", "yaw"))
+                if "on" in thing.properties:
+                    yield from (f"{base}.pose" for base in self._named(thing.properties["on"].value))
+            if thing.kind == "action" and thing.of:
+                yield from (f"{thing.name}.{name}" for name in ("there", "start", *thing.properties))
+                for name in {"object", "on"} & thing.properties.keys():
+                    for owner in self._named(thing.properties[name].value):
+                        yield from (f"{owner}.{aspect}" for aspect in ("pose", "form", "mass", "density", "friction"))
 
     # ------------------------------------------------------------ who is who
 

@@ -88,7 +88,7 @@ def late_action(scene: Scene) -> Iterator[Breach]:
     values = scene.values
     end: float = values.ref("end")
     for action in values.spec.things:
-        if action.kind == "action" and not VERBS[action.verb].holds and values.there(action.name):
+        if action.kind == "action" and not (action.of or VERBS[action.verb].holds) and values.there(action.name):
             start: float = values.property(action.name, "start")
             if start > end - 1e-9:
                 lasts = f"the episode lasts {units.told(end, units.TIME)} {scene.where}"

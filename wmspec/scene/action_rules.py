@@ -14,6 +14,7 @@ from wmspec.scene.model import (
     Follow,
     Force,
     Glide,
+    Grip,
     Impulse,
     Joint,
     Launch,
@@ -32,6 +33,7 @@ MOTIONS = {
     Impulse: "dynamic",
     Force: "dynamic",
     Release: "dynamic",
+    Grip: "dynamic",
 }
 """What an action can be done to."""
 
@@ -47,11 +49,13 @@ def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Jo
             yield Diagnostic(f"there is no body '{action.body}'", help=f"there are {', '.join(motions)}")
         elif motions[action.body] != needed:
             yield Diagnostic(f"it moves '{action.body}', which is {motions[action.body]}, expected a {needed} body")
+    if isinstance(action, Grip) and motions.get(action.hand) != "kinematic":
+        yield Diagnostic(f"there is no kinematic body '{action.hand}' that could hold anything")
     if not (action.start >= 0 and all(np.isfinite(v).all() for v in _numbers(action))):
         yield Diagnostic("its start is negative, or one of its numbers is not finite")
     elif isinstance(action, Follow):
         yield from _way(action)
-    elif isinstance(action, Glide | Force) and action.stop < action.start:
+    elif isinstance(action, Glide | Force | Grip) and action.stop < action.start:
         yield Diagnostic(f"it stops at {action.stop} s, before it starts at {action.start} s")
 
 
@@ -68,8 +72,8 @@ def _numbers(action: Action) -> list[ArrayLike]:
     match action:
         case Launch():
             return [action.start, action.linear, action.angular]
-        case Glide():
-            return [action.start, action.stop, action.velocity]
+        case Glide(velocity=what) | Force(force=what) | Grip(points=what):
+            return [action.start, action.stop, what]
         case Follow(orientations=None):
             return [action.start, action.times, action.points]
         case Follow():
@@ -78,8 +82,6 @@ def _numbers(action: Action) -> list[ArrayLike]:
             return [action.start, action.pose.position, action.pose.orientation]
         case Impulse():
             return [action.start, action.impulse]
-        case Force():
-            return [action.start, action.stop, action.force]
         case Release():
             return [action.start]
         case Steer():

@@ -16,6 +16,7 @@ from wmspec.scene.transform import conjugate, multiply, rotate, turned, turning
 
 Vector = tuple[float, ...]
 
+TORN = 0.001  # m: a grip that is longer than this has torn
 MEET, TOUCH = 0.0001, 0.002  # m: bodies touch from when they are less than the first apart until they are the second
 
 
@@ -59,6 +60,29 @@ class Hold:
 
     until: int
     body: int
+
+
+@dataclass(frozen=True)
+class Grip:
+    """From step number `first` to `last` the kinematic body number `hand` holds the dynamic `body` by `points` (m) of
+
+    its own frame, wherever the body is then.
+    """
+
+    first: int
+    last: int
+    hand: int
+    body: int
+    points: tuple[Vector, ...]
+
+    def anchors(self, hand: Any, body: Any) -> Any:
+        """The points in the body's frame (n, 3), from where both are (7,)."""
+        return rotate(conjugate(body[3:7]), hand[:3] + rotate(hand[3:7], np.array(self.points)) - body[:3])
+
+    def stretch(self, hand: Any, body: Any, anchors: Any) -> float:
+        """How far apart (m) the two are that should be together."""
+        held = hand[:3] + rotate(hand[3:7], np.array(self.points)) - body[:3] - rotate(body[3:7], anchors)
+        return float(np.linalg.norm(held, axis=1).max())
 
 
 @dataclass(frozen=True)
@@ -109,6 +133,8 @@ class Track:
 class Episode:
     """Samples at `rate` (Hz), `substeps` engine steps between them; poses are position and quaternion (w, x, y, z).
 
+    What is `unfelt` has no shape that could be touched, so that nobody needs to be told how it moves.
+
     `start` is where each body's centre-of-mass frame is, `mounts` where the body's own frame is inside that one.
     """
 
@@ -125,6 +151,8 @@ class Episode:
     holds: tuple[Hold, ...] = ()
     aims: tuple[Aim, ...] = ()
     drags: tuple[Drag, ...] = ()
+    grips: tuple[Grip, ...] = ()
+    unfelt: tuple[int, ...] = ()
 
     @property
     def step(self) -> float:
@@ -137,11 +165,12 @@ class Recording:
     """`states` (T, N, 13): pose of the body's frame, linear and angular velocity of its centre of mass, world axes.
 
     `touching`: for each engine step the pairs of bodies that touch. They do until they are `TOUCH` apart, because what
-    slides fast hops by up to 1.6 mm in some engines.
+    slides fast hops by up to 1.6 mm in some engines. `torn`: when (s) which grip was first stretched, by how much (m).
     """
 
     states: Any
     touching: list[set[tuple[int, int]]]
+    torn: tuple[tuple[float, int, float], ...] = ()
 
 
 class World(Protocol):
@@ -165,6 +194,12 @@ class World(Protocol):
     def aim(self, joint: int, target: float) -> None:
         """Give the drive of a joint this target."""
 
+    def grip(self, number: int, grip: Grip, anchors: Any) -> None:
+        """Tie the points of the grip with this number to the `anchors` (n, 3) in the frame of its body."""
+
+    def loose(self, number: int, grip: Grip) -> None:
+        """Let go of it."""
+
     def step(self) -> None:
         """Advance by one time step."""
 
@@ -186,25 +221,32 @@ def play(world: World, episode: Episode) -> Recording:
         return Recording(mounted(states, episode), [set()] * steps)
     paths = {track.body: track.steps(np.arange(steps + 1) * episode.step) for track in episode.tracks}
     begins = beginnings(episode)
+    moves = [(body, *path) for body, path in paths.items() if body not in episode.unfelt]
+    held: dict[int, Any] = {}
+    torn: dict[int, tuple[float, int, float]] = {}
     touching = []
     for i in range(steps + 1):
         kicks = begin(world, episode, i) if i in begins else []
+        if i in begins:
+            take(world, episode, paths, held, i)
         if i % episode.substeps == 0:
             observe(world, episode, kicks, states[i // episode.substeps])
+            stretched(episode, held, states[i // episode.substeps], torn, i)
         if i == steps:
             break
-        for body, (here, there, speeds) in paths.items():
+        for body, here, there, speeds in moves:
             world.drive(body, here[i], there[i], speeds[i])
         act(world, episode, i)
         world.step()
         touching.append(world.touching())
-    return Recording(mounted(states, episode), touching)
+    return Recording(mounted(states, episode), touching, tuple(torn.values()))
 
 
 def beginnings(episode: Episode) -> set[int]:
     """The numbers of the steps before which something happens at once."""
     held = range(max((hold.until + 1 for hold in episode.holds), default=0))
-    return {*held, *(kick.step for kick in episode.kicks), *(aim.step for aim in episode.aims)}
+    taken = {step for grip in episode.grips for step in (grip.first, grip.last)}
+    return {*held, *taken, *(kick.step for kick in episode.kicks), *(aim.step for aim in episode.aims)}
 
 
 def begin(world: World, episode: Episode, i: int) -> list[Kick]:
@@ -222,6 +264,27 @@ def begin(world: World, episode: Episode, i: int) -> list[Kick]:
         half_fall = np.array(episode.gravity) * (episode.step / 2)
         world.kick(kick.body, np.array(kick.linear) - half_fall, np.array(kick.angular))
     return kicks
+
+
+def take(world: World, episode: Episode, paths: Any, held: dict[int, Any], i: int) -> None:
+    """Let hands take and let go before step number `i`; `held` has the anchors of what is held, by number of grip."""
+    for number, grip in enumerate(episode.grips):
+        if i == grip.last and number in held:
+            world.loose(number, grip)
+            del held[number]
+        if grip.first <= i < grip.last and i == grip.first:
+            hand = paths[grip.hand][0][i] if i < len(paths[grip.hand][0]) else paths[grip.hand][1][-1]
+            held[number] = grip.anchors(hand, np.asarray(world.state(grip.body)))
+            world.grip(number, grip, held[number])
+
+
+def stretched(episode: Episode, held: dict[int, Any], states: Any, torn: dict[int, Any], i: int) -> None:
+    """Note the grips that are longer than `TORN` at step number `i`, for states (N, 13)."""
+    for number, anchors in held.items():
+        grip = episode.grips[number]
+        length = grip.stretch(states[grip.hand], states[grip.body], anchors)
+        if length > TORN and number not in torn:
+            torn[number] = (i * episode.step, number, length)
 
 
 def act(world: World, episode: Episode, i: int) -> None:

@@ -9,10 +9,12 @@ from typing import Any
 
 from wmspec.scene.episode import (
     MEET,
+    TORN,
     TOUCH,
     Aim,
     Drag,
     Episode,
+    Grip,
     Hold,
     Kick,
     Push,
@@ -24,6 +26,8 @@ from wmspec.scene.episode import (
     mounted,
     observe,
     play,
+    stretched,
+    take,
 )
 from wmspec.scene.model import Scene
 from wmspec.scene.transform import conjugate, cross, multiply, rotate, turned, turning
@@ -40,6 +44,7 @@ _COMMON: tuple[Callable[..., Any], ...] = (
     Drag,
     Hold,
     Aim,
+    Grip,
     Track,
     Episode,
     Recording,
@@ -48,6 +53,8 @@ _COMMON: tuple[Callable[..., Any], ...] = (
     beginnings,
     act,
     observe,
+    take,
+    stretched,
     mounted,
 )
 _HEAD = '''"""Plays the episode "{name}" in {engine} and writes its trace to trace.npz, next to this file.
@@ -97,7 +104,7 @@ def script(
 
     a `world` from them. `values` must contain the `EPISODE`; their `repr` must be their Python text.
     """
-    values = {"NAMES": [body.name for body in scene.bodies], "MEET": MEET, "TOUCH": TOUCH, **values}
+    values = {"NAMES": [body.name for body in scene.bodies], "MEET": MEET, "TOUCH": TOUCH, "TORN": TORN, **values}
     sections = [
         _HEAD.format(name=scene.name, engine=engine, module=module),
         *(inspect.getsource(part) for part in (*_COMMON, *parts)),

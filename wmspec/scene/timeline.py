@@ -7,9 +7,10 @@ from math import ceil
 
 import numpy as np
 
+from wmspec.scene import model
 from wmspec.scene.articulations import jointed, trees
 from wmspec.scene.com_frame import com_frame, mount
-from wmspec.scene.episode import Aim, Drag, Episode, Hold, Kick, Push
+from wmspec.scene.episode import Aim, Drag, Episode, Grip, Hold, Kick, Push
 from wmspec.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer
 from wmspec.scene.numbers import floats, numbers
 from wmspec.scene.paths import track
@@ -36,6 +37,8 @@ def episode(scene: Scene, steps_per_second: int) -> Episode:
         holds=held,
         aims=aims(scene, rate),
         drags=drags(scene),
+        grips=grips(scene, rate),
+        unfelt=tuple(i for i, body in enumerate(scene.bodies) if not any(geom.collides for geom in body.geoms)),
     )
 
 
@@ -92,6 +95,22 @@ def drags(scene: Scene) -> tuple[Drag, ...]:
         Drag(i, float(body.inertia.mass * body.linear_damping), floats(body.inertia.moments * body.angular_damping))
         for i, body in enumerate(scene.bodies)
         if body.name in tied and body.inertia and (body.linear_damping or body.angular_damping)
+    )
+
+
+def grips(scene: Scene, rate: int) -> tuple[Grip, ...]:
+    """What is held by what, in the order of the actions."""
+    index = _index(scene)
+    return tuple(
+        Grip(
+            round(action.start * rate),
+            round(action.stop * rate),
+            index[action.hand],
+            index[action.body],
+            tuple(floats(point) for point in action.points),
+        )
+        for action in scene.actions
+        if isinstance(action, model.Grip)
     )
 
 

@@ -22,6 +22,12 @@ def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> 
             f"{engine} lost {scene.bodies[body].path} at {sample / scene.rate:.3f} s, at {states[sample, body, :3]} m; "
             "look for bodies that overlap at the start, extreme masses or extreme velocities"
         )
+    for time, number, length in recording.torn:
+        grip = episode.grips[number]
+        raise EngineError(
+            f"{scene.bodies[grip.hand].path} loses hold of {scene.bodies[grip.body].path} at {time:.3f} s: in {engine} "
+            f"they part by {1e3 * length:.1f} mm; something is in the way"
+        )
     names = tuple(body.name for body in scene.bodies)
     return Trace(
         engine=engine,

@@ -33,13 +33,17 @@ class Relation(NamedTuple):
 
 @dataclass
 class Prim:
-    """A prim under construction: its type, its applied schemas and its properties in the order of writing."""
+    """A prim under construction: its type, its applied schemas and its properties in the order of writing.
+
+    `reference` is the file that it is made of, if any.
+    """
 
     type: str
     schemas: tuple[str, ...] = ()
     attributes: dict[str, Attribute] = field(default_factory=dict)
     relations: dict[str, Relation] = field(default_factory=dict)
     sources: frozenset[str] = frozenset()
+    reference: str = ""
 
     def set(self, name: str, type: str, value: Any, *sources: str, uniform: bool = False, varies: str = "") -> Prim:
         """Give the prim an attribute; returns the prim."""

@@ -7,7 +7,7 @@ from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.design.design import Instance
 from wmspec.diagnostics import ImpossibleValue, Report
 from wmspec.layout.values import Values
-from wmspec.stage import agents
+from wmspec.stage import agents, robots
 from wmspec.stage.actions import add_action, carrier_sources, carriers
 from wmspec.stage.cameras import add_camera, add_light, camera_path
 from wmspec.stage.document import Document
@@ -51,16 +51,25 @@ def built(values: Values) -> Document:
                     add_camera(doc, thing.name, values)
                 case "light":
                     add_light(doc, thing.name, values.world, values)
+                case "robot":
+                    robots.add_robot(doc, thing, values)
     with report.gathered():
         no_loops(values)
     with report.gathered():
         _episode(doc, spec, values)
-    for thing in spec.things:
-        with report.gathered():
-            if thing.kind == "action" and values.there(thing.name):
-                add_action(doc, thing, values, carried)
+    _actions(doc, values, carried, report)
     report.stop_if_failed()
     return doc
+
+
+def _actions(doc: Document, values: Values, carried: dict[str, str], report: Report) -> None:
+    for thing in values.spec.things:
+        with report.gathered():
+            if thing.kind == "action" and values.there(thing.name):
+                if thing.of:
+                    robots.add_action(doc, thing, values)
+                else:
+                    add_action(doc, thing, values, carried)
 
 
 def _physics(doc: Document, values: Values) -> None:

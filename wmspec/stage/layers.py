@@ -100,6 +100,8 @@ def _define(layer: Sdf.Layer, path: str, prim: Prim) -> None:
     spec.typeName = prim.type
     if prim.schemas:
         _apply(spec, prim.schemas)
+    if prim.reference:
+        spec.referenceList.prependedItems.append(Sdf.Reference(prim.reference))
     for name, attribute in prim.attributes.items():
         _attribute(spec, name, attribute)
     for name, relation in prim.relations.items():

@@ -1,6 +1,7 @@
 """Stages on disk: `base.usda` per task, `000000.usda` per instance over it, `000000.NAME.usda` per counterfactual.
 
-Images lie beside them in `textures`, named by their content, so that a folder of stages can be moved.
+Images lie beside them in `textures`, what is referenced in `assets`, named by
+their content, so that a folder of stages can be moved.
 """
 
 from __future__ import annotations
@@ -52,8 +53,12 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
 
 
 def _moved(made: Document, images: dict[str, Path]) -> Document:
-    """The document with its images named relative to its own file; notes where they are now in `images`."""
+    """The document with its images and assets named relative to its own file; notes where they are now in `images`."""
     for prim in made.prims.values():
+        if prim.reference:
+            here = _name(Path(prim.reference), "assets")
+            images[here] = Path(prim.reference)
+            prim.reference = f"./{here}"
         for name, attribute in prim.attributes.items():
             if attribute.type == "asset":
                 here = _name(Path(attribute.value))
@@ -62,9 +67,9 @@ def _moved(made: Document, images: dict[str, Path]) -> Document:
     return made
 
 
-def _name(image: Path) -> str:
-    """What the copy of an image is called: the same for the same bytes."""
-    return f"textures/{image.stem}-{blake2b(image.read_bytes(), digest_size=4).hexdigest()}{image.suffix.lower()}"
+def _name(image: Path, folder: str = "textures") -> str:
+    """What the copy of a file is called: the same for the same bytes."""
+    return f"{folder}/{image.stem}-{blake2b(image.read_bytes(), digest_size=4).hexdigest()}{image.suffix.lower()}"
 
 
 def _write(path: Path, content: bytes) -> Path:

@@ -19,6 +19,7 @@ from wmspec.scene.model import (
     Follow,
     Force,
     Glide,
+    Grip,
     Impulse,
     Joint,
     Launch,
@@ -39,8 +40,13 @@ def action(prim: Usd.Prim, bodies: Mapping[str, Body], joints: Mapping[str, Join
         StageError: if the verb is unknown, or the object can't do it.
     """
     verb = value(prim, "wms:verb", "launch")
+    if verb == "hold":
+        held: Body = target(prim, "wms:object", bodies, "rigid body")
+        if held.motion != "dynamic":
+            refuse(prim, f"{held.path} is {held.motion}", "hold a dynamic body")
+        return _hold(prim, held.name, bodies)
     if verb not in VERBS:
-        refuse(prim, f"the verb '{verb}' is unknown", f"expected one of: {', '.join(VERBS)}")
+        refuse(prim, f"the verb '{verb}' is unknown", f"expected one of: {', '.join((*VERBS, 'reach', 'hold'))}")
     kind, make = VERBS[verb]
     if kind is Steer:
         return make(prim, _driven(prim, joints), world)
@@ -109,6 +115,16 @@ def _force(prim: Usd.Prim, body: str, world: World) -> Force:
 
 def _release(prim: Usd.Prim, body: str, _world: World) -> Release:
     return Release(prim.GetName(), body, seconds(prim, "wms:start"))
+
+
+def _hold(prim: Usd.Prim, body: str, bodies: Mapping[str, Body]) -> Grip:
+    hand: Body = target(prim, "wms:hand", bodies, "rigid body")
+    points = np.array(value(prim, "wms:points", ()), np.float64).reshape(-1, 3)
+    if hand.motion != "kinematic" or not len(points):
+        reason = f"{hand.path} is {hand.motion}, and it has {len(points)} wms:points"
+        refuse(prim, reason, "hold it by a kinematic body, with 1 to 3 points")
+    start = seconds(prim, "wms:start")
+    return Grip(prim.GetName(), body, hand.name, start, start + seconds(prim, "wms:duration"), points)
 
 
 def _steer(prim: Usd.Prim, joint: str, _world: World) -> Steer:

@@ -8,12 +8,12 @@ from pxr import Usd
 
 from wmspec.diagnostics import Report, StageError
 from wmspec.scene.model import Action, Body, Camera, Joint, Observation, Scene
-from wmspec.usd import actions, episode, joints
+from wmspec.usd import actions, episode, joints, reach
 from wmspec.usd.bodies import bodies
 from wmspec.usd.cameras import camera, daylight, overview
 from wmspec.usd.filters import filtered
 from wmspec.usd.frames import World
-from wmspec.usd.prims import Names, targets
+from wmspec.usd.prims import Names, targets, value
 from wmspec.usd.unsupported import incomplete
 from wmspec.usd.walk import Census, Walk
 
@@ -69,13 +69,17 @@ def _cameras(census: Census, known: dict[str, Body], world: World, problems: Rep
 def _actions(
     census: Census, everything: tuple[Body, ...], held: dict[str, Joint], world: World, problems: Report
 ) -> tuple[Action, ...]:
-    known, done = {body.path: body for body in everything}, []
+    known: dict[str, Body] = {body.path: body for body in everything}
+    done: list[tuple[Usd.Prim, Action]] = []
     refused = census.owners.keys() - known.keys()
     for prim in census.of("WmsAction"):
         if not refused.isdisjoint(targets(prim, "wms:object")):
             continue  # what is wrong is already said of its object
         with problems.gathered():
-            done.append((prim, actions.action(prim, known, held, world)))
+            if value(prim, "wms:verb") == "reach":
+                done += [(prim, follow) for follow in reach.follows(prim, known, world)]
+            else:
+                done.append((prim, actions.action(prim, known, held, world)))
     with problems.gathered():
         actions.overlapping(done, everything)
     return tuple(action for _, action in done)

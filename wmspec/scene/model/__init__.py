@@ -4,7 +4,7 @@ Units are SI, the world is Z up, quaternions are (w, x, y, z), colours are sRGB 
 immutable; arrays are float64 and never written to after construction.
 """
 
-from wmspec.scene.model.actions import Action, Follow, Force, Glide, Impulse, Launch, Release, Steer, Teleport
+from wmspec.scene.model.actions import Action, Follow, Force, Glide, Grip, Impulse, Launch, Release, Steer, Teleport
 from wmspec.scene.model.bodies import Body, Drive, Friction, Geom, Inertia, Joint, JointKind, Motion, Surface
 from wmspec.scene.model.cameras import Camera, Frame, Light, Observation, Shot
 from wmspec.scene.model.episode import Contact, Scene, Trace
@@ -24,6 +24,7 @@ __all__ = [
     "Friction",
     "Geom",
     "Glide",
+    "Grip",
     "Impulse",
     "Inertia",
     "Joint",

@@ -99,4 +99,20 @@ class Steer:
     target: float
 
 
-Action = Launch | Glide | Follow | Teleport | Impulse | Force | Release | Steer
+@dataclass(frozen=True)
+class Grip:
+    """From `start` to `stop` (s) the kinematic body `hand` holds the dynamic `body` by `points` (n, 3) m of its frame.
+
+    The place of the body in the hand is the one that it has at `start`. One point is a ball joint, two a hinge, three
+    hold it fast.
+    """
+
+    name: str
+    body: str
+    hand: str
+    start: float
+    stop: float
+    points: Array
+
+
+Action = Launch | Glide | Follow | Teleport | Impulse | Force | Release | Steer | Grip

@@ -1,0 +1,92 @@
+"""Things that are handled: how large and heavy they are, and where, as far as a plan knows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wmspec.diagnostics import ImpossibleValue
+from wmspec.layout.geometry import pieces, volume
+from wmspec.layout.solids import bounds
+from wmspec.robots.arm import Array, about, shift
+from wmspec.space import HERE
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from wmspec.layout.values import Values
+
+
+@dataclass(frozen=True, eq=False)
+class Goods:
+    """A thing that stands upright: its box has half the edges `half` (3,) m in the frame `frame` (4, 4) of its middle.
+
+    `slipped`: it was too heavy or too smooth for the hand that wanted to raise it.
+    """
+
+    name: str
+    frame: Array
+    half: tuple[float, float, float]
+    mass: float
+    friction: float
+    slipped: bool = False
+
+    @property
+    def middle(self) -> Array:
+        """Where its middle is (3,) m."""
+        return np.asarray(self.frame[:3, 3])
+
+    @property
+    def top(self) -> float:
+        """How high it reaches, m."""
+        return float(self.middle[2] + self.half[2])
+
+    @property
+    def yaw(self) -> float:
+        """Its heading, rad."""
+        return float(np.arctan2(self.frame[1, 0], self.frame[0, 0]))
+
+    def moved(self, way: Sequence[float] | Array) -> Goods:
+        """It, elsewhere; what has slipped stays."""
+        return self if self.slipped else replace(self, frame=shift(*map(float, way)) @ self.frame)
+
+    def turned(self, angle: float, centre: Array) -> Goods:
+        """It, turned about the upright through a point (3,)."""
+        if self.slipped:
+            return self
+        here, back = shift(*centre.tolist()), shift(*(-centre).tolist())
+        return replace(self, frame=here @ about(2, angle) @ back @ self.frame)
+
+    def seen(self, point: Array) -> Array:
+        """A point (3,) in its own frame."""
+        return np.asarray(self.frame[:3, :3].T @ (point - self.middle))
+
+    def reach(self, way: Array) -> float:
+        """How far (m) it reaches from its middle in a level direction, a unit vector (3,)."""
+        own = np.abs(self.frame[:3, :3].T @ way)
+        flat = np.maximum(np.array(self.half) / np.where(own > 1e-9, own, 1e-12), 0.0)
+        return float(flat[:2].min())
+
+    def across(self, tool: Array) -> float:
+        """How wide (m) it is between the fingers of a tool."""
+        own = np.abs(self.frame[:3, :3].T @ tool[:3, 1])
+        return 2 * self.half[0 if own[0] > own[1] else 1]
+
+
+def goods(values: Values, name: str) -> Goods:
+    """A thing as it is at the start. Raises WmsError with its place if no hand can handle it."""
+    made, pose = pieces(values, name), values.pose(name)
+    if values.property(name, "fixed"):
+        raise ImpossibleValue(f"`{name}` is fixed, so no robot can move it", values.place(name))
+    up = pose.seen((pose.position[0], pose.position[1], pose.position[2] + 1.0))
+    if up[2] < 1 - 1e-6:
+        raise ImpossibleValue(f"`{name}` does not stand upright, so no robot can handle it", values.place(name))
+    low, high = (np.array(corner) for corner in bounds(made, HERE))
+    frame = shift(*pose.position) @ about(2, float(values.property(name, "yaw"))) @ shift(*((low + high) / 2).tolist())
+    mass = values.property(name, "mass") if values.has(name, "mass") else None
+    if mass is None:
+        mass = values.property(name, "density") * volume(values, name)
+    half = ((high - low) / 2).tolist()
+    return Goods(name, frame, (half[0], half[1], half[2]), float(mass), float(values.property(name, "friction")))
