@@ -47,8 +47,8 @@ ROBOT = """
 use tabletop
 task grab : custom {
   object cup { size: 5 cm  on: table at (0, 0) }
-  robot arm : panda { on: table at (-40 cm, 0) }
-  action go = arm.pick(cup, height: 15 cm) for 1 s
+  robot truck : car { on: floor at (-3 m, 0) }
+  action go = truck.forward(distance: 15 cm) for 1 s
   observe front at [0 s, 1 s]
   question "Is it held?" { answer moved(cup) }
 }
@@ -65,7 +65,7 @@ def test_what_cannot_be_executed_yet_is_refused_with_its_place(tmp_path: Path) -
         ["crosscheck", "grab.wms"],
     ):
         told = wmspec(*command, folder=tmp_path, code=2).stderr
-        assert "`arm.pick` cannot be executed yet" in told
+        assert "`truck.forward` cannot be executed yet" in told
         assert "grab.wms:6:10" in told
     assert not (tmp_path / "out").exists()
 

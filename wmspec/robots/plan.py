@@ -360,14 +360,14 @@ def _place(made: _Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     over = shift(way[0], way[1], max(way[2] + 0.06, 0.0)) @ here
     up, rest = shift(0.0, 0.0, ABOVE) @ there, _drawn_back(arm, there)
     legs = [
-        Leg(0.35 * lasts, straight(here, over), arm.width),
-        Leg(0.55 * lasts, straight(over, there), arm.width),
-        Leg(0.65 * lasts, stay(there), arm.arm.opening),
-        Leg(0.78 * lasts, straight(there, up), arm.arm.opening),
+        Leg(0.30 * lasts, straight(here, over), arm.width),
+        Leg(0.48 * lasts, straight(over, there), arm.width),
+        Leg(0.56 * lasts, stay(there), arm.arm.opening),
+        Leg(0.68 * lasts, straight(there, up), arm.arm.opening),
         Leg(lasts, straight(up, rest), arm.arm.opening),
     ]
     held = arm.held == thing.name
-    _let_go(made, arm, made.number(action, "start") + 0.55 * lasts)
+    _let_go(made, arm, made.number(action, "start") + 0.48 * lasts)
     _go(made, action, legs)
     return thing.moved(way) if held else thing
 
