@@ -74,7 +74,7 @@ def _print(rows: Sequence[dict[str, Any]]) -> None:
         console.width = 10_000
     console.print(table)
     if not all(row["executable"] for row in rows):
-        console.print("* a car or a walker acts in these: they are checked, and cannot be executed yet", highlight=False)
+        console.print("* a car or walker acts in these: they are checked, and cannot be executed yet", highlight=False)
     console.print(_covered(rows), highlight=False)
 
 
