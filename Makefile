@@ -66,7 +66,7 @@ oracles: setup
 	$(BIN)/python -m tools.oracles
 
 agreement: setup
-	-$(BIN)/wmspec crosscheck specs --sample 200 --json out/crosscheck.json
+	-$(BIN)/wmspec crosscheck specs/perception specs/prediction --sample 200 --json out/crosscheck.json
 	$(BIN)/python -m tools.agreement out/crosscheck.json
 
 clean:

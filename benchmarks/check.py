@@ -25,7 +25,7 @@ from wmspec.api.loading import spec_files
 from wmspec.check.task import check
 from wmspec.design.design import Design
 from wmspec.diagnostics import Report
-from wmspec.parse.load import library_folder
+from wmspec.parse.load import catalogue_folders
 
 MOST_SECONDS = 0.3
 LEAST_RATE = 20_000
@@ -88,9 +88,9 @@ def _rate(design: Design) -> float:
 
 
 def specs() -> list[Path]:
-    """The specs named on the command line, those of folders too, or all that come with wmspec."""
+    """The specs named on the command line, those of folders too, or all that rebuild the paper."""
     named = spec_files(map(Path, sys.argv[1:]))
-    return named or [p for p in sorted(library_folder().parent.rglob("*.wms")) if p.parent != library_folder()]
+    return named or spec_files(catalogue_folders())
 
 
 def measured(bytecode: str) -> Iterator[Measured]:

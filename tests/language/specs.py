@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check_program
 from wmspec.diagnostics import Report
-from wmspec.parse.load import library_folder, load, load_source
+from wmspec.parse.load import catalogue_folders, load, load_source
 from wmspec.places import Source
+from wmspec.resources import resource
 
-ROOT = library_folder().parent
-SPECS = [p for p in sorted(ROOT.rglob("*.wms")) if p.parent != library_folder()]
+ROOT = resource("specs")
+SPECS = sorted(path for folder in catalogue_folders() for path in folder.rglob("*.wms"))
 
 
 @cache

@@ -51,15 +51,15 @@ def load(
 
 
 def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn) -> tuple[Task, ...]:
-    """All tasks of spec files, and of all specs in folders, in order; without any, those that come with wmspec.
+    """All tasks of spec files, and of all specs in folders, in order; without any, those that rebuild the paper.
 
     Raises:
         SpecError: specs have mistakes; its `diagnostics` are all of them.
         WmsError: a file cannot be read, there is no task at all, or two have one name.
     """
-    from wmspec.parse.load import library_folder
+    from wmspec.parse.load import catalogue_folders
 
-    return _tasks(spec_files(map(Path, paths or [library_folder().parent])), seed, tell)
+    return _tasks(spec_files(map(Path, paths or catalogue_folders())), seed, tell)
 
 
 @dataclass(frozen=True)

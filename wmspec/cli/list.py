@@ -24,7 +24,7 @@ def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_js
 
     Groups share every draw: their number is the sample size that nuisances have, and factors that are not crossed.
 
-    Without SPECS: the tasks that come with wmspec.
+    Without SPECS: the tasks that rebuild the paper's. `wmspec list specs/gallery` lists others that come with wmspec.
     """
     from wmspec.api import load_all
     from wmspec.api.loading import of_dimensions

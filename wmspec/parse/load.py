@@ -119,6 +119,11 @@ def library_folder() -> Path:
     return resource("specs/library")
 
 
+def catalogue_folders() -> tuple[Path, ...]:
+    """The folders of the specs that rebuild the paper's tasks; those of the gallery are apart."""
+    return resource("specs/perception"), resource("specs/prediction")
+
+
 def search_path() -> tuple[Path, ...]:
     """The folders in WMSPEC_PATH, in which libraries are looked for too, parted as in PATH."""
     return tuple(Path(folder) for folder in os.environ.get("WMSPEC_PATH", "").split(os.pathsep) if folder)
