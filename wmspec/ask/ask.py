@@ -140,7 +140,8 @@ class _Row:
         asking, kind = self.asking, KINDS[answer.kind]
         depicted = kind.depicted(asking, answer)
         runs = [asking.run, *(option.run for option in depicted)]
-        needed = named(asking.question, asking.values).union(*(run.movers() for run in runs))
+        things = {thing.name for thing in asking.values.spec.things}  # the links of an arm are none: they may hide
+        needed = named(asking.question, asking.values).union(*(run.movers() & things for run in runs))
         shown(asking.observed, needed)
         for option in depicted:
             shown_in(option.name, option.run.observed([(option.camera, option.time)], asking.pair), needed)
