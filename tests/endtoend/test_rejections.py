@@ -35,12 +35,17 @@ task still : custom {{
 def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kept: int, tmp_path: Path) -> None:
     installed("pybullet")
     (tmp_path / "still.wms").write_text(SPEC.format(gate=gate, where=where))
-    wmspec("generate", "still.wms", "-o", "out", "-b", "pybullet", "--size", 64, "-j", 1, folder=tmp_path)
+    command = ["generate", "still.wms", "-o", "out", "-b", "pybullet", "--size", 64, "-j", 1]
+    done = wmspec(*command, folder=tmp_path)
     manifest = json.loads((tmp_path / "out/manifest.json").read_text())
     assert manifest["tasks"]["still"]["rows"] == {"pybullet": kept}
     told = manifest["rejected"]["list"]
     assert {r["reason"] for r in told} == ({reason} if reason else set())
     assert all(r["detail"] for r in told)
+    for r in told[:1]:
+        assert f"  {len(told)} {reason}, such as instance {r['index']} in pybullet: {r['detail']}" in done.stdout
+        (task,) = json.loads(wmspec(*command, "--json", folder=tmp_path).stdout)
+        assert task["examples"][reason] == r
 
 
 ROBOT = """

@@ -93,7 +93,7 @@ class Place(NamedTuple):
 
     def missing(self, *kinds: str, told: str, help: str, cost: float) -> Repair:
         """Words of these types that are missing before this one."""
-        text = {"STRING": '""'}
+        text = {"STRING": '""', **{kind: word for word, kind in _keywords().items()}}
         words = tuple(Token(kind, text.get(kind, ""), self.word.start, self.word.line) for kind in kinds)
         return Repair(self.i, self.i, words, told, help, cost, missing=True)
 
@@ -176,7 +176,7 @@ def _sign(place: Place) -> Iterator[Repair]:
     means = "means nothing here" if word.type == "STRAY" else "is unexpected here"
     for kind, sign in SIGNS.items():
         if kind in place.accepted and kind != word.type and any({kind, word.type} <= alike for alike in _ALIKE):
-            cost = 2.4 if word.text in ")]}" and touches else 2.9 if word.type == "STRAY" else 3.3
+            cost = 2.4 if word.text in ")]}" and touches and sign != "}" else 2.9
             made = word._replace(type=kind, text=sign)
             yield place.instead(made, told=f"`{word.text}` {means}", help=f"write `{sign}`", cost=cost)
     if word.type == "EQUAL" and "COMPARE" in place.accepted:

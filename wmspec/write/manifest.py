@@ -11,15 +11,30 @@ from wmspec.ask.model import Rejected
 from wmspec.write.plan import Plan, Task
 from wmspec.write.shards import Record
 
+#: Of how many reasons an example is told.
+REASONS = 3
+
 
 @dataclass(frozen=True)
 class TaskSummary:
-    """A task's count: instances made, questions kept of each engine, and rejected by reason."""
+    """A task's count: instances made, questions kept of each engine, and rejected by reason, with the first of each."""
 
     name: str
     instances: int
     rows: dict[str, int]
     rejected: dict[str, int]
+    examples: dict[str, Rejected]
+
+    def __str__(self) -> str:
+        """How much was kept, and the reasons that most was rejected for."""
+        often = sorted(self.rejected.items(), key=lambda one: (-one[1], one[0]))[:REASONS]
+        kept = f"{self.name}: {sum(self.rows.values()):,} questions of {self.instances:,} instances"
+        return "\n".join([kept, *(f"  {n:,} {reason}, such as {_told(self.examples[reason])}" for reason, n in often)])
+
+
+def _told(one: Rejected) -> str:
+    question = f" question {one.question + 1}" if one.question else ""
+    return f"instance {one.index}{question} in {one.engine}: {one.detail}"
 
 
 @dataclass(frozen=True)
@@ -44,8 +59,9 @@ class Summary:
     def __str__(self) -> str:
         lost = sum(self.rejected.values())
         why = ", ".join(f"{n:,} {reason}" for reason, n in self.rejected.items())
-        counts = [f"{t.name}: {sum(t.rows.values()):,} questions of {t.instances:,} instances" for t in self.tasks]
-        return "\n".join([*counts, f"{self.rows:,} questions, {lost:,} rejected" + (f" ({why})" if why else "")])
+        return "\n".join(
+            [*map(str, self.tasks), f"{self.rows:,} questions, {lost:,} rejected" + (f" ({why})" if why else "")]
+        )
 
 
 def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
@@ -60,7 +76,9 @@ def _count(plan: Plan, task: Task, lost: list[Rejected]) -> TaskSummary:
     asked = len(task.indices) * len(task.spec.questions)
     by_engine, by_reason = Counter(r.engine for r in lost), Counter(r.reason for r in lost)
     rows = {engine: asked - by_engine[engine] for engine in plan.engines}
-    return TaskSummary(task.spec.name, len(task.indices), rows, {str(k): n for k, n in sorted(by_reason.items())})
+    examples = {str(r.reason): r for r in reversed(lost)}
+    rejected = {str(k): n for k, n in sorted(by_reason.items())}
+    return TaskSummary(task.spec.name, len(task.indices), rows, rejected, examples)
 
 
 def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[str, Any]:
