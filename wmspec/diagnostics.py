@@ -242,6 +242,21 @@ def _order(place: Place | None) -> tuple[str, int]:
             return "", 0
 
 
+class Remedy(str):
+    """A remedy in words that can also be applied: `right` in the place of `wrong`, where the diagnostic points."""
+
+    __slots__ = ("right", "wrong")
+    wrong: str
+    right: str
+
+    @classmethod
+    def of(cls, words: str, wrong: str, right: str) -> Remedy:
+        """The remedy that is told in these words."""
+        remedy = cls(words)
+        remedy.wrong, remedy.right = wrong, right
+        return remedy
+
+
 #: No more words than these are listed.
 FEW = 16
 
@@ -253,6 +268,6 @@ def suggestion(word: str, *groups: Iterable[str]) -> str:
     """
     known = [sorted(set(group)) for group in groups]
     if close := nearest(word, *known):
-        return f"did you mean `{close}`?"
+        return Remedy.of(f"did you mean `{close}`?", word, close)
     few = next((names for names in known if 0 < len(names) <= FEW), ())
     return f"known here: {', '.join(few)}" if few else ""

@@ -82,11 +82,20 @@ def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:
 
 def _checked(task: s.Task, variant: s.Variant | None, program: Program, report: Report) -> ir.TaskSpec | None:
     """The task that a variant is, with what is common to all variants and to the file."""
-    items: list[Iterable[Item]] = [program.file.items, task.body]
+    items = _items(program, task, variant)
     if variant is not None:
-        items.append(variant.body)
         task = replace(task, name=replace(task.name, id=f"{task.name.id}_{variant.name.id}"))
     return _Task(task, Modules(program, report), items, report).task()
+
+
+def _items(program: Program, task: s.Task | None, variant: s.Variant | None) -> list[Iterable[Item]]:
+    return [program.file.items, task.body if task else (), variant.body if variant else ()]
+
+
+def known(program: Program, task: s.Task | None, variant: s.Variant | None) -> Expressions:
+    """What expressions mean in a variant, in a task without any, or in a library; mistakes are passed over."""
+    report = Report()
+    return _Task(task, Modules(program, report), _items(program, task, variant), report).check
 
 
 class _Task:

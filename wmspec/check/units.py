@@ -222,6 +222,14 @@ def told(value: float, dimension: Dimension) -> str:
     return f"{number + 0.0:.6g} {unit}".rstrip()  # -0.0 + 0.0 is 0.0
 
 
+def fitting(dimension: Dimension) -> tuple[str, ...]:
+    """The units in which a quantity may be written: those of the table, then those made of several."""
+    plain = [name for name, (_, of) in UNITS.items() if of == dimension]
+    made = [unit for unit, _ in _TOLD.get(dimension, ())]
+    made += [EXAMPLES[dimension].partition(" ")[2]] if dimension in EXAMPLES else []
+    return tuple(dict.fromkeys(filter(None, (*plain, *made, dimension.symbol))))
+
+
 def convert(value: float, scale: float) -> float:
     """`value * scale`, rounded correctly where the scale is one over a whole number (35 cm is 0.35 m to the bit)."""
     inverse = round(1 / scale)

@@ -19,6 +19,7 @@ COMMANDS = (
     "check",
     "fmt",
     "watch",
+    "lsp",
     "explain",
     "list",
     "compile",

@@ -1,0 +1,103 @@
+"""What colours specs in editors, made from the words of the language.
+
+python tools/grammars.py            rewrites the files in editors/
+python tools/grammars.py --check    exits with 1 if they are not current
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from wmspec.check.units import UNITS
+from wmspec.editor.words import constants, functions, joining, statements
+
+EDITORS = Path(__file__).parent.parent / "editors"
+NUMBER = r"(?<![\w.])\d+(\.\d+)?([eE][+-]?\d+)?"
+
+
+def files() -> dict[Path, str]:
+    """Every file, with its text as it should be."""
+    grammar = json.dumps(textmate(), indent=2) + "\n"
+    return {
+        EDITORS / "vscode/syntaxes/wms.tmLanguage.json": grammar,
+        EDITORS / "textmate/wms.tmLanguage.json": grammar,
+        EDITORS / "vim/syntax/wms.vim": vim(),
+        EDITORS / "vim/ftdetect/wms.vim": "autocmd BufRead,BufNewFile *.wms setfiletype wms\n",
+    }
+
+
+def textmate() -> dict[str, object]:
+    """The TextMate grammar, which VS Code, Sublime Text, TextMate and others read."""
+    units = "|".join(sorted((unit for unit in UNITS if unit.isalpha()), key=len, reverse=True))
+    unit = rf"(?:{units})(?:\^-?\d+)?"
+    hole = {"begin": r"(?<!\\)\{", "end": r"\}", "name": "meta.interpolation.wms", "patterns": [{"include": "$self"}]}
+    escape = {"match": r"\\.", "name": "constant.character.escape.wms"}
+    patterns: list[dict[str, object]] = [
+        {"match": r"#.*$", "name": "comment.line.number-sign.wms"},
+        {"begin": '"""', "end": '"""', "name": "string.quoted.triple.wms comment.block.documentation.wms"},
+        {"begin": '"', "end": r'"|$', "name": "string.quoted.double.wms", "patterns": [escape, hole]},
+        {"match": r"\b[A-Za-z_]\w*(?=[ \t]*:)", "name": "variable.parameter.wms"},
+        {"match": rf"{NUMBER}(?:[ \t]*(?:%|{unit}(?:[*/]{unit})*)(?!\w))?", "name": "constant.numeric.wms"},
+        {"match": rf"\b({'|'.join(functions())})(?=\()", "name": "support.function.wms"},
+        {"match": rf"\b({'|'.join(statements())})\b", "name": "keyword.control.wms"},
+        {"match": rf"\b({'|'.join(joining())})\b", "name": "keyword.operator.wms"},
+        {"match": rf"\b({'|'.join(sorted(constants()))})\b", "name": "constant.language.wms"},
+        {"match": r"==|!=|<=|>=|<|>|\.\.|[-+*/=]", "name": "keyword.operator.wms"},
+    ]
+    return {
+        "$schema": "https://raw.githubusercontent.com/martinring/tmlanguage/master/tmlanguage.json",
+        "name": "wmspec",
+        "scopeName": "source.wms",
+        "fileTypes": ["wms"],
+        "patterns": patterns,
+    }
+
+
+def vim() -> str:
+    """The syntax file of Vim and Neovim."""
+    alternatives = r"\|".join(functions())
+    lines = [
+        '" Made by tools/grammars.py from the tables of the language.',
+        "if exists('b:current_syntax')",
+        "  finish",
+        "endif",
+        f"syntax keyword wmsStatement {' '.join(statements())}",
+        f"syntax keyword wmsOperator {' '.join(joining())}",
+        f"syntax keyword wmsConstant {' '.join(sorted(constants()))}",
+        f"syntax match wmsFunction /\\<\\({alternatives}\\)\\ze(/",
+        r"syntax match wmsProperty /\<[A-Za-z_]\w*\ze\s*:/",
+        r"syntax match wmsNumber /\<\d\+\(\.\d\+\)\?\([eE][+-]\?\d\+\)\?\(\s*\(%\|[A-Za-z]\+\(\^-\?\d\+\)\?\([*\/][A-Za-z]\+\(\^-\?\d\+\)\?\)*\>\(\s*:\)\@!\)\)\?/ contains=wmsStatement,wmsOperator",
+        r'syntax region wmsText start=/"/ skip=/\\./ end=/"\|$/ contains=wmsHole',
+        r"syntax region wmsHole start=/{/ end=/}/ contained contains=TOP",
+        r'syntax region wmsDoc start=/"""/ end=/"""/',
+        "syntax match wmsComment /#.*$/",
+        "highlight default link wmsStatement Statement",
+        "highlight default link wmsOperator Operator",
+        "highlight default link wmsConstant Constant",
+        "highlight default link wmsFunction Function",
+        "highlight default link wmsProperty Identifier",
+        "highlight default link wmsNumber Number",
+        "highlight default link wmsText String",
+        "highlight default link wmsHole Special",
+        "highlight default link wmsDoc Comment",
+        "highlight default link wmsComment Comment",
+        "setlocal commentstring=#\\ %s",
+        "let b:current_syntax = 'wms'",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Rewrite the files, or tell whether they are current."""
+    stale = [path for path, text in files().items() if not path.is_file() or path.read_text(encoding="utf-8") != text]
+    if "--check" in sys.argv:
+        sys.exit(bool(stale))
+    for path in stale:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(files()[path], encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,23 @@
+"""`wmspec lsp`: the language server, for editors."""
+
+from __future__ import annotations
+
+import click
+
+from wmspec.diagnostics import WmsError
+
+
+@click.command("lsp")
+def lsp_command() -> None:
+    """Speak the Language Server Protocol on standard input and output: editors start this, not people.
+
+    Mistakes as one types, completion, hover, definitions, references, renaming, symbols, formatting, quick fixes, and
+    `wmspec.preview`, which draws the instance under the cursor.
+    """
+    try:
+        from wmspec.editor.server import serve
+    except ImportError as error:
+        if (error.name or "").partition(".")[0] not in ("pygls", "lsprotocol"):
+            raise
+        raise WmsError("the language server needs pygls", help="install it with `pip install 'wmspec[lsp]'`") from None
+    serve()

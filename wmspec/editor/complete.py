@@ -1,0 +1,251 @@
+"""What to offer at a place: only what fits there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from wmspec.check.calls import signature
+from wmspec.check.expressions import Expressions
+from wmspec.check.functions import FUNCTIONS
+from wmspec.check.names import BLOCKS
+from wmspec.check.property_schema import slots, thing_type
+from wmspec.check.typed import Failed, example, fits
+from wmspec.check.types import A_TIME, ITEM, LABEL, OBJECT, QUANTITY, TRUTH, List, Quantity, Type, Vector, Word, either
+from wmspec.check.units import fitting
+from wmspec.check.verbs import ROBOTS, VERBS, Verb
+from wmspec.check.vocabulary import WORDS, Slot
+from wmspec.diagnostics import Report
+from wmspec.editor.cursor import Cursor, cursor
+from wmspec.editor.document import Document
+from wmspec.editor.names import Names
+from wmspec.editor.wanted import Reader, Wanted
+from wmspec.parse import syntax as s
+from wmspec.parse.load import library_folder, search_path
+from wmspec.parse.parser import parse_expression
+from wmspec.places import Span
+
+Sort = Literal["property", "argument", "unit", "name", "function", "verb", "word", "keyword", "library", "part"]
+#: The order in which they are offered.
+ORDER: tuple[Sort, ...] = (
+    *("unit", "property", "argument", "library", "name", "part", "word", "verb", "function", "keyword"),
+)
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A word to offer, of which sort, what is told beside it, what it means, and what is written for it."""
+
+    word: str
+    sort: Sort
+    detail: str = ""
+    meaning: str = ""
+    written: str = ""
+
+
+@dataclass(frozen=True)
+class Offers:
+    """What to offer in the place of the characters from `start` on."""
+
+    start: int
+    offers: tuple[Offer, ...]
+
+
+def complete(document: Document, offset: int) -> Offers:
+    """What may stand at an offset of a document, the likeliest first."""
+    place = cursor(document.text, offset)
+    if place is None:
+        return Offers(offset, ())
+    meaning = document.meaning(offset)
+    if place.unit is not None and (units := _units(document, meaning, place)):
+        bare = not document.text[place.unit[0] : offset]  # then what follows a number without a unit may be meant too
+        others = _others(document, meaning, place, offset) if bare and place.start == place.unit[0] else ()
+        return Offers(place.unit[0], _sorted([*units, *others]))
+    return Offers(place.start, _sorted(_others(document, meaning, place, offset)))
+
+
+def _sorted(offers: Iterable[Offer]) -> tuple[Offer, ...]:
+    first: dict[str, Offer] = {}
+    for offer in sorted(offers, key=lambda o: ORDER.index(o.sort)):
+        first.setdefault(offer.word, offer)
+    return tuple(first.values())
+
+
+def _units(document: Document, meaning: Expressions | None, place: Cursor) -> list[Offer]:
+    assert place.unit is not None
+    types = Reader(document.source, meaning, place.unit[1]).wanted().types or ()
+    dimensions = dict.fromkeys(t.dimension for each in types if isinstance(t := _item(each), Quantity | Vector))
+    return [Offer(unit, "unit", str(dimension)) for dimension in dimensions for unit in fitting(dimension)]
+
+
+def _item(of: Type) -> Type:
+    return of.item if isinstance(of, List) and of.item is not None else of
+
+
+def _others(document: Document, meaning: Expressions | None, place: Cursor, offset: int) -> Iterator[Offer]:
+    wanted = Reader(document.source, meaning, place.stack).wanted() if place.stack is not None else Wanted()
+    yield from (Offer(word, "keyword") for word in place.keywords if _stands(word, wanted))
+    if place.stack is None:
+        return
+    arguments = any(p.read is not None and getattr(p.read, "type", "") == "LPAR" for p in place.stack)
+    for name, slot in wanted.slots.items():
+        yield Offer(name, "argument" if arguments else "property", takes(slot), slot.meaning, f"{name}: ")
+    if wanted.kind:
+        yield from _named(document, meaning, wanted, offset)
+    elif wanted.types is None or wanted.types:
+        yield from _values(document, meaning, wanted, offset)
+
+
+def _stands(keyword: str, wanted: Wanted) -> bool:
+    """Whether a keyword that may stand makes sense there too."""
+    if keyword in ("true", "false", "not") and wanted.types is not None:
+        return TRUTH in map(_item, wanted.types)
+    return wanted.kind not in ("member", "verb") and not (keyword == "object" and wanted.types != ())
+
+
+def takes(slot: Slot) -> str:
+    """What a property or argument takes, and what it is if it is left out."""
+    kinds = either([str(t) for t in slot.types])
+    return f"{kinds}, {slot.default} if left out" if slot.default is not None else kinds
+
+
+# ---------------------------------------------------------------- values
+
+
+def _values(document: Document, meaning: Expressions | None, wanted: Wanted, offset: int) -> Iterator[Offer]:
+    types = wanted.types
+    for name, of, what in _typed(document, meaning, offset):
+        if types is None or of is None or any(_may_be(of, t) for t in types):
+            yield Offer(name, "name", str(of) if of else what)
+    for vocabulary, words in WORDS.items():
+        if types is None or any(_item(t) == Word(vocabulary) or (t == LABEL and vocabulary == "tie") for t in types):
+            yield from (Offer(word, "word", vocabulary) for word in words)
+    if types is not None and A_TIME in map(_item, types):
+        yield Offer("end", "word", "time", "when the episode ends")
+    for name, function in FUNCTIONS.items():
+        if function.measured and not wanted.measured:
+            continue
+        if types is None or any(_may_be(function.result, t) for t in types):
+            yield Offer(name, "function", signature(name, function), function.meaning, f"{name}(")
+
+
+def _may_be(of: Type, wanted: Type) -> bool:
+    if of in (QUANTITY, ITEM):
+        return of == ITEM or isinstance(_item(wanted), Quantity)
+    return fits(of, wanted) or fits(of, _item(wanted))
+
+
+def _typed(document: Document, meaning: Expressions | None, offset: int) -> Iterator[tuple[str, Type | None, str]]:
+    """Every name in scope, with its type if that is known, and what it is."""
+    for name, declared in Names(document).visible(offset).items():
+        node = declared.node
+        if isinstance(node, s.Use | s.Template):
+            continue
+        yield name, _type(meaning, name.replace(".", "_"), node), type(node).__name__.lower()
+
+
+def _type(meaning: Expressions | None, name: str, node: object) -> Type | None:
+    if isinstance(node, s.Block):
+        return List(OBJECT) if node.kind == "objects" else BLOCKS.get(node.kind)
+    if meaning is None or name not in meaning.scope.names:
+        return None
+    with suppress(Failed):
+        span = meaning.scope.names[name].name.span
+        return meaning.infer(s.Name(name, span)).type
+    return None
+
+
+# ---------------------------------------------------------------- names of one kind
+
+
+def _named(  # noqa: C901, PLR0912  a case for each kind
+    document: Document, meaning: Expressions | None, wanted: Wanted, offset: int
+) -> Iterator[Offer]:
+    visible = Names(document).visible(offset)
+    match wanted.kind:
+        case "table":
+            yield from (Offer(word, "word", what) for word, what in wanted.words.items())
+        case "library":
+            yield from _libraries(document.path.parent)
+        case "library_names" if wanted.of is not None:
+            for use, library in document.program.paths.items():
+                if use.start == wanted.of.start:
+                    items = document.program.libraries[library].items
+                    named = (i for i in items if isinstance(i, s.Factor | s.Let | s.Block | s.Template | s.Action))
+                    yield from (Offer(i.name.id, "name", _what(i)) for i in named)
+        case "template":
+            for name, declared in visible.items():
+                if isinstance(declared.node, s.Template):
+                    yield Offer(name, "name", "template")
+        case "camera":
+            for name, declared in visible.items():
+                if isinstance(declared.node, s.Block) and declared.node.kind == "camera":
+                    yield Offer(name, "name", "camera")
+        case "changed":
+            for name, declared in visible.items():
+                if isinstance(declared.node, s.Block | s.Action):
+                    yield Offer(name, "name", _what(declared.node))
+        case "verb":
+            yield from _verbs(VERBS, "")
+            for name, declared in visible.items():
+                node = declared.node
+                if isinstance(node, s.Block) and node.kind == "robot" and node.model is not None:
+                    yield from _verbs(ROBOTS.get(node.model.id, {}), f"{name}.")
+        case "member" if wanted.of is not None:
+            yield from _members(meaning, wanted.of, visible.keys())
+
+
+def _what(node: object) -> str:
+    return node.kind if isinstance(node, s.Block) else type(node).__name__.lower()
+
+
+def _verbs(verbs: dict[str, Verb], whose: str) -> Iterator[Offer]:
+    for name, verb in verbs.items():
+        shown = f"{name}({', '.join(verb.arguments)}){' for TIME' if verb.lasts else ''}"
+        yield Offer(f"{whose}{name}", "verb", shown, verb.meaning, f"{whose}{name}(")
+
+
+def _libraries(folder: Path) -> Iterator[Offer]:
+    for place in (folder, *search_path(), library_folder()):
+        for path in sorted(place.glob("*.wms")):
+            with suppress(OSError, UnicodeDecodeError):
+                text = path.read_text(encoding="utf-8")
+                if "\ntask " not in f"\n{text}":
+                    yield Offer(path.stem, "library", text.partition("\n")[0].strip('"'))
+
+
+def _members(meaning: Expressions | None, of: Span, visible: Iterable[str]) -> Iterator[Offer]:
+    """What may follow a dot: names of a library, parts and properties of a thing, arguments of an action."""
+    for name in visible:
+        whole, dot, last = name.partition(".")
+        if dot and whole == of.text:
+            yield Offer(last, "name")
+    if meaning is None:
+        return
+    block = meaning.scope.names.get(of.text.replace(".", "_"))
+    if isinstance(block, s.Action):
+        call = block.call.function.span.text if isinstance(block.call, s.Call) else ""
+        arguments = VERBS[call].arguments if call in VERBS else {}
+        yield from (Offer(name, "argument", takes(slot), slot.meaning) for name, slot in arguments.items())
+        yield Offer("start", "argument", "time", "when it starts")
+    elif isinstance(block, s.Block):
+        kind = block.kind.removesuffix("s") if block.kind == "objects" else block.kind
+        said = {p.name.id for p in block.properties}
+        table = slots(thing_type(kind, said, block.model.id if block.model else "", bool(block.parts)))
+        yield from (Offer(part.name.id, "part", "part") for part in block.parts)
+        yield from (Offer(name, "property", takes(slot), slot.meaning) for name, slot in table.items())
+    else:
+        expression = parse_expression(of, Report())
+        with suppress(Failed):
+            found = meaning.measuring(expression).type if expression is not None else None
+            if isinstance(found, Vector):
+                yield from (Offer(axis, "property", str(found.dimension)) for axis in "xyz"[: found.size])
+
+
+def shown_type(of: Type) -> str:
+    """A type with an example of its values."""
+    such = example(of)
+    return f"{of}, such as `{such}`" if such and of != TRUTH else str(of)

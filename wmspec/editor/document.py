@@ -1,0 +1,86 @@
+"""A spec as it is being written: its text, and what can be known of it whatever is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from wmspec.check.expressions import Expressions
+from wmspec.check.task import known
+from wmspec.diagnostics import Report, WmsError
+from wmspec.node import Node
+from wmspec.parse import syntax as s
+from wmspec.parse.load import Program, load_source, shown
+from wmspec.parse.parser import parse
+from wmspec.places import Source, Span
+
+
+@dataclass(frozen=True)
+class Document:
+    """The text of a spec or library, and the path of its file."""
+
+    path: Path
+    text: str
+
+    @cached_property
+    def source(self) -> Source:
+        """The text, by the name that messages call it."""
+        return Source(shown(self.path), self.text)
+
+    @cached_property
+    def program(self) -> Program:
+        """What could be read, with the libraries that could."""
+        with suppress(WmsError):  # of a library that is not UTF-8, say
+            return load_source(self.source, self.path.parent, Report())
+        return Program(self.source, parse(self.source, Report()), {}, {})
+
+    @property
+    def file(self) -> s.File:
+        """The syntax tree."""
+        return self.program.file
+
+    def around(self, offset: int) -> tuple[s.Task | None, s.Variant | None]:
+        """The task and the variant in which a character stands; of a task that has variants the first, outside them."""
+        tasks = [item for item in self.file.items if isinstance(item, s.Task)]
+        task = next((t for t in reversed(tasks) if t.span.start <= offset), tasks[0] if tasks else None)
+        variants = [item for item in task.body if isinstance(item, s.Variant)] if task else []
+        inside = (v for v in variants if v.span.start <= offset <= v.span.end)
+        return task, next(inside, variants[0] if variants else None)
+
+    def meaning(self, offset: int) -> Expressions | None:
+        """What expressions mean where a character stands."""
+        with suppress(WmsError):
+            return known(self.program, *self.around(offset))
+        return None
+
+    def nodes_at(self, offset: int) -> list[Node]:
+        """The nodes of the syntax tree that hold a character, from the file down to the smallest."""
+        path: list[Node] = [self.file]
+        while (inner := _holding(path[-1], offset)) is not None:
+            path.append(inner)
+        return path
+
+
+def children(node: Node) -> Iterator[tuple[str, Node]]:
+    """The nodes directly in a node, with the field that each is in."""
+    for field in fields(node):  # type: ignore[arg-type]
+        for each in _flat(getattr(node, field.name)):
+            yield field.name, each
+
+
+def _flat(value: Any) -> Iterator[Node]:
+    if isinstance(value, tuple):
+        for item in value:
+            yield from _flat(item)
+    elif isinstance(value, Node) and isinstance(getattr(value, "span", None), Span):
+        yield value
+
+
+def _holding(node: Node, offset: int) -> Node | None:
+    """The child that holds a character; where two meet, the one that begins there."""
+    holding = [c for _, c in children(node) if c.span.start <= offset <= c.span.end]  # type: ignore[attr-defined]
+    return max(holding, key=lambda c: c.span.start, default=None)  # type: ignore[attr-defined]

@@ -1,0 +1,179 @@
+"""What a word means: the same as the tables of the reference say, or what it was declared as."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+
+from wmspec.check.calls import signature
+from wmspec.check.expressions import Expressions
+from wmspec.check.functions import FUNCTIONS
+from wmspec.check.typed import Failed
+from wmspec.check.units import UNITS, UnknownUnit, parse_unit
+from wmspec.check.verbs import ROBOTS, VERBS, Verb
+from wmspec.check.vocabulary import COLORS, JOINTS, PLANS, PROPERTIES, TOLERANCES, WORDS, Slot
+from wmspec.editor.complete import shown_type, takes
+from wmspec.editor.document import Document
+from wmspec.editor.names import Names, Occurrence
+from wmspec.materials import MATERIALS
+from wmspec.node import Node
+from wmspec.parse import syntax as s
+from wmspec.parse.parser import words
+from wmspec.parse.tables import tables
+from wmspec.parse.words import Token
+from wmspec.places import Source, Span
+
+
+@dataclass(frozen=True)
+class Hover:
+    """Markdown about the characters of a span."""
+
+    span: Span
+    markdown: str
+
+
+def hover(document: Document, offset: int) -> Hover | None:
+    """What there is to say about the word at an offset; None if there is nothing."""
+    token = _token(document, offset)
+    if token is None:
+        return None
+    span = Span(document.source, token.start, token.end)
+    nodes = document.nodes_at(offset)
+    said = _key(document, nodes, token)
+    if not said and (name := Names(document).at(offset)) is not None:
+        return Hover(name.span, _declared(document, document.meaning(offset), name))
+    said = said or _unit(token) or _word(token.text) or _keyword(token, nodes)
+    return Hover(span, said) if said else None
+
+
+def _token(document: Document, offset: int) -> Token | None:
+    touching = [t for t in words(document.text) if t.start <= offset <= t.end and t.type != "COMMENT"]
+    telling = [t for t in touching if t.text[0].isalnum() or t.text[0] == "_"]
+    return next(reversed(telling or touching), None)
+
+
+# ---------------------------------------------------------------- properties, arguments, verbs
+
+
+def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C901  a case for each holder
+    """What a property or an argument is, by what it belongs to."""
+    name = nodes[-1]
+    if not isinstance(name, s.Name) or len(nodes) < 2:
+        return ""
+    holder, outer = nodes[-2], nodes[:-2]
+    match holder:
+        case s.Property(name=s.Name(id=key)) if holder.name is name:
+            whole = next((n for n in reversed(outer) if isinstance(n, s.Part | s.Block | s.Template)), None)
+            slot = PROPERTIES.get(_kind(whole), {}).get(key)
+            return slot_shown(f"{key}:", slot) if slot is not None else ""
+        case s.Argument(name=s.Name(id=key)) if holder.name is name:
+            call = next((n for n in reversed(outer) if isinstance(n, s.Call)), None)
+            called = call.function.span.text if call else ""
+            verb = _verb(called)
+            if verb is not None and key in verb.arguments:
+                return slot_shown(f"{key}:", verb.arguments[key])
+            return _function(called)
+        case s.Call(function=function) if function is name:
+            verb = VERBS.get(name.id) if any(isinstance(n, s.Action) for n in outer) else None
+            return verb_shown(name.id, verb) if verb is not None else _function(name.id)
+        case s.Member(name=last) if last is name and any(isinstance(n, s.Call) and n.function is holder for n in outer):
+            robot = _verb(f".{name.id}")
+            return verb_shown(name.id, robot) if robot is not None else ""
+        case s.Member(name=last) if last is name:
+            slot = next((table[name.id] for table in PROPERTIES.values() if name.id in table), None)
+            declared = Names(document).at(token.start)
+            return slot_shown(name.id, slot) if slot is not None and declared is None else ""
+        case s.Design(kind=kind) if kind is name and name.id in PLANS:
+            return f"`{PLANS[name.id].written}`\n\n{PLANS[name.id].meaning}"
+        case s.Tolerance(name=kind) if kind is name and name.id in TOLERANCES:
+            return slot_shown(name.id, TOLERANCES[name.id])
+        case s.Block(model=model, kind=kind) if model is name and kind == "joint" and name.id in JOINTS:
+            return f"`{name.id}`: {JOINTS[name.id]}"
+    return ""
+
+
+def _kind(whole: Node | None) -> str:
+    match whole:
+        case s.Part():
+            return "part"
+        case s.Block(kind=kind):
+            return "object" if kind == "objects" else kind
+    return "object"
+
+
+def _verb(called: str) -> Verb | None:
+    _, dot, name = called.rpartition(".")
+    if not dot:
+        return VERBS.get(called)
+    return next((verbs[name] for verbs in ROBOTS.values() if name in verbs), None)
+
+
+def _function(name: str) -> str:
+    if name not in FUNCTIONS:
+        return ""
+    function = FUNCTIONS[name]
+    where = "\n\nMeasured on the executed episode." if function.measured else ""
+    return f"```wms\n{signature(name, function)}\n```\n{function.meaning}; gives {shown_type(function.result)}{where}"
+
+
+def slot_shown(name: str, slot: Slot) -> str:
+    """A property or argument: what it takes, what it is if left out, what it means."""
+    kinds = " or ".join(shown_type(t) for t in slot.types)
+    left_out = f"  \nleft out: `{slot.default}`" if slot.default is not None else ""
+    return f"**{name}** {slot.meaning}\n\ntakes {kinds}{left_out}"
+
+
+def verb_shown(name: str, verb: Verb) -> str:
+    """A verb and its arguments."""
+    call = f"{name}({', '.join(verb.arguments)}){' for TIME' if verb.lasts else ''}"
+    rows = "\n".join(f"- `{key}`: {slot.meaning} ({takes(slot)})" for key, slot in verb.arguments.items())
+    return f"```wms\n{call}\n```\n{verb.meaning}\n\n{rows}".rstrip()
+
+
+# ---------------------------------------------------------------- words and names
+
+
+def _unit(token: Token) -> str:
+    if token.type not in ("QUANTITY", "LIST_UNIT"):
+        return ""
+    unit = token.text.lstrip("0123456789.eE+- \t") if token.type == "QUANTITY" else token.text.strip()
+    with suppress(UnknownUnit):
+        scale, dimension = parse_unit(unit)
+        one = f": {scale:.6g} {dimension.symbol}".rstrip() if dimension.symbol and unit in UNITS else ""
+        return f"`{unit}`, a unit of {dimension}{one}"
+    return ""
+
+
+def _word(word: str) -> str:
+    if word in MATERIALS:
+        return f"`{word}`, a material: {MATERIALS[word].meaning}"
+    if word in COLORS:
+        return f"`{word}`, a color: rgb({', '.join(f'{c:g}' for c in COLORS[word])})"
+    kinds = [vocabulary for vocabulary, all_ in WORDS.items() if word in all_]
+    return f"`{word}`, a word for a {' or a '.join(kinds)}" if kinds else ""
+
+
+def _keyword(token: Token, nodes: list[Node]) -> str:
+    """A keyword: what the statement is that it begins, or stands in."""
+    if token.text not in tables().keywords:
+        return ""
+    node = nodes[-1]
+    about = (type(node).__doc__ or "").strip()
+    return "" if isinstance(node, s.File | s.Task) and token.text != "task" else about
+
+
+def _declared(document: Document, meaning: Expressions | None, name: Occurrence) -> str:
+    """A name: the first line of what declares it, its type, and where that is."""
+    node = name.declared.node
+    if isinstance(node, s.File):  # a library
+        about = next((item.text for item in node.items if isinstance(item, s.Docstring)), "")
+        return f"library `{name.declared.path.name}`\n\n{about}"
+    source: Source = node.span.source
+    first = node.span.text.partition("\n")[0].rstrip()
+    of = ""
+    known = meaning.scope.names.get(name.span.text) if meaning is not None else None
+    if meaning is not None and isinstance(node, s.Factor | s.Let) and known is not None:
+        with suppress(Failed):
+            of = f"\n\n{shown_type(meaning.infer(s.Name(name.span.text, name.span)).type)}"
+    where = "" if source.name == document.source.name else f"\n\nfrom `{source.name}`"
+    return f"```wms\n{first}\n```{of}{where}"

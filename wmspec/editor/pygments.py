@@ -1,0 +1,73 @@
+"""A lexer for Pygments, so that documentation shows specs in colour: the words are those of the parser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+from pygments.lexer import Lexer
+from pygments.token import (
+    Comment,
+    Error,
+    Keyword,
+    Name,
+    Number,
+    Operator,
+    Punctuation,
+    String,
+    Text,
+    Whitespace,
+    _TokenType,
+)
+
+from wmspec.editor.words import SOFT, constants
+from wmspec.parse.tables import tables
+from wmspec.parse.words import Token, read
+
+_PLAIN: dict[str, _TokenType] = {
+    "WHITE": Whitespace,
+    "COMMENT": Comment.Single,
+    "LONG_STRING": String.Doc,
+    "STRING": String,
+    "OPEN_STRING": String,
+    "NUMBER": Number,
+    "QUANTITY": Number,
+    "LIST_UNIT": Number,
+    "COMPARE": Operator,
+    "PLUS": Operator,
+    "MINUS": Operator,
+    "TIMES": Operator,
+    "STRAY": Error,
+}
+
+
+class WmsLexer(Lexer):
+    """Specs in the language of wmspec."""
+
+    name = "wmspec"
+    aliases: ClassVar[list[str]] = ["wms"]
+    filenames: ClassVar[list[str]] = ["*.wms"]
+    mimetypes: ClassVar[list[str]] = []
+
+    def get_tokens_unprocessed(self, text: str) -> Iterator[tuple[int, _TokenType, str]]:
+        """Every word with its place and its kind."""
+        tokens = list(read(text))
+        after: str = ""
+        for token, following in zip(tokens, [*tokens[1:], Token("WHITE", "", 0, 0)], strict=True):
+            yield token.start, _kind(token, after, following), token.text
+            after = after if token.type in ("WHITE", "COMMENT") else token.type
+
+
+def _kind(token: Token, after: str, following: Token) -> _TokenType:
+    if token.type in _PLAIN:
+        return _PLAIN[token.type]
+    word = token.text
+    if following.text == ":" and after != "COLON":
+        return Name.Attribute
+    if following.text == "(":
+        return Name.Function
+    if word in tables().keywords and not (word in SOFT and after in ("COLON", "DOT")):
+        return Keyword
+    if token.type == "NAME" or word in tables().keywords:
+        return Name.Constant if word in constants() else Name
+    return Punctuation if token.text.strip() else Text
