@@ -80,7 +80,9 @@ def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
         check.fail("WMS302", "which robot acts is a constant", function.value.span)
     robot = check.scope.names[str(who.expr.value)]
     assert isinstance(robot, s.Block)
-    verbs = ROBOTS.get(robot.model.id if robot.model else "", {})
+    if robot.model is None or robot.model.id not in ROBOTS:  # which was reported
+        raise Failed
+    verbs = ROBOTS[robot.model.id]
     name = function.name.id
     if name not in verbs:
         message = f"`{robot.name.id}` has no verb `{name}`"

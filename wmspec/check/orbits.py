@@ -77,6 +77,8 @@ class Orbits:
             what = f"{why} `{name}`, so that some groups may lack some of its levels"
             self.check.fail("WMS508", what, span, "let conditions be about other factors")
         reads = self._reads(name)
+        if reads is None and self.check.report.failed:
+            raise Failed  # what was not understood may say it
         if reads is None:
             what = f"nothing in the scene is said in terms of `{name}`, so siblings that differ in it look alike"
             self.check.fail("WMS508", what, span, "let an object or an action depend on it")

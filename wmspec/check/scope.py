@@ -76,7 +76,7 @@ class Scope:
 
     def known(self) -> list[str]:
         """Every word that may be used as a value."""
-        return [*self.names, *BUILTIN, *FUNCTIONS, *VERBS]
+        return [*self.names, *BUILTIN, "true", "false", *FUNCTIONS, *VERBS]
 
     def of(self, *types: type[Declaration]) -> list[str]:
         """The names declared by statements of the given types."""

@@ -33,7 +33,8 @@ class Templates:
         bare = replace(statement, model=None)
         if name.id not in self.known:
             self._report.add("WMS201", f"there is no template `{name.id}`", name.span, suggestion(name.id, self.known))
-            return bare
+            known = tuple(p for p in bare.properties if p.name.id in PROPERTIES["object"])
+            return replace(bare, properties=known)
         self._used.add(name.id)
         return self._made(bare, self.known[name.id], name.span)
 

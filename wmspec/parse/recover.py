@@ -15,12 +15,16 @@ from wmspec.parse.words import Token
 def recover(machine: Machine, tokens: list[Token], i: int) -> int:
     """Drop tokens up to the next start of a statement, property or `}`, and what was half read before it.
 
-    Returns the index of the token to go on with; past the end if nothing fits.
+    A block whose header cannot be read is dropped as a whole. Returns the index of the token to go on with; past the
+    end if nothing fits.
     """
-    stuck, starters = i, tables().starters
+    stuck, deep = i, 0
     while i < len(tokens):
-        if (i > stuck or tokens[i].type in starters) and (kinds := _boundary(tokens, i)) and machine.unwind(*kinds):
+        kind = tokens[i].type
+        far_enough = i > stuck or kind in tables().starters
+        if (deep == 0 or kind == END) and far_enough and _goes_on(machine, tokens, i):
             return i
+        deep = max(0, deep + (kind == "LBRACE") - (kind == "RBRACE"))
         i += 1
     return i
 
@@ -35,9 +39,11 @@ def dropped(machine: Machine, tokens: list[Token], i: int) -> list[Token]:
     return [*tokens[:kept], *tokens[on:]]
 
 
-def _boundary(tokens: list[Token], i: int) -> tuple[str, ...]:
-    """The types of the words with which reading could go on here; none if it is no place to go on."""
+def _goes_on(machine: Machine, tokens: list[Token], i: int) -> bool:
+    """Forget what was half read if reading could then go on here: with a statement, a property or a `}`."""
     kind = tokens[i].type
-    if kind in tables().starters or kind in ("RBRACE", END):
-        return (kind,)
-    return (kind, "COLON") if tokens[i + 1].type == "COLON" else ()
+    if kind in ("RBRACE", END):
+        return machine.unwind(kind)
+    if kind in tables().starters:  # some of them are names too: what follows tells
+        return machine.unwind(kind, tokens[i + 1].type) or machine.unwind(kind)
+    return tokens[i + 1].type == "COLON" and machine.unwind(kind, "COLON")
