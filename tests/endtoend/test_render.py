@@ -64,7 +64,7 @@ def test_a_gif_shows_the_whole_episode(trace: Path) -> None:
     for i in range(film.n_frames):
         film.seek(i)
         total += film.info["duration"]
-    assert total == 1300, "13 pictures in 1.2 s, the last as long as the others"
+    assert total == 1500, "15 pictures in 1.4 s, the last as long as the others"
     wmspec("render", str(trace), "--size", "64", "-o", "stills", folder=trace.parent)
     still = np.asarray(Image.open(min((trace.parent / "stills").iterdir()))).astype(int)
     film.seek(0)
@@ -80,7 +80,7 @@ def test_an_mp4_shows_the_whole_episode(trace: Path) -> None:
     frames = ffmpeg.read_frames(str(trace.parent / "film.mp4"))
     about = next(frames)
     assert about["size"] == (64, 64)
-    assert len(list(frames)) == 31
+    assert len(list(frames)) == 36
 
 
 def test_an_mp4_without_its_package_is_refused_with_the_remedy(trace: Path) -> None:

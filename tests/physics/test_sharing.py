@@ -14,6 +14,7 @@ from tests.engines import ENGINES, installed
 from tests.language.specs import SPECS, task_of
 from tests.physics.test_determinism import digest
 from tests.physics.test_native import limbs, lively
+from wmspec.check.ir import Choices
 from wmspec.design.design import Design
 from wmspec.execute.backends import backend
 from wmspec.execute.trace_cache import TraceCache, physics_key
@@ -33,10 +34,12 @@ def scene_of(index: int) -> Scene:
 
 def twins() -> tuple[Scene, Scene]:
     """Two instances that differ in a colour."""
-    design = Design(COLLIDE)
-    other = next(iter(design.neighbours(7, "ball_color")))
-    assert design[7].factors["ball_color"] != design[other].factors["ball_color"]
-    return scene_of(7), scene_of(other)
+    here = Design(COLLIDE)[7]
+    colors = COLLIDE.factor("ball_color").domain
+    assert isinstance(colors, Choices)
+    other = next(color for color in colors.values if color != here.factors["ball_color"])
+    there = replace(here, factors=here.factors | {"ball_color": other})
+    return scene_of(7), read(compose(document(COLLIDE, there)))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
