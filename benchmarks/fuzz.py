@@ -1,9 +1,12 @@
-"""Random specs, many of them: none may end in a traceback, take more than 2 s or more than 512 MB.
+"""Random specs and damaged files, many of them: none may end in a traceback, or take much time or memory.
 
     python -m benchmarks.fuzz --count 100000 --workers 2
+    python -m benchmarks.fuzz --of files --count 20000 --workers 2
 
-An input is a pure function of its number and of the texts in the repository, which it is made from. Each is checked,
-tried out and, if it can be parsed, formatted twice. What fails is written to `--output`, and the exit code is 1.
+A spec may take 2 s and 512 MB, a file (`benchmarks/damaged.py`) 10 s and 1 GB, and nothing may be written but where it
+was asked for. An input is a pure function of its number and of the texts in the repository, which it is made from. A
+spec is checked, tried out and, if it can be parsed, formatted twice. What fails is written to `--output`; the exit code
+is 1 then.
 """
 
 from __future__ import annotations
@@ -28,6 +31,7 @@ from types import FrameType
 from benchmarks.inputs import ROOT, text_of
 from wmspec.check.task import check_program
 from wmspec.diagnostics import Report, SpecError, WmsError
+from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.lint.dry_run import dry_run
 from wmspec.parse.format import format_spec
 from wmspec.parse.load import load_source
@@ -144,11 +148,49 @@ class Tally:
 
     def __str__(self) -> str:
         count = self.came.total()
-        tried, read = self.came["tried"], self.came["tried"] + self.came["read"]
+        tried = self.came["tried"]
+        read = tried + sum(n for came, n in self.came.items() if came.split()[-1] == "read")
         return (
             f"{count:,} inputs, {read:,} of them read and {tried:,} staged: {self.failed} failed; "
             f"slowest {self.slowest:.2f} s, mean {self.seconds / count:.3f} s, most memory {self.memory >> 20} MB"
         )
+
+
+# ---------------------------------------------------------------- files
+
+#: Processor seconds and bytes of memory that a damaged file may take.
+FILE_SECONDS, FILE_MEMORY = 10.0, 2**30
+#: Files that a worker reads at a time.
+TOGETHER = 20
+
+
+def attempt_files(first: int, last: int) -> list[Outcome]:
+    """Damage and read the files of these numbers."""
+    return [_attempt_file(number) for number in range(first, last)]
+
+
+def _attempt_file(number: int) -> Outcome:
+    from benchmarks.damaged import attempt_file
+
+    came, failure, began = "failed", "", time.process_time()
+    try:
+        came = attempt_file(number)
+    except BaseException:  # noqa: BLE001  a crash of any sort is what we look for
+        failure = traceback.format_exc()
+    seconds, memory = time.process_time() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    if not failure and (seconds > FILE_SECONDS or memory > FILE_MEMORY):
+        failure = f"it took {seconds:.1f} s, and the process holds {memory / 2**20:.0f} MB"
+    return Outcome(number, "", came, seconds, memory, failure)
+
+
+def run_files(numbers: range, workers: int) -> Iterator[Outcome]:
+    """The outcomes of all files, in order; a worker that dies or hangs is a failure of the files that it had."""
+    pieces = [(first, min(first + TOGETHER, numbers.stop)) for first in numbers[::TOGETHER]]
+    for (first, last), outcomes in zip(pieces, in_order(attempt_files, pieces, Effort(workers, 300)), strict=True):
+        if isinstance(outcomes, Lost):
+            yield from (Outcome(n, "", "failed", 0.0, 0, f"{outcomes.reason}: {first} to {last}") for n in (first,))
+        else:
+            yield from outcomes
 
 
 def keep(outcome: Outcome, output: Path) -> None:
@@ -162,21 +204,27 @@ def keep(outcome: Outcome, output: Path) -> None:
 def main() -> None:
     """Run and report."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--of", choices=("specs", "files"), default="specs")
     parser.add_argument("--count", type=int, default=100_000)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--output", type=Path, default=Path("out/fuzz"))
     options = parser.parse_args()
     tally = Tally()
-    for outcome in run(range(options.first, options.first + options.count), options.workers):
+    numbers = range(options.first, options.first + options.count)
+    for outcome in (run_files if options.of == "files" else run)(numbers, options.workers):
         tally.add(outcome)
         if outcome.failure:
             keep(outcome, options.output)
         if tally.came.total() % 1000 == 0:
             print(tally, flush=True)
     print(tally)
+    if options.of == "files":
+        print(*(f"{count:,} {came}" for came, count in sorted(tally.came.items())), sep="; ")
     sys.exit(tally.failed > 0)
 
 
 if __name__ == "__main__":
-    main()
+    from benchmarks.fuzz import main as run_main  # workers find its functions under this name
+
+    run_main()

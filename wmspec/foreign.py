@@ -6,11 +6,13 @@ import io
 import re
 import warnings
 from pathlib import Path
-
-from PIL import Image
+from typing import TYPE_CHECKING
 
 from wmspec.diagnostics import WmsError
 from wmspec.limits import PIXELS
+
+if TYPE_CHECKING:  # most specs have no pictures, and checking those should not wait for Pillow
+    from PIL import Image
 
 _NAME = re.compile(r"\w[\w.-]{0,99}")
 
@@ -33,6 +35,8 @@ def picture(source: Path | bytes, *formats: str) -> Image.Image:
 
     Raises WmsError if it is something else, damaged, or too large.
     """
+    from PIL import Image
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own limit is told below

@@ -172,6 +172,51 @@ def test_an_observation_that_is_too_far(project: Path) -> None:
     assert "the episode has more than 600 seconds here" in output
 
 
+def test_a_crowd_is_warned_of(project: Path) -> None:
+    many = "\n".join(f"  object s{i} {{ shape: sphere size: 2 cm at: ({i} m, 0 m, 3 m) }}" for i in range(120))
+    text = PLAIN.format(file="", more="").replace("  observe", f"{many}\n  horizon 10 s\n  observe")
+    assert "things can move, and" in checked(project, text)
+    assert "things can move" not in checked(project, text.replace("10 s", "0.1 s"))
+
+
+def test_a_check_that_takes_too_long_is_stopped(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever reads files of others takes any Exception for a mistake in them; this is none."""
+
+    def endless(*arguments: object, **options: object) -> None:
+        while True:
+            time.sleep(0.01)
+
+    monkeypatch.setattr("trimesh.load", endless)
+    (project / "t.wms").write_text(SPEC.format(file="cup.obj", more=""))
+    result = wmspec("check", project / "t.wms", "--timeout", "1")
+    assert result.exit_code == 2
+    assert "it takes longer than 1 s; check fewer specs, or give it more with --timeout" in result.output
+
+
+def test_a_damaged_crate_does_not_end_the_process(project: Path) -> None:
+    """USD believes what a binary file says of its lengths: it read 3.7 GB, or died."""
+    from pxr import Usd, UsdGeom
+
+    stage = Usd.Stage.CreateNew(str(project / "good.usdc"))
+    stage.SetDefaultPrim(UsdGeom.Sphere.Define(stage, "/ball").GetPrim())
+    stage.Save()
+    content = bytearray((project / "good.usdc").read_bytes())
+    assert "good.usdc: cannot be read" not in checked(project, SPEC.format(file="good.usdc", more=""))
+    content[len(content) // 3 : len(content) // 3 + 300] = b"\xff" * 300
+    (project / "bad.usdc").write_bytes(content)
+    assert "bad.usdc: cannot be read: is damaged" in checked(project, SPEC.format(file="bad.usdc", more=""))
+    assert "is damaged, or would fill the memory" in wmspec("run", project / "bad.usdc").output
+
+
+def test_damaged_files_are_told_or_read() -> None:
+    """Some of the files of `benchmarks/fuzz.py --of files`, whose figures are in docs/security.md."""
+    from benchmarks.damaged import KINDS, attempt_file
+
+    came = {attempt_file(number) for number in range(12 * len(KINDS))}
+    assert {f"{kind} refused" for kind in KINDS} <= came
+    assert any(each.endswith(" read") for each in came)
+
+
 # ---------------------------------------------------------------- refused by us, whatever the libraries do
 
 

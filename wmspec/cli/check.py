@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import paint, standard_input
+from wmspec.cli.common import paint, standard_input, within
 
 if TYPE_CHECKING:
     from wmspec.api import Diagnosis
@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 @click.argument("specs", nargs=-1, required=True, type=click.Path(path_type=Path, allow_dash=True))
 @click.option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", show_default=True)
 @click.option("--json", "form", flag_value="json", help="The same as --format json.")
-def check_command(specs: tuple[Path, ...], form: str) -> None:
+@click.option(
+    "--timeout", type=click.FloatRange(1), default=600.0, show_default=True, help="Seconds that all of it may take."
+)
+def check_command(specs: tuple[Path, ...], form: str, timeout: float) -> None:
     """Check specs: names, units, kinds, the design, and a sample of scenes; `-` checks standard input.
 
     Exits with 2 if there is a mistake.
@@ -27,7 +30,8 @@ def check_command(specs: tuple[Path, ...], form: str) -> None:
     """
     from wmspec.api import diagnose
 
-    diagnosis = diagnose(*specs) if specs != (Path("-"),) else diagnose(text=standard_input().text)
+    with within(timeout):
+        diagnosis = diagnose(*specs) if specs != (Path("-"),) else diagnose(text=standard_input().text)
     if form == "json":
         records = [d.record() for d in diagnosis.diagnostics]
         click.echo(json.dumps({"diagnostics": records, "tasks": dict(diagnosis.tasks)}, indent=2))

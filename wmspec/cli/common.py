@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -62,6 +65,30 @@ def look_options(command: F) -> F:
     )
     samples = click.option("--samples", type=click.IntRange(1, 4096), help="Samples a pixel, for the look beauty.")
     return look(samples(command))
+
+
+class _TimeIsUp(BaseException):
+    """No mistake of the user's, which what reads files of others might take it for."""
+
+
+@contextmanager
+def within(seconds: float) -> Iterator[None]:
+    """Stop what takes longer. Raises WmsError then, as soon as Python has its turn."""
+
+    def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  a handler is called with both
+        raise _TimeIsUp
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    except _TimeIsUp:
+        raise WmsError(
+            f"it takes longer than {seconds:g} s; check fewer specs, or give it more with --timeout"
+        ) from None
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def tell(text: str) -> None:

@@ -15,7 +15,7 @@ from wmspec.limits import POINTS, PRIMS, TooLarge
 from wmspec.places import FilePlace
 from wmspec.shapes import Mesh
 from wmspec.usd import meshes
-from wmspec.usd.files import opened
+from wmspec.usd.files import opened, text_of
 from wmspec.usd.frames import World, split
 from wmspec.usd.prims import refuse, value
 from wmspec.usd.unsupported import incomplete
@@ -42,7 +42,9 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
         limit = error.diagnostics[0]
         raise faults.stop(FilePlace(shown), limit.message, limit.help) from None
     except Exception as error:  # noqa: BLE001  what others wrote may be of any type
-        raise faults.stop(FilePlace(shown), f"cannot be read: {error}", "mend it, or export it again") from None
+        raise faults.stop(
+            FilePlace(shown), f"cannot be read: {text_of(error)}", "mend it, or export it again"
+        ) from None
     finally:
         del quiet
 

@@ -110,7 +110,6 @@ def _of_stage(path: str) -> Mesh:
 
 def _of_file(path: str) -> Mesh:
     """The triangles of a file. Raises ImpossibleValue if it is broken."""
-    import numpy as np
     import trimesh
 
     try:
@@ -118,19 +117,28 @@ def _of_file(path: str) -> Mesh:
         loaded: Any = trimesh.load(located(path), force="mesh", process=False, skip_materials=True)
         if path.lower().endswith(".dae"):  # which says its unit; the others mean metres, or nothing
             loaded.apply_scale(trimesh.units.unit_conversion(loaded.units, "m"))
+        if max(len(loaded.vertices), 3 * len(loaded.faces)) > POINTS.most:
+            raise POINTS.exceeded()
+        return _checked(loaded)
     except WmsError as error:
         raise ImpossibleValue(f"{path} {error.diagnostics[0].message}", help=error.diagnostics[0].help) from None
     except Exception as error:  # noqa: BLE001  a parser of files of others can fail in any way
-        raise ImpossibleValue(f"{path} is broken: {str(error) or type(error).__name__}") from None
-    if not len(loaded.faces):
-        raise ImpossibleValue(f"{path} is broken: it has no faces")
-    if max(len(loaded.vertices), 3 * len(loaded.faces)) > POINTS.most:
-        raise ImpossibleValue(f"{path} {POINTS.sentence}", help=POINTS.help)
-    if not np.isfinite(loaded.vertices).all():
-        raise ImpossibleValue(f"{path} is broken: a point of it is not finite")
-    with np.errstate(invalid="ignore"):  # of what is flat trimesh divides by 0
-        inside_out = loaded.volume < 0
+        raise ImpossibleValue(f"{path} is broken: {str(error)[:200] or type(error).__name__}") from None
+
+
+def _checked(loaded: Any) -> Mesh:
+    """What trimesh read. Raises ValueError for what is no mesh."""
+    import numpy as np
+
     points, faces = np.asarray(loaded.vertices, float), np.asarray(loaded.faces)
+    if not len(faces):
+        raise ValueError("it has no faces")
+    if not np.isfinite(points).all():
+        raise ValueError("a point of it is not finite")
+    if faces.ndim != 2 or faces.shape[1] != 3 or faces.min() < 0 or faces.max() >= len(points):
+        raise ValueError("a face of it has a corner that is no point of it")
+    with np.errstate(all="ignore"):  # of what is flat trimesh divides by 0
+        inside_out = loaded.volume < 0
     st = getattr(loaded.visual, "uv", None)
     st = None if st is None else np.asarray(st, float)[:, :2]
     return Mesh(points, faces[:, :: -1 if inside_out else 1], st)

@@ -24,6 +24,10 @@ from wmspec.lint.rule import Breach, rule
 from wmspec.lint.visibility import blind
 from wmspec.places import Location
 
+#: What a pair of things takes in MuJoCo for a second of an episode (s), measured with 150 falling spheres; and what is
+#: worth a warning (s).
+_PAIR_SECONDS, _LONG = 8e-4, 20.0
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -97,6 +101,20 @@ def late_action(scene: Scene) -> Iterator[Breach]:
                 yield Breach(what, values.place(action.name, "start"), remedy, about=action.name)
 
 
+@rule("WMS304")
+def crowded(scene: Scene) -> Iterator[Breach]:
+    """So many things that can touch one another that an instance takes long: every pair is looked at in every step."""
+    values = scene.values
+    present = [t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)]
+    free = [name for name in present if not values.property(name, "fixed")]
+    pairs = len(free) * (len(free) - 1) // 2 + len(free) * (len(present) - len(free))
+    seconds = pairs * float(values.ref("end")) * _PAIR_SECONDS
+    if seconds > _LONG:
+        what = f"{len(free)} things can move, and {pairs:,} pairs can touch: an episode may take about {seconds:.0f} s"
+        remedy = "have fewer, fix some of them, or observe for less long; `wmspec generate --timeout` gives more time"
+        yield Breach(f"{what} {scene.where}", values.place(free[0]), remedy, about="crowded")
+
+
 @rule("WMS304", "error")
 def picture_after_the_end(scene: Scene) -> Iterator[Breach]:
     """An answer that is a picture of what is not executed."""
@@ -147,6 +165,7 @@ RULES = (
     blind_camera,
     turned_camera,
     late_action,
+    crowded,
     picture_after_the_end,
     measure_outside_the_episode,
 )

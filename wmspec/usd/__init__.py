@@ -19,6 +19,11 @@ def read(stage: Usd.Stage) -> Scene:
     Raises:
         StageError: with everything on the stage that is wrong or not supported, each with its prim and remedy.
     """
+    from wmspec.diagnostics import StageError
     from wmspec.usd.scene import scene
 
-    return scene(stage)
+    try:
+        return scene(stage)
+    except TypeError as error:  # of pxr: an attribute with the name of one of a schema has a value of another type
+        reason = str(error).splitlines()[0][:200]
+        raise StageError(f"an attribute has a value of another type than its schema says ({reason})") from error

@@ -12,6 +12,7 @@ from typing import Any
 from pxr import Sdf, Tf
 
 from wmspec.limits import BYTES, COMPOSED, DEPTH
+from wmspec.usd.crate import trusted
 
 #: Where a prim is: the layer and the path in it.
 Site = tuple[Sdf.Layer, Sdf.Path]
@@ -23,6 +24,7 @@ _EDITS = ("explicitItems", "prependedItems", "appendedItems", "addedItems")
 def bounded(path: Path) -> None:
     """Raise TooLarge if a file, or one that it uses, is too large, or if the stage would have too many prims."""
     _small(path)
+    trusted(path)
     try:
         layer = Sdf.Layer.FindOrOpen(str(path))
     except Tf.ErrorException:
@@ -61,7 +63,7 @@ def _parts(site: Site) -> Iterator[Site]:
     spec = layer.GetPrimAtPath(path)
     if spec is None:
         return
-    yield from ((layer, child.path) for child in spec.nameChildren)
+    yield from ((layer, child.path) for child in spec.nameChildren if child)  # in damaged files some are none
     for variants in spec.variantSets:
         yield from ((layer, variant.path) for variant in variants.variants)
     for arcs in (spec.referenceList, spec.payloadList):
@@ -81,6 +83,7 @@ def _at(layer: Sdf.Layer, asset: str, path: Sdf.Path) -> Iterator[Site]:
     if asset:
         name = layer.ComputeAbsolutePath(asset)
         _small(Path(name))
+        trusted(Path(name))
         try:
             other = Sdf.Layer.FindOrOpen(name)
         except Tf.ErrorException:

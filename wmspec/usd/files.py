@@ -25,9 +25,17 @@ def opened(path: Path, shown: str) -> Usd.Stage:
     return stage
 
 
+def text_of(error: object) -> str:
+    """What USD says, which may quote a file that is not text."""
+    try:
+        return str(error)
+    except UnicodeDecodeError:
+        return "it is damaged"
+
+
 def _complaint(error: Exception, path: Path, shown: str) -> str:
     """The first thing that pxr complains about a file, told as `shown`, without where in its own source."""
-    complaint = str(error).partition(" : '")[2].partition("'\n")[0] or str(error) or type(error).__name__
+    complaint = text_of(error).partition(" : '")[2].partition("'\n")[0] or text_of(error) or type(error).__name__
     for name in (f"<{path.resolve()}>", str(path.resolve())):
         complaint = complaint.replace(name, shown)
     return " ".join(complaint.replace("</", "<").split())[: 120 + len(shown)]

@@ -34,6 +34,8 @@ def still(attribute: Usd.Attribute) -> Any:
     held = attribute.Get(NOW)
     if held is None or isinstance(held, bool | int | str) or (isinstance(held, float) and math.isfinite(held)):
         return held  # most are, and need no more than this
+    if isinstance(held, Sdf.UnregisteredValue):
+        refuse(attribute.GetPrim(), f"{name} is of a type that USD does not know", "correct its type")
     numbers = _numbers(held)
     if np.isfinite(numbers).all() or (name.endswith(_ENDLESS) and not np.isnan(numbers).any()):
         return held

@@ -90,7 +90,10 @@ class _Prim:
 
     def around(self) -> tuple[float, float]:
         """The scales across and along the axis."""
-        along = _AXES[value(self.prim, "axis", "Z")]
+        axis = value(self.prim, "axis", "Z")
+        if axis not in _AXES:
+            refuse(self.prim, f"axis = {str(axis)[:40]!r}", "expected X, Y or Z")
+        along = _AXES[axis]
         across = [abs(self.scale[i]) for i in range(3) if i != along]
         if not math.isclose(*across, rel_tol=_SAME):
             remedy = "scale it equally across its axis, or use a Mesh"

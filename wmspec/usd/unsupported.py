@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pxr import Usd, UsdGeom
 
 from wmspec.diagnostics import Report
+from wmspec.usd.files import text_of
 from wmspec.usd.frames import operations
 from wmspec.usd.prims import present, refuse
 
@@ -56,7 +57,7 @@ def incomplete(stage: Usd.Stage, problems: Report) -> None:
     for error in sorted(stage.GetCompositionErrors(), key=str):  # USD finds them in any order
         with problems.gathered():
             prim = stage.GetPrimAtPath(error.rootSite.path) or stage.GetPseudoRoot()
-            refuse(prim, " ".join(str(error).split()).rstrip("."), "mend the path, or remove what is not there")
+            refuse(prim, " ".join(text_of(error).split()).rstrip("."), "mend the path, or remove what is not there")
 
 
 def examine(prim: Usd.Prim, apis: Sequence[str]) -> None:
