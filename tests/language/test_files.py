@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 import trimesh
+from PIL import Image
 
 from wmspec.check.ir import Operation, Ref, TaskSpec, Value
 from wmspec.check.task import check
@@ -18,6 +19,7 @@ def folder(tmp_path: Path) -> Path:
     for name in ("cup.obj", "deep/mug.obj", "label.png"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).touch()
+    Image.new("RGB", (4, 4)).save(tmp_path / "label.png")
     return tmp_path
 
 
@@ -65,8 +67,8 @@ def test_one_bad_value_of_a_factor_is_enough(folder: Path) -> None:
 
 
 def test_libraries_are_found_on_the_search_path(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (folder / "deep/toys.wms").write_text("object toy { shape: cube }\n")
-    body = "use toys\nobject a { on: toy }"
+    (folder / "deep/playthings.wms").write_text("object toy { shape: cube }\n")
+    body = "use playthings\nobject a { on: toy }"
     assert checked(folder, body)[1] == ["WMS207"]  # what it would have brought is not told too
     monkeypatch.setenv("WMSPEC_PATH", f"/nowhere:{folder / 'deep'}")
     assert checked(folder, body)[1] == []

@@ -6,12 +6,18 @@ from dataclasses import replace
 
 from wmspec.check.ir import TaskSpec, Thing, Value
 from wmspec.diagnostics import ImpossibleValue
-from wmspec.robots.plan import ARMS
+
+
+def is_arm(model: str) -> bool:
+    """Whether a robot is an arm. Planning needs numpy, which specs without robots do not wait for."""
+    from wmspec.robots.plan import ARMS
+
+    return model in ARMS
 
 
 def executable(spec: TaskSpec) -> bool:
     """Whether everything in the spec can be executed: whether all robots are arms."""
-    return all(thing.model in ARMS for thing in spec.things if thing.kind == "robot")
+    return all(is_arm(thing.model) for thing in spec.things if thing.kind == "robot")
 
 
 def refuse(spec: TaskSpec) -> None:
@@ -19,12 +25,12 @@ def refuse(spec: TaskSpec) -> None:
     if executable(spec):
         return
     for thing in spec.things:
-        if thing.kind == "action" and thing.of and spec.thing(thing.of).model not in ARMS:
+        if thing.kind == "action" and thing.of and not is_arm(spec.thing(thing.of).model):
             raise ImpossibleValue(
                 f"`{thing.of}.{thing.verb}` cannot be executed yet: it can only be checked", thing.place
             )
     for thing in spec.things:
-        if thing.kind == "robot" and thing.model not in ARMS:
+        if thing.kind == "robot" and not is_arm(thing.model):
             raise ImpossibleValue(
                 f"the robot `{thing.name}` cannot be executed yet: it can only be checked", thing.place
             )
@@ -32,7 +38,7 @@ def refuse(spec: TaskSpec) -> None:
 
 def without(spec: TaskSpec) -> TaskSpec:
     """The spec without the robots that are not arms, what they do and what rides on them, such as can be staged."""
-    robots = {t.name for t in spec.things if t.kind == "robot" and t.model not in ARMS}
+    robots = {t.name for t in spec.things if t.kind == "robot" and not is_arm(t.model)}
     kept = tuple(
         t
         for t in spec.things

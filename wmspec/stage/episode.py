@@ -7,7 +7,7 @@ from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.design.design import Instance
 from wmspec.diagnostics import ImpossibleValue, Report
 from wmspec.layout.values import Values
-from wmspec.stage import agents, robots
+from wmspec.stage import agents
 from wmspec.stage.actions import add_action, carrier_sources, carriers
 from wmspec.stage.cameras import add_camera, add_light, camera_path
 from wmspec.stage.document import Document
@@ -52,6 +52,8 @@ def built(values: Values) -> Document:
                 case "light":
                     add_light(doc, thing.name, values.world, values)
                 case "robot":
+                    from wmspec.stage import robots
+
                     robots.add_robot(doc, thing, values)
     with report.gathered():
         no_loops(values)
@@ -67,6 +69,8 @@ def _actions(doc: Document, values: Values, carried: dict[str, str], report: Rep
         with report.gathered():
             if thing.kind == "action" and values.there(thing.name):
                 if thing.of:
+                    from wmspec.stage import robots
+
                     robots.add_action(doc, thing, values)
                 else:
                     add_action(doc, thing, values, carried)
