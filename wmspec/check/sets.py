@@ -62,6 +62,9 @@ class Sets:
         if odd := [n for n in numbers if n != int(n)]:
             message = f"a set has a whole number of members, and this can be {odd[0]:g}"
             self.check.fail("WMS304", message, written.span, "make it whole numbers")
+        if min(numbers) < 0:
+            message = f"a set has no fewer than 0 members, and this can be {min(numbers):g}"
+            self.check.fail("WMS304", message, written.span, "make it whole numbers from 0 on")
         if not 1 <= max(numbers) <= MOST_MEMBERS:
             message = f"the most members that this set can have are {max(numbers):g}"
             self.check.fail("WMS304", message, written.span, f"make that a number from 1 to {MOST_MEMBERS}")

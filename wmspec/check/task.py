@@ -24,6 +24,7 @@ from wmspec.check.templates import Templates
 from wmspec.check.things import Things
 from wmspec.check.tolerances import tolerances
 from wmspec.check.typed import Failed, Typed, constant
+from wmspec.check.unused import unused
 from wmspec.check.vocabulary import SETTINGS
 from wmspec.diagnostics import Diagnostic, Note, Report
 from wmspec.limits import SECONDS
@@ -65,8 +66,21 @@ def _specs(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
     if not tasks:
         _Task(None, Modules(program, report), (program.file.items,), report).library()
         return ()
+    _named_apart(tasks, report)
     specs = [_checked(task, variant, program, report) for task in tasks for variant in _variants(task, report)]
+    if not report.failed:
+        unused(program.file, report)
     return tuple(spec for spec in specs if spec is not None)
+
+
+def _named_apart(tasks: Iterable[s.Task], report: Report) -> None:
+    """Complain about two tasks of one name: their instances would be taken for one another."""
+    named: dict[str, s.Task] = {}
+    for task in tasks:
+        if task.name.id and (first := named.setdefault(task.name.id, task)) is not task:
+            notes = (Note("declared here first", first.name.span),)
+            what = f"there are two tasks `{task.name.id}`"
+            report.add("WMS202", what, task.name.span, "give one of them another name", notes)
 
 
 def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from wmspec.check.ir import Counterfactual, Question
+from wmspec.diagnostics import Note
+from wmspec.layout.values import Values
 from wmspec.lint.asked import asked, pictured
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene, objects_inside_one_another, outside
@@ -50,6 +52,22 @@ def idle_counterfactual(changed: Changed) -> Iterator[Breach]:
         yield Breach(f"`{name}` changes nothing {changed.scene.where}", changed.change.place, about=name)
 
 
+@rule("WMS503", "error")
+def twin_counterfactuals(changed: Changed) -> Iterator[Breach]:
+    """Two counterfactuals of a question after which all is the same."""
+    values = changed.otherwise.values
+    others = changed.question.alternatives(changed.scene.instance.factors)
+    before = others[: others.index(changed.change)] if changed.change in others else ()
+    for other in before:
+        if other.change == "levels" or changed.change.change == "levels":
+            continue
+        twin = Values(values.spec, changed.scene.instance.values, other, changed.scene.instance.key)
+        if not built(changed.otherwise.values).differing(built(twin)):
+            what = f"`{changed.change.name}` and `{other.name}` come to the same {changed.scene.where}"
+            note = Note(f"`{other.name}` is declared here", other.place)
+            yield Breach(what, changed.change.place, "leave one out", (note,), about=changed.change.name)
+
+
 @rule("WMS505")
 def broad_counterfactual(changed: Changed) -> Iterator[Breach]:
     """A counterfactual that changes more than it says."""
@@ -70,7 +88,13 @@ def objects_put_inside_one_another(changed: Changed) -> Iterator[Breach]:
         yield from objects_inside_one_another.breaches(changed.otherwise)
 
 
-RULES = (option_after_the_end, idle_counterfactual, broad_counterfactual, objects_put_inside_one_another)
+RULES = (
+    option_after_the_end,
+    idle_counterfactual,
+    twin_counterfactuals,
+    broad_counterfactual,
+    objects_put_inside_one_another,
+)
 
 
 def _more(changed: Changed) -> Iterator[str]:

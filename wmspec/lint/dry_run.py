@@ -9,9 +9,9 @@ from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design
 from wmspec.diagnostics import Report
 from wmspec.layout.values import Values
-from wmspec.lint import change_rules, design_rules, option_rules, scene_rules, task_rules
+from wmspec.lint import change_rules, design_rules, option_rules, plausible_rules, scene_rules, task_rules
 from wmspec.lint.change_rules import Changed
-from wmspec.lint.option_rules import compared
+from wmspec.lint.option_rules import Tried, compared
 from wmspec.lint.rule import Linter
 from wmspec.lint.scene_rules import Scene
 from wmspec.lint.task_rules import Task
@@ -35,13 +35,16 @@ def dry_run(spec: TaskSpec, report: Report) -> int:
         size = len(design)
         linter.check(design, design_rules.RULES)
         executed = without(spec)
+        tried: list[Values] = []
         for count, index in enumerate(design.sample(TRIED)):
             instance = design[index]
             with linter.going_on():
                 scene = Scene(Values(executed, instance.values, None, instance.key), depend, design, instance)
+                tried.append(scene.values)
                 _scene(scene, linter, changed=count < TRIED_CHANGED)
         for question in spec.questions:
             with linter.going_on():
+                linter.check(Tried(question, tuple(tried)), option_rules.ALWAYS)
                 linter.check(compared(question, design, depend), option_rules.RULES)
     report.include(pointed(linter.report.diagnostics))
     return size
@@ -52,6 +55,7 @@ def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
     spec, instance = scene.values.spec, scene.instance
     stage = built(scene.values)
     linter.check(scene, scene_rules.RULES)
+    linter.check(scene, plausible_rules.RULES)
     things = {t.name for t in spec.things}
     for question in spec.questions if changed else ():
         for change in question.alternatives(instance.factors):

@@ -39,6 +39,14 @@ class Options:
     checked: int
 
 
+@dataclass(frozen=True)
+class Tried:
+    """A question, and the values of the instances whose scenes are built."""
+
+    question: Question
+    values: tuple[Values, ...]
+
+
 def compared(question: Question, design: Design, depend: Dependencies) -> Options:
     """The options compared, up to the first instance in which two are the same. Raises WmsError without a value."""
     known = not measured(design.spec, question.answer)
@@ -86,6 +94,18 @@ def answer_not_always_among_options(options: Options) -> Iterator[Breach]:
         yield Breach(what, options.question.place, remedy)
 
 
+@rule("WMS509", "error")
+def condition_never_met(tried: Tried) -> Iterator[Breach]:
+    """An `ensure` that is known before the episode, and holds in none of the instances that are tried."""
+    for ensure in tried.question.ensures:
+        if not tried.values or measured(tried.values[0].spec, ensure.condition):
+            continue
+        if not any(evaluate(ensure.condition, values) for values in tried.values):
+            what = f"this holds in none of the {len(tried.values)} instances that were tried: nothing is asked"
+            yield Breach(what, ensure.place, "mend the condition, or exclude its opposite with `require`")
+
+
+ALWAYS = (condition_never_met,)
 RULES = (coinciding_options, answer_never_among_options, answer_not_always_among_options)
 
 

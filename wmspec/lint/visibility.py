@@ -23,10 +23,16 @@ def blind(values: Values) -> tuple[str, ...]:
     An object counts as in view if the upright box around it, and around where its own actions take it, is not wholly
     outside the square picture. So what is hidden, or comes into view when something else strikes it, is not told apart.
     """
-    boxes = [box for name in _subjects(values) for box in _boxes(values, name)]
+    boxes = list(boxes_of_matter(values))
     cameras = dict.fromkeys(o.camera for o in values.spec.observations)
     still = [camera for camera in cameras if not values.has(camera, "ride")]
     return tuple(c for c in still if boxes and not any(_in_view(values, c, box) for box in boxes))
+
+
+def boxes_of_matter(values: Values) -> Iterator[Box]:
+    """The upright boxes around what is asked about or moved, and around where its own actions take it."""
+    for name in _subjects(values):
+        yield from _boxes(values, name)
 
 
 # ---------------------------------------------------------------- what matters

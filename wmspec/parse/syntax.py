@@ -358,9 +358,13 @@ def names(node: object) -> Iterator[Name]:
     """All names in a piece of the syntax tree."""
     if isinstance(node, Name):
         yield node
-    elif isinstance(node, tuple):
-        for item in node:
-            yield from names(item)
+    for part in parts(node):
+        yield from names(part)
+
+
+def parts(node: object) -> Iterator[object]:
+    """What a piece of the syntax tree is made of directly."""
+    if isinstance(node, tuple):
+        yield from node
     elif isinstance(node, Node):
-        for field in fields(node):  # type: ignore[arg-type]
-            yield from names(getattr(node, field.name))
+        yield from (getattr(node, field.name) for field in fields(node))  # type: ignore[arg-type]
