@@ -94,5 +94,5 @@ def test_no_number_is_infinite(value: str) -> None:
     tasks = check_program(load_source(Source("test.wms", text), Path(), report), report)
     for task in tasks:
         assert from_json(to_json(task)) == task
-    assert all(d.code == "WMS304" for d in report.diagnostics)
+    assert all(d.code == "WMS304" for d in report.diagnostics if d.severity == "error")
     assert math.isinf(float("1e999"))

@@ -62,7 +62,7 @@ def compared(question: Question, design: Design, depend: Dependencies) -> Option
         if same:
             return Options(question, design, (same[0], instance), (), checked)
         checked += 1
-        if not any(_same(answer, option, directions) for option in options):
+        if question.options is not None and not any(_same(answer, option, directions) for option in options):
             lacking.append((answer, instance))
     return Options(question, design, None, tuple(lacking), checked)
 
