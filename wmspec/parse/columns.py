@@ -33,7 +33,7 @@ class Line:
 
 
 def in_columns(lines: Iterable[Line], width: int) -> str:
-    """The text of the lines. Where columns would make a line longer than `width`, its run of lines goes without."""
+    """The text of the lines. A column that would make a line longer than `width` is left out."""
     rows = list(lines)
     texts = [text for run in _runs(rows, 1) for text in _aligned(run, width)]
     texts = _commented(rows, texts)
@@ -51,18 +51,19 @@ def _runs(rows: list[Line], cells: int) -> list[list[Line]]:
 
 
 def _aligned(run: list[Line], width: int) -> list[str]:
-    plain = [_text(row, {}) for row in run]
+    """The texts of neighbours, with those columns, from the left, that make none of them too long."""
     widths: list[dict[int, int]] = [{} for _ in run]
+    fits = [len(_text(row, {})) <= width for row in run]
     for cell in range(max(len(row.cells) for row in run) - 1):
-        done = 0
+        first = 0
         for part in _runs(run, cell + 2):
+            here = range(first, first + len(part))
             wanted = max(len(row.cells[cell].text) if cell < len(row.cells) else 0 for row in part)
-            for i in range(done, done + len(part)):
-                widths[i][cell] = wanted
-            done += len(part)
-    padded = [_text(row, w) for row, w in zip(run, widths, strict=True)]
-    grown = any(len(p) > width >= len(q) for p, q in zip(padded, plain, strict=True))
-    return plain if grown else padded
+            wider = {i: widths[i] | {cell: wanted} for i in here}
+            if all(len(_text(run[i], wider[i])) <= width or not fits[i] for i in here):
+                widths[first : first + len(part)] = wider.values()
+            first += len(part)
+    return [_text(row, w) for row, w in zip(run, widths, strict=True)]
 
 
 def _text(row: Line, widths: dict[int, int]) -> str:
