@@ -128,13 +128,13 @@ def test_a_silhouette_is_that_of_a_camera_where_it_has_been_taken() -> None:
     assert visibility.visible(observed, "block", "eye") == pytest.approx(visibility.share(observed, i, ("eye", 0.0)))
 
 
-WALL = "object wall { shape: box  size: (80 cm, 4 cm, 40 cm)  color: gray  on: table at (0, -10 cm) }"
+SCREEN = "object wall { shape: box  size: (80 cm, 4 cm, 40 cm)  color: gray  on: table at (0, -10 cm) }"
 
 
 @pytest.mark.parametrize(
     "answer", ["ball.color", "told", "if ball.color == red then red else blue", "tone"], ids=lambda a: a.split()[0]
 )
-@pytest.mark.parametrize("wall", ["", WALL], ids=["open", "hidden"])
+@pytest.mark.parametrize("wall", ["", SCREEN], ids=["open", "hidden"])
 def test_what_the_answer_rests_on_is_seen_however_it_is_named(answer: str, wall: str) -> None:
     """A text that says `the ball` without braces, and an answer by a `let` or by the factor that decides the colour."""
     body = f"""
