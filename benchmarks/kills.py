@@ -100,8 +100,8 @@ class Rounds:
                 self.kills, self.early, before = self.kills + 1, self.early + (kept == before), kept
             else:
                 self._end(run)
-                if self.made() != whole:
-                    raise Failed("another result than without kills")
+                if (result := self.made()) != whole:
+                    raise Failed(f"another result than without kills: {_differing(result, whole)}")
                 self.clear()
                 self.rounds, before, under_way = self.rounds + 1, set(), False
 
@@ -118,6 +118,14 @@ class Rounds:
     def _end(self, run: subprocess.Popen[bytes]) -> None:
         if run.wait() != 0:
             raise Failed(f"it ended with exit code {run.returncode}")
+
+
+def _differing(result: object, whole: object) -> str:
+    """In which files or rows two results differ."""
+    here, there = (dict(enumerate(r)) if isinstance(r, list) else r for r in (result, whole))
+    if not isinstance(here, dict) or not isinstance(there, dict):
+        return "they are of different kinds"
+    return ", ".join(str(k) for k in sorted({*here, *there}, key=str) if here.get(k) != there.get(k))[:300]
 
 
 def generate(home: Path) -> Rounds:

@@ -19,7 +19,10 @@ def read(stage: Usd.Stage) -> Scene:
     Raises:
         StageError: with everything on the stage that is wrong or not supported, each with its prim and remedy.
     """
+    from pxr import Tf
+
     from wmspec.diagnostics import StageError
+    from wmspec.usd.files import text_of
     from wmspec.usd.scene import scene
 
     try:
@@ -27,3 +30,6 @@ def read(stage: Usd.Stage) -> Scene:
     except TypeError as error:  # of pxr: an attribute with the name of one of a schema has a value of another type
         reason = str(error).splitlines()[0][:200]
         raise StageError(f"an attribute has a value of another type than its schema says ({reason})") from error
+    except Tf.ErrorException as error:  # what USD itself finds wrong with a value, when it is asked for
+        complaint = text_of(error).partition(" : '")[2].partition("'\n")[0]
+        raise StageError(complaint[:300] or "it is damaged", help="export it again") from error

@@ -96,6 +96,8 @@ def _end(prim: Usd.Prim, number: int, axis: str, bodies: Mapping[str, Body], wor
 
 def _way(prim: Usd.Prim, world: World) -> _Way:
     axis = str(value(prim, "physics:axis", "X"))
+    if axis not in _TURNS:
+        refuse(prim, f"physics:axis = {axis[:40]!r}", "expected X, Y or Z")
     match str(prim.GetTypeName()):
         case "PhysicsFixedJoint":
             return _Way("fixed", "X", None, "")

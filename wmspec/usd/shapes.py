@@ -42,6 +42,14 @@ class Placed:
     pose: Pose
 
 
+def _axis(prim: Usd.Prim) -> str:
+    """Along which axis a round shape stands."""
+    axis = str(value(prim, "axis", "Z"))
+    if axis not in _AXES:
+        refuse(prim, f"axis = {axis[:40]!r}", "expected X, Y or Z")
+    return axis
+
+
 def placed(prim: Usd.Prim, place: Place) -> Placed:
     """The shape of a prim, in metres.
 
@@ -52,7 +60,7 @@ def placed(prim: Usd.Prim, place: Place) -> Placed:
         return Placed(prim, place, _mesh(prim, place), place.pose)
     scale = _scale(prim, place)
     shape, offset = PRIMS[prim.GetTypeName()].read(_Prim(prim, scale))
-    axis = value(prim, "axis", "Z")
+    axis = _axis(prim)
     turn = place.rigid.ExtractRotationQuat() * _TURNS[axis, 1 if scale[_AXES[axis]] > 0 else -1]
     shift = place.rigid.ExtractTranslation() + turn.Transform(Gf.Vec3d(0, 0, offset))
     return Placed(prim, place, shape, Pose(vector(shift), quaternion(turn)))
@@ -90,10 +98,7 @@ class _Prim:
 
     def around(self) -> tuple[float, float]:
         """The scales across and along the axis."""
-        axis = value(self.prim, "axis", "Z")
-        if axis not in _AXES:
-            refuse(self.prim, f"axis = {str(axis)[:40]!r}", "expected X, Y or Z")
-        along = _AXES[axis]
+        along = _AXES[_axis(self.prim)]
         across = [abs(self.scale[i]) for i in range(3) if i != along]
         if not math.isclose(*across, rel_tol=_SAME):
             remedy = "scale it equally across its axis, or use a Mesh"
