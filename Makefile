@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/motion/speed_tabletop.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: help setup browser inspect demo quick test test-all check format docs oracles agreement clean
+.PHONY: sbom help setup browser inspect demo quick test test-all check format docs oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -16,6 +16,7 @@ help:
 	@echo "make test-all  the same with the slow tests"
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
 	@echo "make format    rewrite the sources in the house style"
+	@echo "make sbom      a bill of materials of what is installed (CycloneDX), in out/sbom.json"
 	@echo "make docs      the documentation as a site, in out/site"
 	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
 	@echo "make agreement 200 instances of every task in every engine, into docs/crosscheck.md"
@@ -57,6 +58,11 @@ test-all: check browser inspect
 format: setup
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+sbom: setup
+	@mkdir -p out
+	$(BIN)/python -m tools.supply sbom > out/sbom.json
+	@echo "The bill of materials: $(CURDIR)/out/sbom.json"
 
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import http.client
+import json
 import os
 import random
 import shutil
@@ -153,7 +154,8 @@ def evaluate(home: Path, address: str) -> Rounds:
 
     def progress() -> set[str]:
         lines = journal.read_bytes().split(b"\n")[1:-1] if journal.exists() else []
-        return {line.decode() for line in lines}
+        replies = [json.loads(line) for line in lines] + (pq.read_table(out).to_pylist() if out.exists() else [])
+        return {f"{r['id']} {r['permutation']} {r['sample']} {r['text']}" for r in replies}
 
     def made() -> object:
         table = pq.read_table(out)

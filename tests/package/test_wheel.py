@@ -77,6 +77,10 @@ def test_a_wheel_from_a_checkout_is_the_same(wheel: Path, tmp_path: Path) -> Non
     assert names(build(ROOT, "wheel", tmp_path)) == names(wheel)
 
 
+def test_a_wheel_has_the_same_bytes_whenever_it_is_built(wheel: Path, tmp_path: Path) -> None:
+    assert build(ROOT, "wheel", tmp_path).read_bytes() == wheel.read_bytes()
+
+
 def test_it_runs_from_elsewhere(installed: Path, tmp_path: Path) -> None:
     (site,) = installed.glob("lib/python*/site-packages")
     where = run(installed / "bin/python", "-c", "import wmspec; print(wmspec.__file__)", cwd=tmp_path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+import warnings
 from pathlib import Path
 
 import pytest
@@ -135,6 +136,15 @@ def test_a_file_of_too_many_bytes(project: Path) -> None:
     with (project / "cup.ply").open("wb") as file:
         file.truncate(100_000_001)
     assert "has more than 100,000,000 bytes" in checked(project, SPEC.format(file="cup.ply", more=""))
+
+
+@pytest.mark.parametrize("size", ["1e300", "1e-300", "0", "nan", "inf"])
+def test_a_mesh_of_extreme_numbers_is_told_without_warnings(project: Path, size: str) -> None:
+    corners = f"v {size} 0 0\nv 0 {size} 0\nv 0 0 {size}\nv 0 0 0\n"
+    (project / "odd.obj").write_text(corners + "f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert "odd.obj" in checked(project, SPEC.format(file="odd.obj", more=""))
 
 
 def test_a_picture_of_too_many_pixels(project: Path) -> None:

@@ -6,7 +6,9 @@ import atexit
 import gc
 import importlib
 import os
+import signal
 import sys
+from types import FrameType
 from typing import Any
 
 import click
@@ -43,6 +45,10 @@ COMMANDS = (
 CLOSED_PIPE = 128 + 13
 
 
+def _end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  a handler is called with both
+    raise SystemExit(128 + number)
+
+
 class _Commands(click.Group):
     """Commands by file name; a user's mistake is told in a sentence and ends with exit code 2."""
 
@@ -52,6 +58,8 @@ class _Commands(click.Group):
         gc.set_threshold(100_000, 20, 20)
         # Nor is anything worth finding when the process ends: another tenth.
         atexit.register(gc.freeze)
+        # Told to end, a run ends its workers first, and says nothing of what they share.
+        signal.signal(signal.SIGTERM, _end)
         return super().__call__(*arguments, **options)
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click calls it by name

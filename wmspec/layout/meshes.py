@@ -70,7 +70,10 @@ def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileM
         status = file.stat()
     except OSError as error:
         raise ImpossibleValue(f"{name} cannot be read: {error.strerror}") from None
-    made = _load(path, status.st_mtime_ns, status.st_size, scale, collision)
+    import numpy as np
+
+    with np.errstate(all="ignore"):  # what comes of extreme numbers is told by us
+        made = _load(path, status.st_mtime_ns, status.st_size, scale, collision)
     if solid and made.volume <= 0 and collision != "surface":
         raise ImpossibleValue(f"{path} has no volume", help="use a mesh that is not flat")
     return made
@@ -137,8 +140,7 @@ def _checked(loaded: Any) -> Mesh:
         raise ValueError("a point of it is not finite")
     if faces.ndim != 2 or faces.shape[1] != 3 or faces.min() < 0 or faces.max() >= len(points):
         raise ValueError("a face of it has a corner that is no point of it")
-    with np.errstate(all="ignore"):  # of what is flat trimesh divides by 0
-        inside_out = loaded.volume < 0
+    inside_out = loaded.volume < 0
     st = getattr(loaded.visual, "uv", None)
     st = None if st is None else np.asarray(st, float)[:, :2]
     return Mesh(points, faces[:, :: -1 if inside_out else 1], st)

@@ -1,0 +1,34 @@
+"""A run that is told to end does so, quietly, and goes on when it is begun again."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SPEC = ROOT / "specs/perception/motion/speed_tabletop.wms"
+
+
+@pytest.mark.slow
+@pytest.mark.engine
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_run_that_is_told_to_end_says_nothing_of_its_insides(tmp_path: Path, number: signal.Signals) -> None:
+    out = tmp_path / "out"
+    command = ["generate", SPEC, "-o", out, "-b", "mujoco", "--per-task", "400", "--size", "32", "-j", "2"]
+    run = subprocess.Popen(
+        [sys.executable, "-m", "wmspec", *map(str, command)], stderr=subprocess.PIPE, text=True, env=os.environ.copy()
+    )
+    while run.poll() is None and not list(out.glob(".progress/*/*/*.instance")):
+        time.sleep(0.05)
+    run.send_signal(number)
+    _, told = run.communicate()
+    assert run.returncode == 128 + number
+    assert "semaphore" not in told
+    assert "Traceback" not in told
+    assert list(out.glob(".progress/*/*/*.instance"))
