@@ -26,6 +26,8 @@ from wmspec.usd import read
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 ANGLES = st.floats(-3.1, 3.1)
 LENGTHS = st.floats(0.02, 0.3)
+WIDE = st.floats(1.0, 1.5)
+"""Faces on which nothing of those lengths reaches over an edge."""
 FINE = 2e-3
 """How far (of a round shape's size) its facets stay within it."""
 
@@ -58,12 +60,12 @@ def corners(found: Body) -> Array:
 
 
 @st.composite
-def things(draw: st.DrawFn) -> dict[str, Any]:
+def things(draw: st.DrawFn, lengths: st.SearchStrategy[float] = LENGTHS) -> dict[str, Any]:
     """The shape, size and turn of an object."""
     shape = draw(st.sampled_from(["box", "cube", "sphere", "cylinder", "cone", "capsule", "wedge"]))
-    size: Any = draw(LENGTHS)
+    size: Any = draw(lengths)
     if shape in ("box", "wedge"):
-        size = (size, draw(LENGTHS), draw(LENGTHS))
+        size = (size, draw(lengths), draw(lengths))
     turn = {name: draw(st.one_of(st.just(0.0), ANGLES)) for name in ("yaw", "pitch", "roll")}
     return {"shape": shape, "size": size, **turn}
 
@@ -71,7 +73,7 @@ def things(draw: st.DrawFn) -> dict[str, Any]:
 @st.composite
 def supports(draw: st.DrawFn) -> dict[str, Any]:
     """Something with flat faces, turned as it may be."""
-    found = draw(things().filter(lambda t: t["shape"] in ("box", "cube", "wedge")))
+    found = draw(things(WIDE).filter(lambda t: t["shape"] in ("box", "cube", "wedge")))
     if draw(st.booleans()):
         found = {"shape": "plane", "size": (1.0, 2.0), "yaw": draw(ANGLES), "pitch": draw(st.floats(-1, 1))}
     return found | {"at": (0.3, -0.2, 0.7), "fixed": True}
