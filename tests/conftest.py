@@ -9,8 +9,11 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from tests.browser import browser
 from tests.engines import ENGINES
 from wmspec.execute.backends import default
+
+__all__ = ["browser"]  # here alone: a process has one browser, however many folders look at pages
 
 # Time limits belong in benchmarks: a loaded machine must not fail a law. In CI the same examples are tried every time.
 settings.register_profile("wmspec", deadline=None, derandomize=bool(os.environ.get("CI")))

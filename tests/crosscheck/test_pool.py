@@ -1,5 +1,6 @@
 """A worker that dies or hangs costs its own piece of work and nothing else."""
 
+import multiprocessing
 import os
 import time
 
@@ -7,7 +8,7 @@ import pytest
 
 from wmspec.diagnostics import GraphicsError, WmsError
 from wmspec.execute import pool
-from wmspec.execute.pool import Effort, Lost, in_order
+from wmspec.execute.pool import Effort, Helper, Lost, in_order
 
 
 def square(i: int) -> int:
@@ -55,6 +56,19 @@ def test_whatever_goes_wrong_costs_its_own_piece(workers: int) -> None:
 def test_a_machine_that_cannot_draw_is_no_fault_of_a_piece(workers: int) -> None:
     with pytest.raises(GraphicsError, match="no display"):
         list(in_order(square, ((i,) for i in (1, 8, 4)), Effort(workers, timeout=60)))
+
+
+def test_an_idle_process_that_is_killed_costs_nothing() -> None:
+    """As the kernel does where memory runs out: the pool is broken then, and another takes over."""
+    helper = Helper(timeout=60)
+    try:
+        for i in (4, 5):
+            assert helper.do(square, i) == i * i
+            for child in multiprocessing.active_children():
+                child.kill()
+                child.join()
+    finally:
+        helper.close()
 
 
 def test_there_are_no_more_workers_than_pieces(monkeypatch: pytest.MonkeyPatch) -> None:

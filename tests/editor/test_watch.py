@@ -11,14 +11,12 @@ from typing import Any
 
 import pytest
 
-from tests.browser import PATIENCE, browser
+from tests.browser import PATIENCE
 from tests.engines import installed
 from wmspec.diagnostics import WmsError
 from wmspec.editor.page import PageServer
 from wmspec.editor.start import first_spec
 from wmspec.editor.watch import Drawing, State, Watch
-
-__all__ = ["browser"]
 
 
 @dataclass

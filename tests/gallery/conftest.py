@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from tests.browser import browser, opened
+from tests.browser import opened
 from tests.dataset.made import make, plan
 from wmspec.gallery.gallery import folder
 from wmspec.write.reader import DatasetReader
 
-__all__ = ["browser", "dataset", "gallery", "page"]
+__all__ = ["dataset", "gallery", "page"]
 
 
 @pytest.fixture(scope="session")

@@ -80,7 +80,7 @@ def test_a_given_value_is_read_where_it_is_written() -> None:
 
 def test_a_mistake_in_a_template_that_nothing_uses_is_found() -> None:
     assert codes("", "template odd(wide: 3 cm) { shape: cube  mass: wide }") == ["WMS301"]
-    assert codes("", "template set_like(wide: 3 cm) { shape: cube  size: wide }") == []
+    assert codes("", "template set_like(wide: 3 cm) { shape: cube  size: wide }") == ["WMS410"]  # unused
 
 
 def test_parts_look_like_their_object_where_they_do_not_say() -> None:

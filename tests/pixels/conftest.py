@@ -41,11 +41,11 @@ def renderer() -> Iterator[Any]:
         key = (engine, id(what), width, height, len(made) if fresh else -1)
         if key not in made:
             module = importlib.import_module(f"wmspec.backends.{engine}.render")
-            made[key] = module.Renderer(what, width, height)
-        return made[key]
+            made[key] = module.Renderer(what, width, height), what  # kept: another scene must not get its id
+        return made[key][0]
 
     yield make
-    for one in made.values():
+    for one, _ in made.values():
         one.close()
 
 

@@ -132,11 +132,11 @@ def test_engines_tint_alike(pair: tuple[str, str], frames: dict[str, Frame]) -> 
 
 
 def test_materials_are_told_apart(engine: str, renderer: Any) -> None:
-    """Of one colour, their pictures still differ: in their greys, sorted, or in where the greys are."""
+    """Of one colour, their pictures still differ, on average by more than engines may."""
     names, shots = sorted(MATERIALS), {}
     for name in names:
         what = lined_up([name], (0.7, 0.7, 0.7))
         frame = renderer(engine, what, 256, 256).draw(Shot("eye", [one.pose for one in what.bodies]))
         shots[name] = np.where(frame.ids[..., None] > 0, frame.rgb, 0).astype(float)[..., 0]
     for one, other in combinations(names, 2):
-        assert np.abs(shots[one] - shots[other])[shots[one] > 0].mean() > 6, (one, other)
+        assert np.abs(shots[one] - shots[other])[shots[one] > 0].mean() > 4, (one, other)

@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner, Result
 
-from tests.browser import browser, opened  # noqa: F401  a fixture
+from tests.browser import opened
 from tests.report.conftest import Made
 from tests.report.made import Rater, answers, write
 from wmspec.cli import main
@@ -108,7 +108,7 @@ def test_latex_tables_are_whole_and_escaped(folder: Path) -> None:
 
 
 @pytest.fixture
-def page(browser: Any, folder: Path) -> Iterator[Any]:  # noqa: F811
+def page(browser: Any, folder: Path) -> Iterator[Any]:
     yield from opened(browser, folder / "report.html")
 
 

@@ -10,7 +10,7 @@ from pxr import Sdf, Usd
 
 from tests.stage.stages import DATA
 from wmspec.usd import schema
-from wmspec.usd.actions import VERBS
+from wmspec.usd.actions import TOKENS
 
 TYPES = ("WmsEpisode", "WmsAction", "WmsObservation")
 FOLDER = schema.__path__[0]
@@ -27,7 +27,7 @@ def test_usd_knows_the_types(name: str) -> None:
 def test_the_verbs_are_those_of_the_reader() -> None:
     stage = Usd.Stage.CreateInMemory()
     prim = stage.DefinePrim("/a", "WmsAction")
-    assert tuple(prim.GetAttribute("wms:verb").GetMetadata("allowedTokens")) == tuple(VERBS)
+    assert tuple(prim.GetAttribute("wms:verb").GetMetadata("allowedTokens")) == TOKENS
 
 
 def facts(layer: Sdf.Layer, name: str) -> dict[str, str]:

@@ -6,13 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.browser import browser
 from tests.dataset.made import make as make_dataset
 from tests.dataset.made import plan
 from wmspec.study.make import Options, make
 from wmspec.write.reader import DatasetReader
-
-__all__ = ["browser"]
 
 
 @pytest.fixture(scope="session")

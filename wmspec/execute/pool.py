@@ -8,6 +8,8 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import TimeoutError as FutureTimeout
+from concurrent.futures import wait
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain, islice
@@ -73,30 +75,97 @@ def _in_workers(
     workers: int,
     weight: Callable[[tuple[Any, ...]], int],
 ) -> Generator[T | Lost, None, None]:
-    with _pool(workers) as pool:
+    under_way: deque[_Job] = deque()
+    with _workers(workers) as pool:
+        for piece in pieces:
+            under_way.append(_Job(work, piece, effort.timeout * weight(piece)))
+            pool.take(under_way[-1], under_way)
+            if len(under_way) > 4 * workers:
+                yield cast(T, _result(under_way.popleft(), under_way, pool))
+        while under_way:
+            yield cast(T, _result(under_way.popleft(), under_way, pool))
 
-        def schedule(piece: tuple[Any, ...]) -> Any:
-            return pool.schedule(_done, args=(work, *piece), timeout=effort.timeout * weight(piece))
 
-        def result(piece: tuple[Any, ...], future: Any) -> T | Lost:
-            try:
-                return cast(T, future.result())
-            except (ProcessExpired, FutureTimeout):
+def _result(job: _Job, others: Iterable[_Job], pool: _Workers) -> Any:
+    """What became of a job, which is tried twice, while others are under way."""
+    try:
+        try:
+            return pool.result(job, others)
+        except (ProcessExpired, FutureTimeout):
+            pool.take(job, others)
+            return pool.result(job, others)
+    except FutureTimeout:
+        return Lost("timeout", f"took longer than {job.timeout:g} s, twice")
+    except ProcessExpired as error:
+        return Lost("crashed", f"the worker process died twice (exit code {error.exitcode})")
+    except BrokenProcessPool:
+        return Lost("crashed", "the worker processes died before they began")
+
+
+@dataclass
+class _Job:
+    """A piece of work, the seconds that it may take, and its result to come."""
+
+    work: Callable[..., Any]
+    piece: tuple[Any, ...]
+    timeout: float
+    future: Any = None
+
+
+class _Workers:
+    """The processes that do the work.
+
+    Where a process dies before it has said which job it took, pebble gives up all of them. Others then take over what
+    was under way, and only if that happens `PATIENCE` times in a row the job that is waited for is lost.
+    """
+
+    PATIENCE = 10
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._begin()
+
+    def take(self, job: _Job, others: Iterable[_Job]) -> None:
+        """Have the job done."""
+        if not self._pool.active:
+            self._renew(other for other in others if other is not job)
+        self._schedule(job)
+
+    def result(self, job: _Job, others: Iterable[_Job]) -> Any:
+        """What the job gives. Raises what pebble does, BrokenProcessPool if the processes die again and again."""
+        for _ in range(self.PATIENCE):
+            while not wait([job.future], timeout=1).done and self._pool.active:
                 pass
             try:
-                return cast(T, schedule(piece).result())
-            except FutureTimeout:
-                return Lost("timeout", f"took longer than {effort.timeout * weight(piece):g} s, twice")
-            except ProcessExpired as error:
-                return Lost("crashed", f"the worker process died twice (exit code {error.exitcode})")
+                if job.future.done():
+                    return job.future.result()
+            except BrokenProcessPool:
+                pass
+            self._renew([job, *others])
+        raise BrokenProcessPool
 
-        under_way: deque[tuple[tuple[Any, ...], Any]] = deque()
-        for piece in pieces:
-            under_way.append((piece, schedule(piece)))
-            if len(under_way) > 4 * workers:
-                yield result(*under_way.popleft())
-        while under_way:
-            yield result(*under_way.popleft())
+    def finish(self) -> None:
+        """Wait until all that was taken is done."""
+        self._pool.close()
+        self._pool.join()
+
+    def stop(self) -> None:
+        """End the processes, whatever they are doing."""
+        self._pool.stop()
+        self._pool.join()
+
+    def _begin(self) -> None:
+        self._pool: Any = ProcessPool(max_workers=self._count, max_tasks=PIECES_PER_WORKER, context=_Context())
+
+    def _renew(self, jobs: Iterable[_Job]) -> None:
+        undone = [j for j in jobs if not j.future.done() or isinstance(j.future.exception(), BrokenProcessPool)]
+        self.stop()
+        self._begin()
+        for job in undone:
+            self._schedule(job)
+
+    def _schedule(self, job: _Job) -> None:
+        job.future = self._pool.schedule(_done, args=(job.work, *job.piece), timeout=job.timeout)
 
 
 def _done(work: Callable[..., T], *piece: Any) -> T | Lost:
@@ -126,24 +195,27 @@ class Helper:
     """One process that stays, for one piece of work after the other: who waits for it is safe from whatever it does."""
 
     def __init__(self, timeout: float) -> None:
-        self._pool: Any = ProcessPool(max_workers=1, max_tasks=PIECES_PER_WORKER, context=_Context())
+        self._workers = _Workers(1)
         self._timeout = timeout
 
     def do(self, work: Callable[..., T], *piece: Any) -> T | Lost:
         """`work(*piece)`, or what became of it; it is tried once."""
+        job = _Job(work, piece, self._timeout)
         try:
-            return cast(T, self._pool.schedule(_done, args=(work, *piece), timeout=self._timeout).result())
+            self._workers.take(job, ())
+            return cast(T, self._workers.result(job, ()))
         except GraphicsError as error:
             return Lost("error", str(error))
         except FutureTimeout:
             return Lost("timeout", f"took longer than {self._timeout:g} s")
         except ProcessExpired as error:
             return Lost("crashed", f"the worker process died (exit code {error.exitcode})")
+        except BrokenProcessPool:
+            return Lost("crashed", "the worker process died before it began")
 
     def close(self) -> None:
         """Stop it, whatever it is doing."""
-        self._pool.stop()
-        self._pool.join()
+        self._workers.stop()
 
 
 class _Worker(SpawnProcess):
@@ -163,13 +235,11 @@ class _Context(SpawnContext):
 
 
 @contextmanager
-def _pool(workers: int) -> Iterator[Any]:
-    pool = ProcessPool(max_workers=workers, max_tasks=PIECES_PER_WORKER, context=_Context())
+def _workers(count: int) -> Iterator[_Workers]:
+    workers = _Workers(count)
     try:
-        yield pool
-        pool.close()
+        yield workers
     except BaseException:
-        pool.stop()
+        workers.stop()
         raise
-    finally:
-        pool.join()
+    workers.finish()

@@ -46,7 +46,7 @@ def action(prim: Usd.Prim, bodies: Mapping[str, Body], joints: Mapping[str, Join
             refuse(prim, f"{held.path} is {held.motion}", "hold a dynamic body")
         return _hold(prim, held.name, bodies)
     if verb not in VERBS:
-        refuse(prim, f"the verb '{verb}' is unknown", f"expected one of: {', '.join((*VERBS, 'reach', 'hold'))}")
+        refuse(prim, f"the verb '{verb}' is unknown", f"expected one of: {', '.join(TOKENS)}")
     kind, make = VERBS[verb]
     if kind is Steer:
         return make(prim, _driven(prim, joints), world)
@@ -142,6 +142,9 @@ VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, World], Action]]] 
     "drive": (Steer, _steer),
 }
 """Verb -> the action, and what reads it, given the name of the body or joint that it is done to."""
+
+TOKENS = (*VERBS, "reach", "hold")
+"""Every verb of a stage: those, and the two of robots, which concern several bodies at once."""
 
 
 def _orientation(prim: Usd.Prim, turn: Gf.Quatd, world: World) -> Array:
