@@ -21,9 +21,9 @@ def filament() -> tuple[Any, Any]:
     command = [sys.executable, "-m", "wmspec.backends.mujoco.filament"]
     tried = subprocess.run(command, capture_output=True, text=True, check=False)
     if tried.returncode:
-        said = tried.stderr.strip().splitlines() or ["it ends without a word"]
+        words = tried.stderr.strip().splitlines() or ["it ends without a word"]
         raise GraphicsError(
-            f"MuJoCo can't draw the look 'beauty': no Filament on Vulkan ({said[-1]}); it needs the package "
+            f"MuJoCo can't draw the look 'beauty': no Filament on Vulkan ({words[-1]}); it needs the package "
             "mujoco-studio and, without a GPU, Mesa 24.3 or newer (Debian: mesa-vulkan-drivers), see 'wmspec doctor'"
         )
     with silence():

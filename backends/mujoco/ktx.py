@@ -31,12 +31,12 @@ def environment() -> bytes:
     """The file."""
     harmonics = b"sh\0" + "\n".join(" ".join(f"{v:.6g}" for v in row) for row in _irradiance()).encode() + b"\n\0"
     padded = harmonics + bytes(-len(harmonics) % 4)
-    said = struct.pack("<I", len(harmonics)) + padded
+    metadata = struct.pack("<I", len(harmonics)) + padded
     head = (0x04030201, _R11F_G11F_B10F, 1, _RGB, _R11F_G11F_B10F, _R11F_G11F_B10F)
-    size = (SIDES[0], SIDES[0], 0, 0, 6, len(SIDES), len(said))
+    size = (SIDES[0], SIDES[0], 0, 0, 6, len(SIDES), len(metadata))
     levels = (_level(k) for k in range(len(SIDES)))
     data = b"".join(struct.pack("<I", 4 * SIDES[k] ** 2) + _packed(level) for k, level in enumerate(levels))
-    return _MARK + struct.pack("<13I", *head, *size) + said + data
+    return _MARK + struct.pack("<13I", *head, *size) + metadata + data
 
 
 def _texels(side: int) -> tuple[Array, Array]:

@@ -107,11 +107,11 @@ def _camera(around: ET.Element, camera: Camera, pose: Pose) -> None:
 
 def _order(bodies: Sequence[Body], trees: Sequence[Tree]) -> Iterator[int]:
     """The bodies in order, those of a tree right after its root."""
-    found = {tree[0].body: tree for tree in trees}
+    limbs = {tree[0].body: tree for tree in trees}
     below = {limb.body for tree in trees for limb in tree[1:]}
     for i in range(len(bodies)):
         if i not in below:
-            yield from (limb.body for limb in found[i]) if i in found else (i,)
+            yield from (limb.body for limb in limbs[i]) if i in limbs else (i,)
 
 
 def _body(around: ET.Element, asset: ET.Element, body: Body, pose: Pose) -> ET.Element:

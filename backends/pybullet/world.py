@@ -225,8 +225,8 @@ class World:
             position, turn = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self.client)
             linear, angular = pybullet.getBaseVelocity(handle, physicsClientId=self.client)
         else:
-            found = pybullet.getLinkState(handle, link, 1, 1, physicsClientId=self.client)
-            position, turn, linear, angular = found[0], found[1], found[6], found[7]
+            state = pybullet.getLinkState(handle, link, 1, 1, physicsClientId=self.client)
+            position, turn, linear, angular = state[0], state[1], state[6], state[7]
         return [*position, turn[3], *turn[:3], *linear, *angular]
 
     def touching(self) -> set[tuple[int, int]]:

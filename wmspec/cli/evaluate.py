@@ -60,7 +60,7 @@ _PATH = click.Path(path_type=Path)
 @json_option
 @click.pass_context
 def evaluate_command(
-    ctx: click.Context, /, dataset: Path | None, rescore: Path | None, as_json: bool, **said: Any
+    ctx: click.Context, /, dataset: Path | None, rescore: Path | None, as_json: bool, **options: Any
 ) -> None:
     """Ask a model the questions of a dataset, and write down and score what it replies.
 
@@ -70,16 +70,16 @@ def evaluate_command(
     if rescore is not None:
         _rescore(rescore, as_json)
         return
-    if dataset is None or said["model"] is None:
+    if dataset is None or options["model"] is None:
         raise WmsError("what is asked, and who? `wmspec evaluate DATASET --model MODEL -o results.parquet`")
-    run, server = _run(dataset, said)
-    if said["dry_run"]:
+    run, server = _run(dataset, options)
+    if options["dry_run"]:
         _tell_requests(run)
         return
-    ctx.exit(_evaluate(run, server, said, as_json))
+    ctx.exit(_evaluate(run, server, options, as_json))
 
 
-def _run(dataset: Path, said: dict[str, Any]) -> tuple[Run, Server | None]:
+def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     from wmspec.evaluate import baselines, prompt, server
     from wmspec.evaluate.limits import Limits
     from wmspec.evaluate.question import Selection
@@ -88,29 +88,31 @@ def _run(dataset: Path, said: dict[str, Any]) -> tuple[Run, Server | None]:
 
     opened = DatasetReader.open(dataset)
     opened.intact()
-    if said["ablate"] and said["model"] in baselines.NAMES:
-        raise WmsError(f"--ablate: `{said['model']}` is sent nothing that could be left out; name a model")
-    served = said["model"].startswith("openai:")
-    url = server.address(said["base_url"]) if served else None
+    if options["ablate"] and options["model"] in baselines.NAMES:
+        raise WmsError(f"--ablate: `{options['model']}` is sent nothing that could be left out; name a model")
+    served = options["model"].startswith("openai:")
+    url = server.address(options["base_url"]) if served else None
     settings = Settings(
-        model=said["model"],
-        prompt_name=Path(said["prompt"]).stem,
-        prompt=prompt.load(said["prompt"]),
+        model=options["model"],
+        prompt_name=Path(options["prompt"]).stem,
+        prompt=prompt.load(options["prompt"]),
         address=url,
-        ablation=said["ablate"],
-        seed=said["seed"],
-        parameters=_parameters(said["parameter"], said["samples"]) if served or said["model"].startswith("hf:") else (),
+        ablation=options["ablate"],
+        seed=options["seed"],
+        parameters=_parameters(options["parameter"], options["samples"])
+        if served or options["model"].startswith("hf:")
+        else (),
     )
-    limits = Limits(said["max_requests"], said["rate"], said["max_cost"])
-    selection = Selection(said["task"], said["engine"], said["limit"])
-    run = Run(opened, settings, selection, said["permute"], said["samples"], limits)
-    return run, server.Server(url, said["timeout"], said["retries"], said["price"]) if url else None
+    limits = Limits(options["max_requests"], options["rate"], options["max_cost"])
+    selection = Selection(options["task"], options["engine"], options["limit"])
+    run = Run(opened, settings, selection, options["permute"], options["samples"], limits)
+    return run, server.Server(url, options["timeout"], options["retries"], options["price"]) if url else None
 
 
-def _parameters(said: tuple[str, ...], samples: int) -> tuple[tuple[str, Any], ...]:
+def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any], ...]:
     """What goes into every request, in order. `NAME=null` takes one away."""
     values: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
-    for each in said:
+    for each in written:
         name, equals, value = each.partition("=")
         if not name or not equals:
             raise WmsError(f"--parameter {each}: expected NAME=VALUE, such as max_tokens=64")
@@ -123,20 +125,20 @@ def _parameters(said: tuple[str, ...], samples: int) -> tuple[tuple[str, Any], .
     return tuple(sorted((name, value) for name, value in values.items() if value is not None))
 
 
-def _evaluate(run: Run, server: Server | None, said: dict[str, Any], as_json: bool) -> int:
+def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json: bool) -> int:
     from wmspec.evaluate.cache import Cached
     from wmspec.evaluate.model import Model
     from wmspec.evaluate.models import open_model
     from wmspec.evaluate.run import evaluate
 
-    output: Path | None = said["output"]
+    output: Path | None = options["output"]
     if output is None or output.suffix != ".parquet":
         raise WmsError("where to? the results are a .parquet file: add -o results.parquet")
     settings = run.settings
     parameters = dict(settings.parameters)
-    model: Model = open_model(settings.model, run.dataset, settings.seed, parameters, server, said["concurrency"])
-    if said["cache"] is not None:
-        model = Cached(model, parameters, said["cache"])
+    model: Model = open_model(settings.model, run.dataset, settings.seed, parameters, server, options["concurrency"])
+    if options["cache"] is not None:
+        model = Cached(model, parameters, options["cache"])
     total = sum(len(list(run.asks(question))) for question in run.chosen())
     with progress_bar(total, "asking", "replies") as bar:
         ended = evaluate(run, model, output, lambda right, count, cost: bar(_so_far(right, count, cost), 1))

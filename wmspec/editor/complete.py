@@ -233,16 +233,16 @@ def _members(meaning: Expressions | None, of: Span, visible: Iterable[str]) -> I
         yield Offer("start", "argument", "time", "when it starts")
     elif isinstance(block, s.Block):
         kind = block.kind.removesuffix("s") if block.kind == "objects" else block.kind
-        said = {p.name.id for p in block.properties}
-        table = slots(thing_type(kind, said, block.model.id if block.model else "", bool(block.parts)))
+        names = {p.name.id for p in block.properties}
+        table = slots(thing_type(kind, names, block.model.id if block.model else "", bool(block.parts)))
         yield from (Offer(part.name.id, "part", "part") for part in block.parts)
         yield from (Offer(name, "property", takes(slot), slot.meaning) for name, slot in table.items())
     else:
         expression = parse_expression(of, Report())
         with suppress(Failed):
-            found = meaning.measuring(expression).type if expression is not None else None
-            if isinstance(found, Vector):
-                yield from (Offer(axis, "property", str(found.dimension)) for axis in "xyz"[: found.size])
+            type_ = meaning.measuring(expression).type if expression is not None else None
+            if isinstance(type_, Vector):
+                yield from (Offer(axis, "property", str(type_.dimension)) for axis in "xyz"[: type_.size])
 
 
 def shown_type(of: Type) -> str:

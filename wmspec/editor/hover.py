@@ -39,11 +39,11 @@ def hover(document: Document, offset: int) -> Hover | None:
         return None
     span = Span(document.source, token.start, token.end)
     nodes = document.nodes_at(offset)
-    said = _key(document, nodes, token)
-    if not said and (name := Names(document).at(offset)) is not None:
+    text = _key(document, nodes, token)
+    if not text and (name := Names(document).at(offset)) is not None:
         return Hover(name.span, _declared(document, document.meaning(offset), name))
-    said = said or _unit(token) or _word(token.text) or _keyword(token, nodes)
-    return Hover(span, said) if said else None
+    text = text or _unit(token) or _word(token.text) or _keyword(token, nodes)
+    return Hover(span, text) if text else None
 
 
 def _token(document: Document, offset: int) -> Token | None:

@@ -59,8 +59,8 @@ class Names:
     def occurrences(self) -> tuple[Occurrence, ...]:
         """In the order of the text, each once."""
         path = self.document.path.resolve()
-        found = {(o.span.start, o.span.end): o for o in self._walk(self.document.file, path, {})}
-        return tuple(found[key] for key in sorted(found))
+        by_place = {(o.span.start, o.span.end): o for o in self._walk(self.document.file, path, {})}
+        return tuple(by_place[key] for key in sorted(by_place))
 
     def at(self, offset: int) -> Occurrence | None:
         """The name that holds a character, or ends before it."""

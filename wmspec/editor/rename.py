@@ -18,8 +18,8 @@ from wmspec.places import Span
 
 def meant(documents: Iterable[Document], occurrence: Occurrence) -> dict[Path, tuple[Span, ...]]:
     """Everywhere in the documents that the same declaration is meant."""
-    found = {d.path: Names(d).of(occurrence.declared) for d in documents}
-    return {path: spans for path, spans in found.items() if spans}
+    spans_of = {d.path: Names(d).of(occurrence.declared) for d in documents}
+    return {path: spans for path, spans in spans_of.items() if spans}
 
 
 def renamed(documents: Iterable[Document], occurrence: Occurrence, name: str) -> dict[Path, tuple[Span, ...]]:

@@ -51,9 +51,9 @@ class Server(LanguageServer):
         """The documents in which a name of this one, or of the library that declares it, may be meant."""
         opened = {path_of(uri): doc.source for uri, doc in self.workspace.text_documents.items()}
         folders = {document.path.parent, declared.parent} | {path_of(uri) for uri in self.workspace.folders}
-        found = [p for folder in sorted(folders) for p in sorted(folder.glob("**/*.wms"))[:MOST_FILES]]
+        nearby = [p for folder in sorted(folders) for p in sorted(folder.glob("**/*.wms"))[:MOST_FILES]]
         documents = {document.path: document}
-        for path in dict.fromkeys([declared, *opened, *found]):
+        for path in dict.fromkeys([declared, *opened, *nearby]):
             if path not in documents and (path in opened or path.is_file()):
                 documents[path] = Document(path, opened[path] if path in opened else read(path))
         return list(documents.values())

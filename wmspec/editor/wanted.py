@@ -82,9 +82,9 @@ class Reader:
 
     def wanted(self) -> Wanted:
         """What is wanted after the whole stack."""
-        found = self._after(len(self.stack) - 1)
+        context = self._after(len(self.stack) - 1)
         asked = {"ANSWER", "ENSURE", "MARGIN", "DIFFERENCE", "APART", "UNLESS"} & {symbol(p) for p in self.stack}
-        return Wanted(found.types, bool(asked), found.slots, found.kind, found.words, found.of)
+        return Wanted(context.types, bool(asked), context.slots, context.kind, context.words, context.of)
 
     def _after(self, top: int) -> Wanted:
         """What is wanted after the parts up to `top`."""
@@ -235,7 +235,7 @@ class Reader:
         if head < 0 or self._symbol(head) not in _BLOCKS:
             return {}
         kind = _BLOCKS[self._symbol(head)].replace("objects", "object")
-        said, parts = self._said(opened)
+        present, parts = self._said(opened)
         model = next((self._text(i) for i in range(head, opened) if self._symbol(i) == "model"), "").lstrip(": \t\n")
         template = self.meaning.scope.names.get(model) if self.meaning else None
         own: dict[str, Slot] = {}
@@ -244,21 +244,21 @@ class Reader:
             parts = parts or bool(template.parts)
         elif kind == "object" and self._symbol(head) in ("OBJECT", "OBJECTS") and model:
             parts = True
-        table = own | slots(thing_type(kind, said, model if kind == "joint" else "", parts))
-        return {name: slot for name, slot in table.items() if name not in said or name == leave}
+        table = own | slots(thing_type(kind, present, model if kind == "joint" else "", parts))
+        return {name: slot for name, slot in table.items() if name not in present or name == leave}
 
     def _said(self, opened: int) -> tuple[set[str], bool]:
         """The names of the properties within these braces so far, and whether there are parts."""
-        said, parts = set[str](), False
+        names, parts = set[str](), False
         for part in self.stack[opened + 1 :]:
             trees = [part.read] if isinstance(part.read, Tree) else []
             trees = [c for t in trees for c in (t.children if t.rule.startswith("__") else [t]) if isinstance(c, Tree)]
             for tree in trees:
                 if tree.rule == "property":
                     name = tree.children[0]
-                    said.add(self.source.text[name.start : name.end])
+                    names.add(self.source.text[name.start : name.end])
                 parts = parts or tree.rule == "part"
-        return said, parts
+        return names, parts
 
     # ------------------------------------------------------------ types of what was read
 

@@ -70,10 +70,10 @@ class LocalModel:
 
 def _generation(parameters: dict[str, Any]) -> dict[str, Any]:
     """Parameters as `generate` calls them."""
-    said = dict(parameters)
-    tokens, temperature = said.pop("max_tokens", 1024), said.pop("temperature", 0)
+    options = dict(parameters)
+    tokens, temperature = options.pop("max_tokens", 1024), options.pop("temperature", 0)
     warm = {"do_sample": True, "temperature": float(temperature)} if temperature else {"do_sample": False}
-    return {"max_new_tokens": tokens, **warm, **said}
+    return {"max_new_tokens": tokens, **warm, **options}
 
 
 def _messages(request: Request) -> list[dict[str, Any]]:
@@ -92,11 +92,11 @@ def _messages(request: Request) -> list[dict[str, Any]]:
 
 def _digest(path: Path) -> str:
     """Twelve hex digits that tell weights from others: of every file its name and size, of small ones the content."""
-    said = hashlib.sha256()
+    digest = hashlib.sha256()
     for file in sorted(
         f for f in path.iterdir() if f.is_file() and f.suffix in {".json", ".safetensors", ".bin", ".jinja"}
     ):
         size = file.stat().st_size
-        said.update(f"{file.name} {size} ".encode())
-        said.update(file.read_bytes() if size < 64 << 20 else b"")
-    return said.hexdigest()[:12]
+        digest.update(f"{file.name} {size} ".encode())
+        digest.update(file.read_bytes() if size < 64 << 20 else b"")
+    return digest.hexdigest()[:12]

@@ -89,8 +89,8 @@ class Prompt(_Model):
     @property
     def hash(self) -> str:
         """Twelve hex digits that depend on everything in the template, and on nothing else."""
-        said = json.dumps(self.model_dump(), sort_keys=True, ensure_ascii=False)
-        return hashlib.sha256(said.encode()).hexdigest()[:12]
+        text = json.dumps(self.model_dump(), sort_keys=True, ensure_ascii=False)
+        return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
 def known() -> list[str]:

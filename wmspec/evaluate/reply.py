@@ -220,20 +220,20 @@ def _announced(reply: str, shown: _Shown) -> set[int]:
 
 
 def _place(match: re.Match[str], shown: _Shown) -> int | None:
-    said = match.groupdict()
-    if label := said["inside"] or said["bare"]:
+    groups = match.groupdict()
+    if label := groups["inside"] or groups["bare"]:
         return shown.label(label)
-    if ordinal := said.get("ordinal"):
+    if ordinal := groups.get("ordinal"):
         return shown.ordinal(ordinal.casefold())
-    places = _worded(said.get("words") or "", shown)
+    places = _worded(groups.get("words") or "", shown)
     return places.pop() if len(places) == 1 else None
 
 
 def _mentioned(reply: str, shown: _Shown) -> set[int]:
     """Labels in parentheses, or capitals (in a numbered list: numbers) that stand alone and are not denied."""
     kept = _DENIED.sub(" ", reply)
-    said = [match["inside"] or match["bare"] or match["after"] for match in _MENTIONED.finditer(kept)]
-    wanted = [s for s in said if s.isdecimal() == shown.numbered and (s.isupper() or s.isdecimal())]
+    labels = [match["inside"] or match["bare"] or match["after"] for match in _MENTIONED.finditer(kept)]
+    wanted = [s for s in labels if s.isdecimal() == shown.numbered and (s.isupper() or s.isdecimal())]
     return {place for s in wanted if (place := shown.label(s)) is not None}
 
 
@@ -279,10 +279,10 @@ def number_in(text: str, unit: str = "") -> float | None:
 
 def _values(text: str, unit: str) -> Iterator[float]:
     """The numbers of a text that may be of this unit; those in words only if there are none in digits."""
-    found = list(_NUMBER.finditer(text)) or list(_IN_WORDS.finditer(text))
-    for match in found:
-        said = match["value"].casefold().replace(",", "")
-        value = float(_COUNTED.index(said)) if said in _COUNTED else float(said)
+    matches = list(_NUMBER.finditer(text)) or list(_IN_WORDS.finditer(text))
+    for match in matches:
+        digits = match["value"].casefold().replace(",", "")
+        value = float(_COUNTED.index(digits)) if digits in _COUNTED else float(digits)
         if not math.isfinite(value):
             continue
         name = match["unit"] or ""

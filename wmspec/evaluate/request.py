@@ -51,8 +51,8 @@ class Request:
     @cached_property
     def digest(self) -> str:
         """The SHA-256 of everything in it."""
-        said = [self.system, *(_said(part) for part in self.parts)]
-        return hashlib.sha256(json.dumps(said).encode()).hexdigest()
+        content = [self.system, *(_said(part) for part in self.parts)]
+        return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
 def _said(part: Part) -> list[str]:

@@ -172,17 +172,17 @@ def check_free(path: Path) -> None:
     except (OSError, ValueError, TypeError):
         ours = False
     if not ours:
-        said = "it is in the way of what is said beside the results"
-        raise WmsError(said, FilePlace(str(beside)), "choose another name with -o")
+        message = "it is in the way of what is said beside the results"
+        raise WmsError(message, FilePlace(str(beside)), "choose another name with -o")
 
 
 def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
     """Write results, and what they are about. Raises WmsError, and leaves what was there, if that fails."""
-    said = json.dumps(about, indent=1, ensure_ascii=False) + "\n"
-    table = pa.Table.from_pylist(list(rows), schema=SCHEMA).replace_schema_metadata({_ABOUT: said})
+    metadata = json.dumps(about, indent=1, ensure_ascii=False) + "\n"
+    table = pa.Table.from_pylist(list(rows), schema=SCHEMA).replace_schema_metadata({_ABOUT: metadata})
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink, compression="zstd")
-    _whole(sidecar(path), said.encode())
+    _whole(sidecar(path), metadata.encode())
     _whole(path, bytes(sink.getvalue()))
 
 

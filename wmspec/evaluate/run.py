@@ -53,16 +53,16 @@ class Run:
 
     def asked(self) -> dict[str, Any]:
         """The settings as JSON values, with the digest of the dataset's manifest. No secret is among them."""
-        said = self.settings
+        settings = self.settings
         return {
             "dataset": files.digest(self.dataset.folder / files.MANIFEST),
-            "model": said.model,
-            "base_url": said.address,
-            "prompt": said.prompt_name,
-            "prompt_hash": said.prompt.hash,
-            "ablation": said.ablation,
-            "parameters": dict(said.parameters),
-            "seed": said.seed,
+            "model": settings.model,
+            "base_url": settings.address,
+            "prompt": settings.prompt_name,
+            "prompt_hash": settings.prompt.hash,
+            "ablation": settings.ablation,
+            "parameters": dict(settings.parameters),
+            "seed": settings.seed,
         }
 
     def chosen(self) -> list[Question]:
@@ -182,12 +182,12 @@ def _rows(run: Run, have: Replies) -> Iterator[results.Row]:
     turns: dict[str, list[tuple[int, int]]] = {}
     for id, permutation, sample in have:
         turns.setdefault(id, []).append((permutation, sample))
-    said = run.settings
+    settings = run.settings
     for question in questions(run.dataset, turns, pictures=False):
-        first = Ask(question, said.prompt, ablation=said.ablation)
+        first = Ask(question, settings.prompt, ablation=settings.ablation)
         for permutation, sample in sorted(turns[question.id]):
             ask = replace(first, permutation=permutation, sample=sample)
-            yield results.row(ask, have[ask.key], said.model, said.prompt_name)
+            yield results.row(ask, have[ask.key], settings.model, settings.prompt_name)
 
 
 def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: int) -> dict[str, Any]:
@@ -216,10 +216,10 @@ def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: in
 def _installed() -> dict[str, str]:
     from importlib.metadata import PackageNotFoundError, version
 
-    found = {}
+    versions = {}
     for name in ("openai", "transformers", "torch"):
         try:
-            found[name] = version(name)
+            versions[name] = version(name)
         except PackageNotFoundError:
             continue
-    return found
+    return versions

@@ -124,10 +124,10 @@ def _count(value: Any) -> int | None:
 
 
 def _cause(error: BaseException) -> str:
-    said = f"{type(error).__name__}: {error}"
-    if error.__cause__ is not None and str(error.__cause__) not in said:
-        said += f" ({error.__cause__})"
-    return kept(said)[:2000]
+    message = f"{type(error).__name__}: {error}"
+    if error.__cause__ is not None and str(error.__cause__) not in message:
+        message += f" ({error.__cause__})"
+    return kept(message)[:2000]
 
 
 def _client(openai: Any) -> Any:

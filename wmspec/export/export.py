@@ -60,10 +60,10 @@ class _Folder:
         path.parent.mkdir(parents=True, exist_ok=True)
         return path
 
-    def copy(self, name: str, to: str, **said: str) -> None:
+    def copy(self, name: str, to: str, **words: str) -> None:
         """Copy a file that comes with wmspec, with what is said for words in braces."""
         text = resource(name).read_text(encoding="utf-8")
-        for word, value in said.items():
+        for word, value in words.items():
             text = text.replace(f"{{{word}}}", value)
         self.path(to).write_text(text, encoding="utf-8")
 
@@ -88,7 +88,7 @@ def export(what: Export, tool: str, place: Path) -> int:
     something else or cannot be written.
     """
     folder = _Folder(place)
-    said = {
+    about = {
         "to": tool,
         "dataset": files.digest(what.dataset.folder / files.MANIFEST),
         "prompt": what.prompt_name,
@@ -98,7 +98,7 @@ def export(what: Export, tool: str, place: Path) -> int:
         folder.clear()
         count = TOOLS[tool](what, folder)
         folder.copy("evaluate/reply.py", "wmspec_reply.py")
-        (place / MARK).write_bytes(files.text({**said, "questions": count, "files": sorted(folder.written)}))
+        (place / MARK).write_bytes(files.text({**about, "questions": count, "files": sorted(folder.written)}))
     return count
 
 
@@ -177,8 +177,8 @@ def _hf(what: Export, folder: _Folder) -> int:
         f"- config_name: {task}\n  data_files:\n  - split: test\n    path: data/{task}.parquet\n" for task in what.tasks
     )
     columns = (f"| `{name}` | {meaning} |\n" for name, (_, meaning) in COLUMNS.items())
-    said = {"configs": "".join(configs), "columns": "".join(columns), "task": next(iter(what.tasks), "")}
-    folder.copy("export/files/hf.md", "README.md", **said)
+    words = {"configs": "".join(configs), "columns": "".join(columns), "task": next(iter(what.tasks), "")}
+    folder.copy("export/files/hf.md", "README.md", **words)
     return _tables(what, folder)
 
 

@@ -29,7 +29,7 @@ _COMMON = ("density", "friction", "restitution", "damping")
 _SIZES = {"number": None, "angle": "rad"}
 _UNITS = {"density": "kg/m^3", "damping": "Hz", "spin_damping": "Hz"}
 
-Said = Mapping[str, tuple[s.Property, ...]]
+Overrides = Mapping[str, tuple[s.Property, ...]]
 
 
 def plain(name: str) -> str:
@@ -38,11 +38,11 @@ def plain(name: str) -> str:
     return made if not made[:1].isdigit() else f"_{made}"
 
 
-def mattering(of: Tree | Refused, said: Said, whole: Collection[str]) -> tuple[Diagnostic, ...]:
+def mattering(of: Tree | Refused, overrides: Overrides, whole: Collection[str]) -> tuple[Diagnostic, ...]:
     """The first mistakes that matter, with what a spec says of links and of the `whole`, each once."""
     mistakes = dict.fromkeys(of.diagnostics if isinstance(of, Refused) else ())
     for link in of.links if isinstance(of, Refused) else (placed.link for placed in of.links):
-        own = {p.name.id for p in said.get(plain(link.name), ())}
+        own = {p.name.id for p in overrides.get(plain(link.name), ())}
         conditional = (c for shape in link.shapes for c in (*shape.look.conditional, *shape.conditional))
         mistakes |= {c.diagnostic: None for c in conditional if not {*own, *whole}.intersection(c.unless)}
     return tuple(mistakes)[:MOST_FAULTS]
@@ -50,11 +50,11 @@ def mattering(of: Tree | Refused, said: Said, whole: Collection[str]) -> tuple[D
 
 @dataclass(frozen=True)
 class Blocks:
-    """Makes the blocks of one asset: `base` is the object that names it, `said` what it says of links and joints."""
+    """Makes the blocks of an asset; `base` is the object that names it, `overrides` what it says of its links."""
 
     base: s.Block
     tree: Tree
-    said: Said
+    overrides: Overrides
     write: Writer
 
     def name(self, of: str) -> str:
@@ -72,9 +72,9 @@ class Blocks:
         stands = (self.tree.held or link.fixed) and "fixed" not in here
         held: dict[str, s.Expr] = {"fixed": self.write.truth(True)} if stands else {}
         own = tuple(p for p in self.base.properties if p.name.id not in ("file", "collision"))
-        found = _instead((*own, *self.write.properties(held | self._by_file(link))), self._of(link))
-        made = (*found, *self.write.properties(self._matter(link, found)))
-        return replace(self.base, properties=made, parts=self._parts(link, found))
+        properties = _instead((*own, *self.write.properties(held | self._by_file(link))), self._of(link))
+        made = (*properties, *self.write.properties(self._matter(link, properties)))
+        return replace(self.base, properties=made, parts=self._parts(link, properties))
 
     def _link(self, placed: Placed) -> s.Block:
         link, base = placed.link, self.base.name.id
@@ -87,46 +87,46 @@ class Blocks:
         whole = {p.name.id for p in self.base.properties}
         common = ("present", *_COMMON, *(look for look in LOOKS if look in whole))
         shared = self.write.properties({name: self.write.of(base, name) for name in common} | self._by_file(link))
-        found = _instead((*self.write.properties(where), *shared), self._of(link))
-        made = (*found, *self.write.properties(self._matter(link, found)))
-        parts = self._parts(link, found)
+        properties = _instead((*self.write.properties(where), *shared), self._of(link))
+        made = (*properties, *self.write.properties(self._matter(link, properties)))
+        parts = self._parts(link, properties)
         name = s.Name(self.name(link.name), self.base.name.span)
         return s.Block("object", name, made, self.write.span, parts=parts, whole=base)
 
     def _of(self, link: Link) -> tuple[s.Property, ...]:
         """What the spec says of a link, but for what is of its parts."""
-        return tuple(p for p in self.said.get(plain(link.name), ()) if p.name.id != "collision")
+        return tuple(p for p in self.overrides.get(plain(link.name), ()) if p.name.id != "collision")
 
     # ------------------------------------------------------------ what a link is made of
 
     def _by_file(self, link: Link) -> dict[str, s.Expr]:
         """What the file says of a link besides its mass, unless the spec says it of the whole."""
         whole = {p.name.id for p in self.base.properties}
-        found = {n: self.write.number(x, _UNITS.get(n)) for n, x in link.said.items()}
+        values = {n: self.write.number(x, _UNITS.get(n)) for n, x in link.given.items()}
         if link.velocity is not None:
-            found["velocity"] = self.write.numbers(clean(link.velocity), "m/s")
+            values["velocity"] = self.write.numbers(clean(link.velocity), "m/s")
         if link.spin is not None:
-            found["spin"] = self.write.numbers(clean(link.spin), "rad/s")
+            values["spin"] = self.write.numbers(clean(link.spin), "rad/s")
         if link.passes:
-            found["passes"] = self.write.names(self.name(other) for other in link.passes)
-        return {n: made for n, made in found.items() if n not in whole}
+            values["passes"] = self.write.names(self.name(other) for other in link.passes)
+        return {n: made for n, made in values.items() if n not in whole}
 
-    def _matter(self, link: Link, said: tuple[s.Property, ...]) -> dict[str, s.Expr]:
+    def _matter(self, link: Link, properties: tuple[s.Property, ...]) -> dict[str, s.Expr]:
         """Its mass with its centre and its moments, which go with the mass; nothing if the spec says its density."""
-        names = {p.name.id for p in said}
+        names = {p.name.id for p in properties}
         if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._of(link))}:
             return {}
-        found = {} if "mass" in names else {"mass": self.write.number(link.mass.mass, "kg")}
+        values = {} if "mass" in names else {"mass": self.write.number(link.mass.mass, "kg")}
         own = self.write.of(self.name(link.name), "mass")
-        found["centre"] = self.write.numbers(clean(link.mass.center), "m")
-        found["moments"] = self.write.times((float(m) / link.mass.mass for m in link.mass.moments), "m^2", own)
-        found["axes"] = self.write.numbers(angles(link.mass.axes), "rad")
-        return found
+        values["centre"] = self.write.numbers(clean(link.mass.center), "m")
+        values["moments"] = self.write.times((float(m) / link.mass.mass for m in link.mass.moments), "m^2", own)
+        values["axes"] = self.write.numbers(angles(link.mass.axes), "rad")
+        return values
 
-    def _parts(self, link: Link, said: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
-        names = {p.name.id for p in said}
+    def _parts(self, link: Link, properties: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
+        names = {p.name.id for p in properties}
         looks = set(LOOKS) - names if not names.intersection(model.LOOKS) else set()
-        ways = (*self.said.get(plain(link.name), ()), *self.base.properties)
+        ways = (*self.overrides.get(plain(link.name), ()), *self.base.properties)
         touched = next((p.value for p in ways if p.name.id == "collision"), None)
         spec = {p.name.id for p in (*self.base.properties, *self._of(link))}
         files = {*looks, *({"friction", "restitution"} - spec)}
@@ -149,8 +149,8 @@ class Blocks:
 
     def _look(self, shape: Shape) -> dict[str, s.Expr]:
         look = shape.look
-        found = {name: x for name, x in (("roughness", look.roughness), ("metallic", look.metallic)) if x is not None}
-        made: dict[str, s.Expr] = {name: self.write.number(x) for name, x in found.items()}
+        given = {name: x for name, x in (("roughness", look.roughness), ("metallic", look.metallic)) if x is not None}
+        made: dict[str, s.Expr] = {name: self.write.number(x) for name, x in given.items()}
         if look.color is not None:
             made["color"] = self.write.color(look.color)
         if look.image:
@@ -180,7 +180,7 @@ class Blocks:
             values["touching"] = self.write.truth(True)
         if joint.kind in ("hinge", "slider"):
             values |= self._coordinate(joint)
-        properties = _instead(self.write.properties(values), self.said.get(plain(joint.name), ()))
+        properties = _instead(self.write.properties(values), self.overrides.get(plain(joint.name), ()))
         name = s.Name(self.name(joint.name), self.base.name.span)
         model = self.write.name(joint.kind)
         return s.Block("joint", name, properties, self.write.span, model, whole=self.base.name.id)
@@ -191,14 +191,14 @@ class Blocks:
         low, high = (-math.inf if joint.low is None else joint.low), (math.inf if joint.high is None else joint.high)
         start = joint.start if joint.start is not None else max(low, min(high, 0.0))
         numbers = (("low", joint.low), ("high", joint.high), ("start", start or None), ("target", joint.target))
-        found = {name: self.write.number(value, unit) for name, value in numbers if value is not None}
+        values = {name: self.write.number(value, unit) for name, value in numbers if value is not None}
         drive = (joint.stiffness, joint.damping, joint.pace, joint.strength)
         plain_numbers = zip(("stiffness", "damping", "pace", "strength"), drive, strict=True)
-        found |= {name: self.write.number(value) for name, value in plain_numbers if value}
-        return {"axis": self.write.numbers(clean(joint.axis)), **found}
+        values |= {name: self.write.number(value) for name, value in plain_numbers if value}
+        return {"axis": self.write.numbers(clean(joint.axis)), **values}
 
 
-def _instead(made: tuple[s.Property, ...], said: tuple[s.Property, ...]) -> tuple[s.Property, ...]:
+def _instead(made: tuple[s.Property, ...], instead: tuple[s.Property, ...]) -> tuple[s.Property, ...]:
     """Properties with what is said instead of them."""
-    names = {p.name.id for p in said}
-    return *(p for p in made if p.name.id not in names), *said
+    names = {p.name.id for p in instead}
+    return *(p for p in made if p.name.id not in names), *instead

@@ -57,10 +57,10 @@ class Reader:
 
     def only(self, e: Element, tag: str) -> Element | None:
         """The child of a tag, if there is one; complain about more."""
-        found = e.all(tag)
-        if len(found) > 1:
-            self.faults.add(found[1].where, f"`{e.tag}` has more than one `{tag}`", "remove one")
-        return found[0] if found else None
+        elements = e.all(tag)
+        if len(elements) > 1:
+            self.faults.add(elements[1].where, f"`{e.tag}` has more than one `{tag}`", "remove one")
+        return elements[0] if elements else None
 
     def text(self, e: Element, name: str) -> str:
         """An attribute that must be there."""
@@ -72,8 +72,8 @@ class Reader:
         """A number, which must be there unless it has a default."""
         if name not in e.attributes and default is not None:
             return default
-        (found,) = self.numbers(e, name, 1, above=above)
-        return found
+        (value,) = self.numbers(e, name, 1, above=above)
+        return value
 
     def numbers(
         self, e: Element, name: str, count: int, default: tuple[float, ...] | None = None, *, above: float = -math.inf
@@ -82,28 +82,28 @@ class Reader:
         if name not in e.attributes and default is not None:
             return default
         try:
-            found = tuple(float(word) for word in self.text(e, name).split())
+            values = tuple(float(word) for word in self.text(e, name).split())
         except ValueError:
-            found = ()
+            values = ()
         shown = e.attributes.get(name, "")[:60]
-        if name in e.attributes and len(found) != count:
+        if name in e.attributes and len(values) != count:
             what = "a number" if count == 1 else f"{count} numbers"
             self.faults.add(e.where, f'{name}="{shown}" is not {what}', "correct it")
-        elif any(not math.isfinite(x) or abs(x) > MOST for x in found):
+        elif any(not math.isfinite(x) or abs(x) > MOST for x in values):
             self.faults.add(e.where, f'{name}="{shown}" is out of all proportion', "use SI units: m, kg, rad")
-        elif any(x <= above for x in found):
+        elif any(x <= above for x in values):
             self.faults.add(e.where, f'{name}="{shown}" must be more than {above:g}', "correct it")
         else:
-            return found if len(found) == count else (1.0,) * count
+            return values if len(values) == count else (1.0,) * count
         return (1.0,) * count
 
     def scale(self, e: Element) -> tuple[float, ...]:
         """The scale of a mesh along each of its axes; below 0 it is mirrored."""
-        found = self.numbers(e, "scale", 3, (1.0, 1.0, 1.0))
-        if 0 in found:
+        factors = self.numbers(e, "scale", 3, (1.0, 1.0, 1.0))
+        if 0 in factors:
             self.faults.add(e.where, "its scale is 0", "make it other than 0")
             return (1.0, 1.0, 1.0)
-        return found
+        return factors
 
 
 def read(path: Path, shown: str, faults: Faults) -> Element:

@@ -32,17 +32,19 @@ class Defaults(Reader):
             self._class(top, "", {}, depth=0)
 
     def _compile(self, root: Element) -> None:
-        said: dict[str, str] = {}
+        settings: dict[str, str] = {}
         for compiler in root.all("compiler"):
             self.known(compiler, _COMPILER)
-            said |= compiler.attributes
+            settings |= compiler.attributes
             for name, only in (("inertiafromgeom", "auto"), ("coordinate", "local")):
-                if said.get(name, only) != only:
-                    self.faults.add(compiler.where, f'{name}="{said[name][:20]}" is not supported', f'make it "{only}"')
-        self.angle = 1.0 if said.get("angle", "degree") == "radian" else math.pi / 180
-        self.sequence = said.get("eulerseq", "xyz")
-        self.limited = said.get("autolimits", "true") == "true"
-        self.meshes = said.get("meshdir", said.get("assetdir", ""))
+                if settings.get(name, only) != only:
+                    self.faults.add(
+                        compiler.where, f'{name}="{settings[name][:20]}" is not supported', f'make it "{only}"'
+                    )
+        self.angle = 1.0 if settings.get("angle", "degree") == "radian" else math.pi / 180
+        self.sequence = settings.get("eulerseq", "xyz")
+        self.limited = settings.get("autolimits", "true") == "true"
+        self.meshes = settings.get("meshdir", settings.get("assetdir", ""))
         if len(self.sequence) != 3 or set(self.sequence.lower()) - set("xyz"):
             self.faults.add(root.where, f'eulerseq="{self.sequence[:20]}" makes no sense', "make it three of xyzXYZ")
             self.sequence = "xyz"
@@ -72,8 +74,8 @@ class Defaults(Reader):
 
     def named(self, tag: str, name: str) -> Element | None:
         """The mesh or material of a name."""
-        found = (e for assets in self.root.all("asset") for e in assets.all(tag))
-        for e in found:
+        candidates = (e for assets in self.root.all("asset") for e in assets.all(tag))
+        for e in candidates:
             stem = e.attributes.get("file", "").rpartition("/")[2].rpartition(".")[0]
             if e.attributes.get("name", stem) == name:
                 return self.full(e, "")
@@ -82,10 +84,10 @@ class Defaults(Reader):
     def place(self, e: Element) -> Pose:
         """Where something is in what is around it."""
         position = np.array(self.numbers(e, "pos", 3, (0.0, 0.0, 0.0)))
-        said = [name for name in _TURNS if name in e.attributes]
-        if len(said) > 1:
-            self.faults.add(e.where, f"`{said[0]}` and `{said[1]}` are both said", "keep one")
-        return Pose(position, getattr(self, f"_{said[0]}")(e) if said else turning(np.zeros(3)))
+        turns = [name for name in _TURNS if name in e.attributes]
+        if len(turns) > 1:
+            self.faults.add(e.where, f"`{turns[0]}` and `{turns[1]}` are both said", "keep one")
+        return Pose(position, getattr(self, f"_{turns[0]}")(e) if turns else turning(np.zeros(3)))
 
     def _quat(self, e: Element) -> Array:
         w, x, y, z = self.numbers(e, "quat", 4)

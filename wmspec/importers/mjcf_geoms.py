@@ -40,8 +40,8 @@ class Geoms:
             self.faults.add(body.where, "its geoms have several frictions", "give them one")
         inertial = self.read.only(body, "inertial")
         mass = self._inertial(inertial) if inertial is not None else self._summed(made)
-        said = {"friction": next(iter(frictions))} if frictions else {}
-        return Link(name, body.where, tuple(shape for _, shape in made), mass, said)
+        friction = {"friction": next(iter(frictions))} if frictions else {}
+        return Link(name, body.where, tuple(shape for _, shape in made), mass, friction)
 
     # ------------------------------------------------------------ shapes
 
@@ -120,9 +120,9 @@ class Geoms:
 
     def _look(self, e: Element) -> Look:
         """The colour of a geom, and what is wrong with it."""
-        with self.faults.apart() as found:
+        with self.faults.apart() as faults:
             color = self._color(e)
-        return Look(color, conditional=conditional(found, LOOKS))
+        return Look(color, conditional=conditional(faults, LOOKS))
 
     def _color(self, e: Element) -> Color | None:
         """The colour of a geom: its own, its material's, or none."""
@@ -139,13 +139,13 @@ class Geoms:
     def _material(self, e: Element) -> Element | None:
         """The material that a geom names, if any."""
         name = e.attributes.get("material")
-        found = self.read.named("material", name) if name is not None else None
-        if name is not None and found is None:
+        material = self.read.named("material", name) if name is not None else None
+        if name is not None and material is None:
             self.faults.add(e.where, f"there is no material `{name[:60]}`", "add it to `asset`")
-        if found is not None and "texture" in found.attributes:
+        if material is not None and "texture" in material.attributes:
             what = "textures of an asset are not supported"
-            self.faults.add(found.where, what, "remove it")
-        return found
+            self.faults.add(material.where, what, "remove it")
+        return material
 
     # ------------------------------------------------------------ masses
 

@@ -37,13 +37,13 @@ class Joints:
         """What holds a body: its joint, or none, and then it is fixed."""
         name, here = body.attributes["name"], self.read.place(body)
         free = body.all("freejoint")
-        found = [*free, *(self.read.full(e, inherited) for e in body.all("joint"))]
-        if len(found) > 1:
+        joints = [*free, *(self.read.full(e, inherited) for e in body.all("joint"))]
+        if len(joints) > 1:
             what = "several joints of one body are not supported"
-            self.faults.add(found[1].where, what, "put a body, with a geom, between each two of them")
-        if not found:
+            self.faults.add(joints[1].where, what, "put a body, with a geom, between each two of them")
+        if not joints:
             return Joint(f"{name} fixed", body.where, "fixed", parent, name, here, np.zeros(3), X)
-        joint = found[0]
+        joint = joints[0]
         if free:
             self.read.known(joint, ("name", "group", "align"))
             return Joint(f"{name} free", joint.where, "free", parent, name, here, np.zeros(3), X)
@@ -51,10 +51,10 @@ class Joints:
 
     def _joint(self, e: Element, body: str, parent: str, here: Pose) -> Joint:
         self.read.known(e, _JOINT)
-        said = e.attributes.get("type", "hinge")
-        kind = _KINDS.get(said)
+        type_ = e.attributes.get("type", "hinge")
+        kind = _KINDS.get(type_)
         if kind is None:
-            what = f"joints of type `{said[:30]}` are not supported"
+            what = f"joints of type `{type_[:30]}` are not supported"
             self.faults.add(e.where, what, f"make it one of {', '.join(_KINDS)}")
             kind = "hinge"
         for name in ("frictionloss", "armature", "ref"):

@@ -120,7 +120,7 @@ class Shape:
 class Link:
     """A rigid body. `where` is where it stands in the file. One without shapes is a mere frame.
 
-    `said` are numbers of the language that the file says of it: `density`, `friction`, `restitution`, `damping`. Its
+    `given` are numbers of the language that the file says of it: `density`, `friction`, `restitution`, `damping`. Its
     `velocity` (3,) m/s and `spin` (3,) rad/s at the start are along the axes of the asset. It goes through those links
     that it `passes`.
     """
@@ -129,7 +129,7 @@ class Link:
     where: FilePlace
     shapes: tuple[Shape, ...] = ()
     mass: Inertia | None = None
-    said: dict[str, float] = field(default_factory=dict)
+    given: dict[str, float] = field(default_factory=dict)
     fixed: bool = False
     velocity: Array | None = None
     spin: Array | None = None

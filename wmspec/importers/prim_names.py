@@ -9,5 +9,5 @@ _NAMED = re.compile(r"(.*\.usd[acz]?)#(.*)", re.IGNORECASE | re.DOTALL)
 
 def parted(name: str) -> tuple[str, str]:
     """The file and the path of the prim, which is empty if none is named."""
-    found = _NAMED.fullmatch(name)
-    return (found[1], found[2] or "/") if found else (name, "")
+    match = _NAMED.fullmatch(name)
+    return (match[1], match[2] or "/") if match else (name, "")

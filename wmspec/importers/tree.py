@@ -178,7 +178,7 @@ def _solid(walk: _Walk, faults: Faults) -> None:
             faults.add(link.where, what, "correct `inertia`, or remove `inertial` to have it by density")
 
 
-def names(found: Tree) -> Iterator[tuple[str, FilePlace]]:
+def names(tree: Tree) -> Iterator[tuple[str, FilePlace]]:
     """The links and joints by name, each with where it stands."""
-    yield from ((placed.link.name, placed.link.where) for placed in found.links)
-    yield from ((joint.name, joint.where) for joint in found.joints)
+    yield from ((placed.link.name, placed.link.where) for placed in tree.links)
+    yield from ((joint.name, joint.where) for joint in tree.joints)

@@ -29,8 +29,8 @@ class Joints:
     def joint(self, e: Element) -> Joint | None:
         """A joint; None if it makes no sense."""
         skipped = ("safety_controller", "calibration")
-        said = ("origin", "parent", "child", "axis", "limit", "dynamics")
-        self.read.known(e, ("name", "type"), (*said, *skipped, "mimic"))
+        children = ("origin", "parent", "child", "axis", "limit", "dynamics")
+        self.read.known(e, ("name", "type"), (*children, *skipped, "mimic"))
         for mimic in e.all("mimic"):
             what = "joints that mimic others are not supported: the engines solve each by itself"
             self.read.faults.add(e.where, what, f"remove `mimic` (line {mimic.line})")
@@ -53,12 +53,12 @@ class Joints:
 
     def _axis(self, joint: Element) -> Array:
         e = self.read.only(joint, "axis")
-        found = np.array(self.read.numbers(e, "xyz", 3, (1.0, 0.0, 0.0)) if e is not None else (1.0, 0.0, 0.0))
-        size = float(np.linalg.norm(found))
+        axis = np.array(self.read.numbers(e, "xyz", 3, (1.0, 0.0, 0.0)) if e is not None else (1.0, 0.0, 0.0))
+        size = float(np.linalg.norm(axis))
         if size < 1e-6 and e is not None:
             self.read.faults.add(joint.where, "its axis is 0", 'write something like <axis xyz="0 0 1"/>')
             return np.array((1.0, 0.0, 0.0))
-        return found / size
+        return axis / size
 
     def _limits(self, joint: Element) -> tuple[float | None, float | None]:
         """The limits of a `revolute` or `prismatic` joint, which must have some."""

@@ -100,10 +100,10 @@ class Links:
 
     def _look(self, e: Element) -> Look:
         """The colour of a `visual`, and what is wrong with it."""
-        with self.read.faults.apart() as found:
+        with self.read.faults.apart() as faults:
             material = self.read.only(e, "material")
             color = self._color(self._meant(material)) if material is not None else None
-        return Look(color, conditional=conditional(found, LOOKS))
+        return Look(color, conditional=conditional(faults, LOOKS))
 
     def _meant(self, material: Element) -> Element:
         """What says how a `material` looks: itself, or the one that first said so under its name."""
@@ -135,12 +135,12 @@ class Links:
 
 def origin(read: Reader, e: Element) -> Pose:
     """The place that its `origin` says."""
-    said = read.only(e, "origin")
-    if said is None:
+    origin_ = read.only(e, "origin")
+    if origin_ is None:
         return posed()
-    read.known(said, ("xyz", "rpy"))
+    read.known(origin_, ("xyz", "rpy"))
     nowhere = (0.0, 0.0, 0.0)
-    return posed(read.numbers(said, "xyz", 3, nowhere), read.numbers(said, "rpy", 3, nowhere))
+    return posed(read.numbers(origin_, "xyz", 3, nowhere), read.numbers(origin_, "rpy", 3, nowhere))
 
 
 def _alike(a: Shape, b: Shape) -> bool:

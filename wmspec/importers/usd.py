@@ -83,8 +83,8 @@ class _Usd:
             groups = self.census.of("PhysicsCollisionGroup")
             apart = filtered(self.stage, self.census.filters, groups, self.census.owners, bodies, held)
         note(self.problems.diagnostics, self.shown, self.faults, self.folder)
-        found = Stage(bodies, shapes, apart, self.shown)
-        return Asset(found.links, {}) if self.faults.diagnostics else found.asset(tuple(held.values()), self.faults)
+        stage = Stage(bodies, shapes, apart, self.shown)
+        return Asset(stage.links, {}) if self.faults.diagnostics else stage.asset(tuple(held.values()), self.faults)
 
     def _sized(self) -> None:
         """Complain about nothing, and about too much."""
@@ -110,13 +110,13 @@ class _Usd:
 
     def _body(self, owner: Owner, name: str) -> tuple[Body, tuple[Shape, ...]]:
         place = split(self.world.matrix(owner.prim), owner.prim)
-        back, found, colliders = place.rigid.GetInverse(), list[Shape](), list[tuple[Placed, float]]()
+        back, shapes, colliders = place.rigid.GetInverse(), list[Shape](), list[tuple[Placed, float]]()
         problems = Report(StageError)
         for piece in owner.pieces:
             with problems.gathered():
                 bounded(piece.prim)
                 here = placed(piece.prim, split(self.world.matrix(piece.prim) * back, piece.prim))
-                found += self._shapes(piece, here, owner.motion)
+                shapes += self._shapes(piece, here, owner.motion)
                 if piece.collides:
                     colliders.append((here, self.materials.density(piece.prim)))
         problems.stop_if_failed()
@@ -125,9 +125,9 @@ class _Usd:
             try:
                 mass = body_inertia(owner.prim, place, colliders, self.world)
             except StageError:
-                if not any(shape.conditional for shape in found):
+                if not any(shape.conditional for shape in shapes):
                     raise
-        return body(owner, name, place.pose, (), mass, self.world), tuple(found)
+        return body(owner, name, place.pose, (), mass, self.world), tuple(shapes)
 
     def _bare(self) -> Iterator[Shape]:
         """All that is drawn where nothing says what is touched: all of it is, but for sheets."""
@@ -166,11 +166,11 @@ class _Usd:
 
     def _rubs(self, prim: Usd.Prim) -> tuple[float, float]:
         """Friction and restitution of a collider. Raises StageError if it rubs in two ways."""
-        found = self.materials.friction(prim)
-        if found.static != found.dynamic:
-            reason = f"its static friction {found.static:g} differs from its dynamic friction {found.dynamic:g}"
+        friction = self.materials.friction(prim)
+        if friction.static != friction.dynamic:
+            reason = f"its static friction {friction.static:g} differs from its dynamic friction {friction.dynamic:g}"
             refuse(prim, reason, "make them equal, or author one")
-        return found.dynamic, found.restitution
+        return friction.dynamic, friction.restitution
 
     def _touched(self, prim: Usd.Prim, mesh: Mesh, motion: Motion) -> tuple[str, tuple[Conditional, ...]]:
         """How a mesh is touched, as a word of the language, and why it cannot be as its file says."""
@@ -184,14 +184,14 @@ class _Usd:
     def _look(self, prim: Usd.Prim) -> Look:
         """How a geometry or subset looks, and what of it cannot be honoured."""
         try:
-            found = self.materials.surface(prim)
-            if found is None:
+            surface = self.materials.surface(prim)
+            if surface is None:
                 return Look()
-            image = self._picture(prim, found.texture) if found.texture else ""
+            image = self._picture(prim, surface.texture) if surface.texture else ""
         except StageError as error:
             return Look(conditional=conditional(self._told(error), LOOKS))
-        color = None if image and found.color == (1, 1, 1) else found.color
-        return Look(color, image, found.repeats, found.roughness, found.metallic)
+        color = None if image and surface.color == (1, 1, 1) else surface.color
+        return Look(color, image, surface.repeats, surface.roughness, surface.metallic)
 
     def _picture(self, prim: Usd.Prim, texture: str) -> str:
         """The file of a picture, seen from the spec's folder. Raises StageError if it is not there, or no picture."""

@@ -32,8 +32,8 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
     """
     quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us
     try:
-        found = path.stat()
-        stage = _stage(str(path), found.st_mtime_ns, found.st_size)
+        stat = path.stat()
+        stage = _stage(str(path), stat.st_mtime_ns, stat.st_size)
         _whole(stage, folder, shown, faults)
         yield stage
     except Broken:

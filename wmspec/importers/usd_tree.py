@@ -57,17 +57,17 @@ class Stage:
         self.links = {named[b.name]: self._made(b, named[b.name], shapes[b.path], passes.get(b.name, ())) for b in own}
 
     def _made(self, body: Body, name: str, shapes: tuple[Shape, ...], passes: tuple[str, ...]) -> Link:
-        shapes, said = _rubbing(shapes)
+        shapes, properties = _rubbing(shapes)
         if body.linear_damping or body.angular_damping:
-            said |= {"damping": body.linear_damping, "spin_damping": body.angular_damping}
+            properties |= {"damping": body.linear_damping, "spin_damping": body.angular_damping}
         if body.motion == "dynamic" and body.inertia is None:
-            said["density"] = _WATER
+            properties["density"] = _WATER
         if not shapes:
             middle = identity() if body.inertia is None else Pose(body.inertia.center, identity().orientation)
             shapes = (Shape(Sphere(_POINT), middle, solid=False, drawn=False),)
         velocity, spin = (v if v.any() else None for v in (body.linear_velocity, body.angular_velocity))
         where = FilePlace(self._shown, element=f"`{body.path}`")
-        return Link(name, where, shapes, body.inertia, said, body.motion != "dynamic", velocity, spin, passes)
+        return Link(name, where, shapes, body.inertia, properties, body.motion != "dynamic", velocity, spin, passes)
 
     def asset(self, held: Sequence[model.Joint], faults: Faults) -> Asset:
         """All links and the joints between them; those that do not fit go to the faults."""
@@ -75,8 +75,8 @@ class Stage:
             raise faults.stop(self._file, f"has more than {MOST_LINKS} rigid bodies", "make it simpler")
         links, made = dict(self.links), dict[str, Joint]()
         if self._base.shapes:
-            shapes, said = _rubbing(self._base.shapes)
-            links = {self._base.name: replace(self._base, shapes=shapes, said=said), **links}
+            shapes, properties = _rubbing(self._base.shapes)
+            links = {self._base.name: replace(self._base, shapes=shapes, given=properties), **links}
             made[""] = Joint("", self._file, "fixed", WORLD, self._base.name, identity(), np.zeros(3), X)
         for joint in self._led(held, faults):
             made[joint.name] = joint
@@ -167,8 +167,8 @@ def _still(bodies: Sequence[Body], shapes: Mapping[str, tuple[Shape, ...]]) -> t
 
 def _rubbing(shapes: tuple[Shape, ...]) -> tuple[tuple[Shape, ...], dict[str, float]]:
     """Shapes, and how a link of them rubs if what is touched of it all rubs alike; otherwise each shape says it."""
-    found = {s.rubs for s in shapes if s.solid and s.rubs is not None}
-    if len(found) != 1:
+    frictions = {s.rubs for s in shapes if s.solid and s.rubs is not None}
+    if len(frictions) != 1:
         return shapes, {}
-    ((friction, restitution),) = found
+    ((friction, restitution),) = frictions
     return tuple(replace(s, rubs=None) for s in shapes), {"friction": friction, "restitution": restitution}

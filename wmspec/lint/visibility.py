@@ -41,13 +41,13 @@ def boxes_of_matter(values: Values) -> Iterator[Box]:
 def _subjects(values: Values) -> list[str]:
     """The objects that actions move and questions mention, if they are there."""
     objects = {t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)}
-    found: dict[str, None] = {}
+    names: dict[str, None] = {}
     for thing in values.spec.things:
         if thing.kind == "action" and "object" in thing.properties and values.there(thing.name):
-            found[values.property(thing.name, "object")] = None
+            names[values.property(thing.name, "object")] = None
     for expr in _asked(values.spec):
-        found |= dict.fromkeys(mentioned(values, expr))
-    return [name for name in found if name in objects]
+        names |= dict.fromkeys(mentioned(values, expr))
+    return [name for name in names if name in objects]
 
 
 def _asked(spec: TaskSpec) -> Iterator[Expr]:

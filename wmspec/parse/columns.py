@@ -76,16 +76,16 @@ def _text(row: Line, widths: dict[int, int]) -> str:
 
 def _commented(rows: list[Line], texts: list[str]) -> list[str]:
     """The texts with their comments, which stand under one another on lines that follow one another."""
-    found: list[str] = []
+    lines: list[str] = []
     column = 0
     for i, row in enumerate(rows):
         if not row.comment or not row.cells:
-            found.append(texts[i] + row.comment)
+            lines.append(texts[i] + row.comment)
             continue
         if not (i and _ends_in_comment(rows[i - 1]) and not row.blank):
             column = max(map(len, _commented_run(rows, texts, i)))
-        found.append(f"{texts[i].ljust(column)}  {row.comment}")
-    return found
+        lines.append(f"{texts[i].ljust(column)}  {row.comment}")
+    return lines
 
 
 def _ends_in_comment(row: Line) -> bool:

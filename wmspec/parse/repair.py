@@ -68,13 +68,13 @@ def _guesses(start: str, words: Sequence[Token], stuck: int, stacks: dict[int, l
 
 def _stacks(start: str, words: Sequence[Token], stuck: int) -> dict[int, list[int]]:
     """What the machine remembers before each of the words up to the one that cannot be read."""
-    machine, found = Machine(start), {}
+    machine, stacks = Machine(start), {}
     for i in range(stuck + 1):
         if i >= stuck - BACK:
-            found[i] = list(machine.states)
+            stacks[i] = list(machine.states)
         if i < stuck:
             machine.follow(words[i].type)
-    return found
+    return stacks
 
 
 def _reach(machine: Machine, change: Repair, words: Sequence[Token], stuck: int) -> int:

@@ -35,8 +35,8 @@ class Token(NamedTuple):
 def read(text: str, offset: int = 0) -> Iterator[Token]:
     """All words of a text, white space and comments too, as if the text stood at an offset."""
     match, keywords, position, line = _pattern().match, tables().keywords, 0, 1
-    while found := match(text, position):
-        kind, word = found.lastgroup, found.group()
+    while token := match(text, position):
+        kind, word = token.lastgroup, token.group()
         assert kind is not None
         yield Token(keywords.get(word, kind) if kind == "NAME" else kind, word, offset + position, line)
         if kind in _LONG:

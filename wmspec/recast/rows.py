@@ -53,9 +53,9 @@ def _kind(entries: Sequence[Entry], name: str) -> pa.DataType:
     return pa.float64() if all(map(_is_number, (e.factors[name] for e in entries))) else pa.string()
 
 
-def _is_number(said: str) -> bool:
+def _is_number(text: str) -> bool:
     try:
-        float(said)
+        float(text)
     except ValueError:
         return False
     return True

@@ -221,15 +221,15 @@ class _Row:
         return word
 
     def _number(self, column: str, text: str | None = None) -> float | None:
-        said = self._cell(column) if text is None else text
-        if not said:
+        written = self._cell(column) if text is None else text
+        if not written:
             return None
         try:
-            number = float(said)
+            number = float(written)
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            self._wrong(column, f"`{said}` is no number", "write it such as 1.5, its unit in the column `unit`")
+            self._wrong(column, f"`{written}` is no number", "write it such as 1.5, its unit in the column `unit`")
             return None
         return number
 
@@ -260,9 +260,9 @@ class _Row:
 
     def _frames(self, readable: str, clip: bool) -> int:
         """How many pictures are taken from a clip, if it is `readable` (its name, else "")."""
-        said = self._number("frames")
-        number = FRAMES if said is None else said
-        if said is not None and not clip:
+        frames = self._number("frames")
+        number = FRAMES if frames is None else frames
+        if frames is not None and not clip:
             self._wrong("frames", "there is no clip to take them from", "leave it empty")
         elif number != int(number) or not 1 <= number <= 64:
             self._wrong("frames", f"{number:g} is no number of pictures", "write a whole number from 1 to 64")

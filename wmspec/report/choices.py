@@ -137,7 +137,7 @@ def mistaken(replies: Replies) -> tuple[Mistaken, ...]:
     foresees = known["kinds"].map(lambda kinds: not FORESEEN.isdisjoint(kinds))
     table = replies.table[replies.table["id"].isin(known.index[foresees]) & (replies.table["right"] == 0)]
     table = table[table["parsed"].notna()]
-    changed = {str(name): tuple(map(change, said)) for name, said in known["changes"].items()}
+    changed = {str(name): tuple(map(change, changes)) for name, changes in known["changes"].items()}
     return tuple(
         m
         for (task, system), of_one in table.groupby(["task", "system"], sort=True)
@@ -158,12 +158,12 @@ def _mistaken(task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tu
         yield Mistaken(task, system, kind, chosen.get(kind, 0) / len(wrong), offered[kind] / len(wrong), len(wrong))
 
 
-def change(said: str | None) -> str:
+def change(changes: str | None) -> str:
     """What an `option_change` says was changed: an action, a state, both, something other; "" for the truth.
 
     An action left out or added and another order of actions are changes of actions.
     """
-    kinds = {part.split()[0] for part in (said or "").split("; ") if part.strip()}
+    kinds = {part.split()[0] for part in (changes or "").split("; ") if part.strip()}
     names = {"action": "action", "without": "action", "order": "action", "add": "action", "state": "state"}
-    found = {names.get(kind, OTHER) for kind in kinds}
-    return BOTH if len(found) > 1 else next(iter(found), "")
+    labels = {names.get(kind, OTHER) for kind in kinds}
+    return BOTH if len(labels) > 1 else next(iter(labels), "")

@@ -198,9 +198,9 @@ class Grid:
 
         start = self._curves[self._best(right[None], count[None])[0]]
         steep = (0.5, 60) if start[1] > 0 else (-60, -0.5)
-        found = minimize(surprise, start, method="L-BFGS-B", bounds=[(-1, 2), steep, (0, LAPSES)])
-        alpha, beta, lapse = map(float, found.x)
-        return Fit(alpha, beta, lapse, float(-found.fun))
+        solution = minimize(surprise, start, method="L-BFGS-B", bounds=[(-1, 2), steep, (0, LAPSES)])
+        alpha, beta, lapse = map(float, solution.x)
+        return Fit(alpha, beta, lapse, float(-solution.fun))
 
     def thresholds(self, right: Floats, count: Floats) -> Floats:
         """α of the most likely curve of every draw (d, l)."""

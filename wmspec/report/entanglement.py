@@ -195,5 +195,5 @@ def dimension(factor: str, values: pd.Series[str]) -> str:
     for name, words in (("colour", "color"), ("shape", "shape"), ("material", "material")):
         if levels <= set(WORDS[words]):
             return name
-    said = re.split(r"[_\d]+", factor.lower())
-    return next((d for word in reversed(said) for d, words in DIMENSIONS.items() if word in words), "")
+    parts = re.split(r"[_\d]+", factor.lower())
+    return next((d for word in reversed(parts) for d, words in DIMENSIONS.items() if word in words), "")

@@ -129,9 +129,9 @@ def response(answers: Floats, guess: Floats) -> tuple[Floats, Floats]:
     kinds, which, count = np.unique(np.column_stack([answers, guess]), axis=0, return_inverse=True, return_counts=True)
     y, c, weight = kinds[:, :-1], kinds[:, -1:], count[:, None].astype(float)
     start = np.concatenate([_standard(answers.mean(0)), np.zeros(2 * len(kinds))])
-    found = minimize(_surprise, start, (y, c, weight), "L-BFGS-B", jac=True, options={"maxiter": 200, "maxcor": 20})
+    solution = minimize(_surprise, start, (y, c, weight), "L-BFGS-B", jac=True, options={"maxiter": 200, "maxcor": 20})
     systems = answers.shape[1]
-    return found.x[:systems], found.x[systems : systems + len(kinds)][which.ravel()]
+    return solution.x[:systems], solution.x[systems : systems + len(kinds)][which.ravel()]
 
 
 def _standard(share: Floats) -> Floats:

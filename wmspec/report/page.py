@@ -55,15 +55,15 @@ def _summed_up(table: Table) -> str:
         return f"{table.kind.capitalize()}: only baselines and people have answered."
     best = models[0]
     people = next((line for line in table.lines if line.system == PEOPLE), None)
-    said = f"{table.kind.capitalize()}: {best.system} is right most often, {_with_interval(best.average)}"
-    said += f"; people are in {percent(people.average.value)} %" if people else ""
+    text = f"{table.kind.capitalize()}: {best.system} is right most often, {_with_interval(best.average)}"
+    text += f"; people are in {percent(people.average.value)} %" if people else ""
     chance = table.chance.average.value
-    return said + (f". Guessing yields {percent(chance)} %." if not math.isnan(chance) else ".")
+    return text + (f". Guessing yields {percent(chance)} %." if not math.isnan(chance) else ".")
 
 
 def _with_interval(estimate: Estimate) -> str:
-    said = f"in {percent(estimate.value)} %"
-    return said + (f" (95 % interval {percent(estimate.low)} to {percent(estimate.high)})" if estimate.sure else "")
+    text = f"in {percent(estimate.value)} %"
+    return text + (f" (95 % interval {percent(estimate.low)} to {percent(estimate.high)})" if estimate.sure else "")
 
 
 def _head(report: Report, title: str) -> str:
@@ -71,38 +71,38 @@ def _head(report: Report, title: str) -> str:
     replies = sum(a.replies for a in report.accounts)
     about = f"{replies:,} replies of {models} {'model' if models == 1 else 'models'}"
     about += f" and {report.raters} {'person' if report.raters == 1 else 'people'}" if report.raters else ""
-    links = " ".join(f'<a href="#{name}">{escape(said)}</a>' for name, said in TITLES.items())
-    said = "".join(f"<p>{escape(sentence)}</p>" for sentence in summary(report))
+    links = " ".join(f'<a href="#{name}">{escape(sentences)}</a>' for name, sentences in TITLES.items())
+    sentences = "".join(f"<p>{escape(sentence)}</p>" for sentence in summary(report))
     warned = "".join(f"<p>{escape(sentence)}</p>" for sentence in warnings(report))
     return (
         f'<h1>{escape(title)}</h1>\n<p class="about">{escape(about)}.</p>\n'
         f'<nav>{links} <a href="#rules">Rules</a></nav>\n'
-        f'<div class="said">{said}</div>' + (f'\n<div class="said warn">{warned}</div>' if warned else "")
+        f'<div class="said">{sentences}</div>' + (f'\n<div class="said warn">{warned}</div>' if warned else "")
     )
 
 
 def warnings(report: Report) -> list[str]:
     """What a reader must know before believing the numbers."""
-    said = []
+    sentences = []
     failed = sum(a.failed for a in report.accounts)
     if failed:
-        said.append(f"{failed:,} requests never got a reply. They are left out; evaluate again to fill them in.")
+        sentences.append(f"{failed:,} requests never got a reply. They are left out; evaluate again to fill them in.")
     lost = [a for a in report.accounts if a.replies and (a.unparsed + a.refused) / a.replies > 0.05]
     if lost:
         names = ", ".join(f"{a.system} ({(a.unparsed + a.refused) / a.replies:.0%})" for a in lost)
-        said.append(f"Many replies have no answer in them, and are wrong here: {names}.")
+        sentences.append(f"Many replies have no answer in them, and are wrong here: {names}.")
     if report.narrow:
         names = ", ".join(report.narrow[:6]) + (f" and {len(report.narrow) - 6} more" if len(report.narrow) > 6 else "")
-        said.append(
+        sentences.append(
             f"{names}: these tasks have fewer than five control groups, so their intervals are over instances, and "
             "say nothing of other draws of what was the same in a group."
         )
     if not report.dataset:
-        said.append(
+        sentences.append(
             "Without --dataset there are no analyses of factors, differences, pairs and counterfactuals, and "
             "questions about what is seen count among the predictions."
         )
-    return said
+    return sentences
 
 
 # ---------------------------------------------------------------- sections
@@ -188,8 +188,8 @@ def _accuracies(table: Table) -> str:
     )
 
 
-def _upright(said: str) -> str:
-    return f'<th class="task"><span>{escape(said)}</span></th>'
+def _upright(name: str) -> str:
+    return f'<th class="task"><span>{escape(name)}</span></th>'
 
 
 def _line(table: Table, line: Line) -> str:
@@ -238,8 +238,8 @@ def _table(head: str, rows: Iterable[str], opened: bool = False) -> str:
     return f'<div class="scroll"><table><thead>{head}</thead>\n<tbody>{body}</tbody></table></div>'
 
 
-def _number(said: str) -> str:
-    return f'<td class="number">{said}</td>'
+def _number(text: str) -> str:
+    return f'<td class="number">{text}</td>'
 
 
 def _files(name: str, latex: bool = False) -> str:

@@ -152,9 +152,9 @@ def _file(path: Path) -> pd.DataFrame:
     except FileNotFoundError:
         raise WmsError(f"{path} is not there; give a file or a folder that `wmspec evaluate` wrote") from None
     except (OSError, pa.ArrowException) as error:
-        said = str(error).splitlines()[0]
+        reason = str(error).splitlines()[0]
         raise WmsError(
-            f"cannot be read ({said})", FilePlace(str(path)), "evaluate again, what was answered is kept"
+            f"cannot be read ({reason})", FilePlace(str(path)), "evaluate again, what was answered is kept"
         ) from None
 
 
@@ -216,5 +216,5 @@ def _majority(rated: pd.DataFrame) -> pd.DataFrame:
 
 def _vote(name: str, of_one: pd.DataFrame) -> int:
     """The row of a rater who is of the majority."""
-    said = of_one["parsed"].astype(str) + of_one["right"].astype(str)
-    return int(said.index[said == majority(name, said)].min())
+    outcome = of_one["parsed"].astype(str) + of_one["right"].astype(str)
+    return int(outcome.index[outcome == majority(name, outcome)].min())

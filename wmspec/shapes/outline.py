@@ -45,12 +45,12 @@ def integral(outline: Outline, of: Callable[[float, float], float]) -> float:
 
 def triangles(outline: Outline) -> list[tuple[int, int, int]]:
     """The outline as triangles of its points, by clipping ears (Meisters, "Polygons have ears", 1975)."""
-    left, found = list(range(len(outline))), []
+    left, ears = list(range(len(outline))), []
     while len(left) > 3:
         ear = next((i for i in range(len(left)) if _ear(outline, left, i)), 0)
-        found.append((left[ear - 1], left[ear], left[(ear + 1) % len(left)]))
+        ears.append((left[ear - 1], left[ear], left[(ear + 1) % len(left)]))
         del left[ear]
-    return [*found, (left[0], left[1], left[2])]
+    return [*ears, (left[0], left[1], left[2])]
 
 
 @lru_cache(maxsize=256)

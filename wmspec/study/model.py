@@ -118,9 +118,9 @@ class Study(_Model):
 
 
 def _public(item: Item) -> dict[str, Any]:
-    said = item.model_dump(include={"kind", "task", "text", "context", "words", "pictures"})
+    fields = item.model_dump(include={"kind", "task", "text", "context", "words", "pictures"})
     practice = {"answer": item.answer, "truth": _truth(item)} if item.kind == "practice" else {}
-    return said | {"unit": item.shown_unit, "open": not item.options} | practice
+    return fields | {"unit": item.shown_unit, "open": not item.options} | practice
 
 
 def _truth(item: Item) -> list[float] | None:

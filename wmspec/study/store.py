@@ -117,7 +117,7 @@ class Store:
                 "select session, step, text, seconds, away from answer order by session, step"
             ):
                 answers.setdefault(session, []).append(Answer(step=step, text=text, seconds=seconds, away=away))
-            found = self._file.execute("select session, rater, slot, code from visit order by rowid").fetchall()
+            rows = self._file.execute("select session, rater, slot, code from visit order by rowid").fetchall()
         return [
             Visit(
                 session=s,
@@ -127,7 +127,7 @@ class Store:
                 study=self._study.fingerprint,
                 answers=tuple(answers.get(s, ())),
             )
-            for s, r, slot, code in found
+            for s, r, slot, code in rows
         ]
 
     def _slot(self, session: str) -> int | None:

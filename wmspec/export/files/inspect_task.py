@@ -54,18 +54,18 @@ def right() -> Scorer:
     """Whether the reply is right, as wmspec reads it; what cannot be read has no answer, which counts as wrong."""
 
     async def score(state: TaskState, target: Target) -> Score:  # noqa: ARG001  Inspect calls it so
-        said = state.metadata
-        found = mark(
+        metadata = state.metadata
+        marked = mark(
             state.output.completion,
-            said["options"],
-            said["labels"],
-            answer=said["answer"],
-            number=said["answer_number"],
-            unit=said["answer_unit"],
-            within=said["answer_within"],
+            metadata["options"],
+            metadata["labels"],
+            answer=metadata["answer"],
+            number=metadata["answer_number"],
+            unit=metadata["answer_unit"],
+            within=metadata["answer_within"],
         )
-        value = (CORRECT if found.right else INCORRECT) if found.parsed else NOANSWER
-        answer = found.place if found.place is not None else found.number
+        value = (CORRECT if marked.right else INCORRECT) if marked.parsed else NOANSWER
+        answer = marked.place if marked.place is not None else marked.number
         return Score(value=value, answer=None if answer is None else str(answer), explanation=state.output.completion)
 
     return score

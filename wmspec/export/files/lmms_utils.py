@@ -43,7 +43,7 @@ def doc_to_target(doc: Doc) -> str:
 
 def process_results(doc: Doc, results: list[Any]) -> dict[str, float]:
     """Whether the reply is right, and whether it could not be read."""
-    found = mark(
+    marked = mark(
         str(results[0]),
         doc["options"],
         doc["labels"],
@@ -52,4 +52,4 @@ def process_results(doc: Doc, results: list[Any]) -> dict[str, float]:
         unit=doc["answer_unit"],
         within=doc["answer_within"],
     )
-    return {"acc": float(found.right), "unparsed": float(not found.parsed)}
+    return {"acc": float(marked.right), "unparsed": float(not marked.parsed)}

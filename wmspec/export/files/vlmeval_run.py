@@ -40,9 +40,9 @@ def _dataset() -> Any:
         def build_prompt(self, line: Any) -> list[dict[str, str]]:
             line = self.data.iloc[line] if isinstance(line, int) else line
             images = line["image"] if isinstance(line["image"], list) else [line["image"]]
-            said = json.loads(line["wmspec"])
-            message = [{"type": "text", "value": said["system"], "role": "system"}] if said["system"] else []
-            for part in said["content"]:
+            fields = json.loads(line["wmspec"])
+            message = [{"type": "text", "value": fields["system"], "role": "system"}] if fields["system"] else []
+            for part in fields["content"]:
                 if part["image"] is None:
                     message.append({"type": "text", "value": part["text"]})
                 else:
@@ -57,9 +57,9 @@ def _dataset() -> Any:
             replies = load(eval_file)
             rows = []
             for _, line in replies.iterrows():
-                said = json.loads(line["wmspec"])["truth"]
-                found = mark(str(line["prediction"]), said.pop("options"), said.pop("labels"), **said)
-                rows.append({"category": line["category"], "right": found.right, "unparsed": not found.parsed})
+                fields = json.loads(line["wmspec"])["truth"]
+                marked = mark(str(line["prediction"]), fields.pop("options"), fields.pop("labels"), **fields)
+                rows.append({"category": line["category"], "right": marked.right, "unparsed": not marked.parsed})
             scored = pd.DataFrame(rows)
             by_task = scored.groupby("category")["right"].mean()
             score = {"Overall": scored["right"].mean(), "unparsed": scored["unparsed"].mean(), **by_task.to_dict()}

@@ -110,9 +110,9 @@ def _comparisons(ax: Axes, kind: str, pairs: list[Comparison], systems: tuple[st
         for row, column in ((i, j), (j, i)):
             gap = gaps[row, column]
             ink = "white" if abs(gap) > 0.28 else INK
-            said = signed(gap, 0)
+            label = signed(gap, 0)
             ax.text(
-                column, row, said, ha="center", va="center", fontsize=8, color=ink,
+                column, row, label, ha="center", va="center", fontsize=8, color=ink,
                 weight="bold" if sure else "normal", alpha=1 if sure else 0.45,
             )  # fmt: skip
     ax.imshow(gaps, cmap="RdBu", vmin=-0.45, vmax=0.45)

@@ -96,8 +96,8 @@ def whisker(axes: Axes, estimate: Estimate, y: float, color: str) -> None:
 
 def signed(share: float, decimals: int = 1) -> str:
     """A difference of shares in points, with its sign; 0 has none."""
-    said = f"{100 * share:+.{decimals}f}".replace("-", "−")
-    return said if any(digit in said for digit in "123456789") else said[1:]
+    text = f"{100 * share:+.{decimals}f}".replace("-", "−")
+    return text if any(digit in text for digit in "123456789") else text[1:]
 
 
 def named(axes: Axes, names: Sequence[str]) -> None:
