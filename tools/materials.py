@@ -62,16 +62,16 @@ def picture(name: str, color: str, look: Look) -> Image.Image:
 
 
 def sheet() -> Image.Image:
-    """Five materials beside one another, twice."""
+    """Rows of seven materials beside one another."""
     label, name, wide = Style(18, bold=True), Style(15), 110
     parts, names = [], list(MATERIALS)
-    for five in (names[:5], names[5:]):
+    for row in (names[i : i + 7] for i in range(0, len(names), 7)):
         parts.append(
-            typeset.beside([typeset.blank(wide, 1), *(typeset.paragraph(one, label, SIDE) for one in five)], 6)
+            typeset.beside([typeset.blank(wide, 1), *(typeset.paragraph(one, label, SIDE) for one in row)], 6)
         )
-        for said, color, look in ROWS:
-            pictures = [picture(one, color, look) for one in five]
-            parts.append(typeset.beside([typeset.paragraph(said, name, wide), *pictures], 6, middle=True))
+        for title, color, look in ROWS:
+            pictures = [picture(one, color, look) for one in row]
+            parts.append(typeset.beside([typeset.paragraph(title, name, wide), *pictures], 6, middle=True))
     return typeset.padded(typeset.above(parts, 6), 14)
 
 
