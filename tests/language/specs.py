@@ -119,6 +119,15 @@ OTHERS = (
   object next { shape: cube  size: 3 cm  on: table at polar(eyed, 10 cm, turn)  present: n > 1 }
   action roll = launch(next, direction: toward(eyed), speed: 0.1 m/s) at 0.7 s
   camera eye { ride: a  at: (0, 0, place)  look_at: (1 m, 0, big) }""",
+    """
+  objects beads[n] { shape: capsule  radius: 4 mm  height: half  at: (50 cm, -40 cm, 60 cm - index * half) }
+  joint hung : ball { of: beads[0]  at: (50 cm, -40 cm, 60 cm + half / 2)  present: lean > 0 deg }
+  joints knots[n - 1] : hinge { of: beads[index + 1]  to: beads[index]  at: (50 cm, -40 cm, 60 cm - (index + 0.5) * half) }
+  object pipe { shape: tube  radius: big  height: place  thickness: half / 4  on: table at (45 cm, 35 cm) }""",
+    """
+  object dolly { shape: sphere  size: 2 cm  solid: false  drawn: n > 1  at: (0, -60 cm, place) }
+  camera riding { ride: dolly  at: (0, 0, 10 cm)  look_at: (0, 60 cm, 0) }
+  action roam = follow(dolly, arc, direction: lean, length: place, width: half, facing: n > 1) for 0.4 s at 0.1 s""",
 )
 """More that a scene may have."""
 

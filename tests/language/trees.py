@@ -96,7 +96,7 @@ def _statements() -> st.SearchStrategy[s.Statement]:
         st.builds(s.Tolerance, names, expressions, here),
         st.builds(s.Template, names, properties, properties, parts, here),
         st.builds(s.Block, kinds, names, properties, here, model, none, parts),
-        st.builds(s.Block, st.just("objects"), names, properties, here, model, expressions, parts),
+        st.builds(s.Block, st.sampled_from(["objects", "joints"]), names, properties, here, model, expressions, parts),
         st.builds(s.Block, st.just("world"), st.just(s.Name("world", NOWHERE)), properties, here),
         st.builds(s.Action, names, st.builds(s.Call, names, st.just(()), here), timings, here),
         st.builds(s.Observe, names, expressions, here, optional),

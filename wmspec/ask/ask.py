@@ -14,7 +14,7 @@ from wmspec.ask.robustness import stable
 from wmspec.ask.runs import EnginePair, Run, execute
 from wmspec.ask.verbalize import question_text, written
 from wmspec.ask.views import View, channels_of
-from wmspec.ask.visibility_gate import named, shown, shown_in
+from wmspec.ask.visibility_gate import chains, named, shown, shown_in
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Channel, Level, TaskSpec
 from wmspec.check.measured import measured as is_measured
@@ -142,9 +142,10 @@ class _Row:
         runs = [asking.run, *(option.run for option in depicted)]
         things = {thing.name for thing in asking.values.spec.things}  # the links of an arm are none: they may hide
         needed = named(asking.question, asking.values).union(*(run.movers() & things for run in runs))
-        shown(asking.observed, needed)
+        together = chains(asking.values)
+        shown(asking.observed, needed, together)
         for option in depicted:
-            shown_in(option.name, option.run.observed([(option.camera, option.time)], asking.pair), needed)
+            shown_in(option.name, option.run.observed([(option.camera, option.time)], asking.pair), needed, together)
 
     @property
     def slot(self) -> AnswerSlot:

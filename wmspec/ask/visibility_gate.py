@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+import numpy as np
+
 from wmspec.ask import visibility
 from wmspec.ask.model import Reject
 from wmspec.ask.observed import Observed
@@ -65,46 +67,69 @@ def _showing(answer: Expr, values: Values) -> set[str]:
     }
 
 
-def shown(observed: Observed, names: Iterable[str]) -> None:
+def chains(values: Values) -> list[frozenset[str]]:
+    """The sets whose members joints tie to one another: ropes, each of which is seen as one thing."""
+    sets = {thing.name: thing.set for thing in values.spec.things if thing.kind == "object" and thing.set}
+    tied = set[str]()
+    for joint in values.spec.things:
+        if joint.kind == "joint" and values.has(joint.name, "to") and values.there(joint.name):
+            ends = [values.property(joint.name, end) for end in ("of", "to")]
+            tied |= {sets[ends[0]]} if ends[0] in sets and sets[ends[0]] == sets.get(ends[1]) else set()
+    return [frozenset(name for name, of in sets.items() if of == chain) for chain in sorted(tied)]
+
+
+def shown(observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]] = ()) -> None:
     """Raise Reject unless at every moment that was looked at, one of the cameras shows each of the bodies well.
 
-    Cameras that ride see what they come by: where only they look, a body must be well seen once. What carries such a
-    camera need not be seen.
+    Of those that are seen `together` as one thing, so much as of one body must be seen. Cameras that ride see what they
+    come by: where only they look, a body must be well seen once. What carries such a camera need not be seen.
     """
     riding = {c.name: c.body for c in observed.scene.cameras if c.body is not None}
     fixed = [view for view in observed.views if view[0] not in riding]
     moments = sorted({time for _, time in fixed})
-    for name in _there(observed, names):
+    for group in _there(observed, names, together):
         if fixed:
             for time in moments:
-                _seen_once(observed, name, [view for view in observed.views if view[1] == time])
-        elif name not in riding.values():
-            _seen_once(observed, name, observed.views)
+                _seen_once(observed, group, [view for view in observed.views if view[1] == time])
+        elif group[0] not in riding.values():
+            _seen_once(observed, group, observed.views)
 
 
-def shown_in(option: str, observed: Observed, names: Iterable[str]) -> None:
+def shown_in(option: str, observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]] = ()) -> None:
     """Raise Reject unless the one picture of an option shows each of the bodies well; a riding camera's need not."""
     (view,) = observed.views
     if any(c.name == view[0] and c.body is not None for c in observed.scene.cameras):
         return
-    for name in _there(observed, names):
-        if fault := unseen(observed, name, view):
-            raise Reject("unseen", f"{name} in option {option}: {fault}")
+    for group in _there(observed, names, together):
+        if fault := _unseen(observed, group, view):
+            raise Reject("unseen", f"{group[0]} in option {option}: {fault}")
 
 
-def _there(observed: Observed, names: Iterable[str]) -> list[str]:
-    wanted = set(names)
-    return [body.name for body in observed.scene.bodies if body.name in wanted]
+def _there(observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]]) -> list[tuple[str, ...]]:
+    """The bodies that are there, each by itself or with those that it is seen together with."""
+    wanted, whole = set(names), {name: group for group in together for name in group}
+    there = [body.name for body in observed.scene.bodies]
+    groups = (tuple(n for n in there if n in whole.get(name, {name})) for name in there if name in wanted)
+    return list(dict.fromkeys(groups))
 
 
-def _seen_once(observed: Observed, name: str, views: Sequence[View]) -> None:
+def _seen_once(observed: Observed, group: tuple[str, ...], views: Sequence[View]) -> None:
     faults = []
     for view in views:
-        fault = unseen(observed, name, view)
+        fault = _unseen(observed, group, view)
         if not fault:
             return
-        faults.append(f"{name} from {view[0]} at {view[1]:g} s: {fault}")
+        faults.append(f"{group[0]} from {view[0]} at {view[1]:g} s: {fault}")
     raise Reject("unseen", "; ".join(faults))
+
+
+def _unseen(observed: Observed, group: tuple[str, ...], view: View) -> str:
+    """Why a body, or bodies that are seen as one thing, are not well seen in a view; empty if they are."""
+    if len(group) == 1:
+        return unseen(observed, group[0], view)
+    ids = observed.picture(*view).ids
+    pixels = int(np.isin(ids, [observed.index(name) for name in group]).sum())
+    return f"{pixels} of {ids.size} pixels of all {len(group)}" if pixels < LEAST_VISIBLE * ids.size else ""
 
 
 def unseen(observed: Observed, name: str, view: View) -> str:

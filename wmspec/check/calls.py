@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir
+from wmspec.check.evaluate import parts
 from wmspec.check.functions import FUNCTIONS, Function
 from wmspec.check.typed import Typed, constant, fits, joined
 from wmspec.check.types import (
@@ -102,7 +103,7 @@ def _each(
 
 def _listed(function: Function, i: int) -> bool:
     """Whether a list may stand for the parameter of that number: one thing is wanted, and there are many results."""
-    return not function.repeated and function.parameters[i] in (OBJECT, QUANTITY) and _spread(function.result)
+    return not function.repeated and function.parameters[i] in (OBJECT, JOINT, QUANTITY) and _spread(function.result)
 
 
 def _spread(result: Type) -> bool:
@@ -117,15 +118,17 @@ def _item(kind: Type) -> Type:
 
 def _moves(check: Expressions, name: str, written: s.Argument, joint: Typed) -> None:
     """Complain of a joint that has no such measure: hinges have angles, and sliders extensions."""
-    block = check.scope.names.get(str(joint.expr.value)) if isinstance(joint.expr, ir.Value) else None
-    if not isinstance(block, s.Block) or block.model is None:
-        return
-    kind, (wanted, other) = block.model.id, MOVES[name]
-    if kind != wanted:
-        remedy = f"write `{other}({written.span.text})`" if kind == MOVES[other][0] else "ask of a body that it moves"
-        check.fail(
-            "WMS302", f"`{name}` is of a {wanted}, and `{written.span.text}` is a {kind} joint", written.span, remedy
-        )
+    for part in parts(joint.expr):
+        block = check.scope.names.get(str(part.value)) if isinstance(part, ir.Value) else None
+        if not isinstance(block, s.Block) or block.model is None or block.kind != "joint":
+            continue
+        kind, (wanted, other) = block.model.id, MOVES[name]
+        if kind != wanted:
+            remedy = (
+                f"write `{other}({written.span.text})`" if kind == MOVES[other][0] else "ask of a body that it moves"
+            )
+            what = f"`{name}` is of a {wanted}, and `{written.span.text}` is a {kind} joint"
+            check.fail("WMS302", what, written.span, remedy)
 
 
 def _argument(check: Expressions, function: str, argument: s.Argument, kind: Type) -> Typed:
@@ -148,12 +151,12 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
 
 
 def _one_or_each(check: Expressions, function: str, argument: s.Argument, kind: Type) -> Typed:
-    """An argument of a type, or a list of objects where one is wanted and the function may be of each."""
-    if kind != OBJECT or not _spread(FUNCTIONS[function].result):
+    """An argument of a type, or a list of objects or joints where one is wanted and the function may be of each."""
+    if kind not in (OBJECT, JOINT) or not _spread(FUNCTIONS[function].result):
         return check.value(argument.value, (kind,), f"`{function}`")
     typed = check.infer(argument.value, (kind,))
-    if fits(typed.type, List(OBJECT)) and typed.type != List(None):
-        return Typed(typed.expr, List(OBJECT))
+    if fits(typed.type, List(kind)) and typed.type != List(None):
+        return Typed(typed.expr, List(kind))
     if not fits(typed.type, kind):
         check.misfit(argument.value, typed.type, (kind,), f"`{function}`")
     return Typed(typed.expr, kind)

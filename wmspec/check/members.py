@@ -18,7 +18,7 @@ from wmspec.check.types import (
     Vector,
     article,
 )
-from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, Slot
+from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, SETS, Slot
 from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
 
@@ -115,11 +115,11 @@ def setting(check: Expressions, of: Owner, p: s.Property, slot: Slot) -> Typed:
 
 
 def index(check: Expressions, e: s.Index) -> Typed:
-    """`blocks[2]`: a member of a set of objects; `blocks[-1]`, the last of those that are there."""
+    """`blocks[2]`: a member of a set; `blocks[-1]`, the last of those that are there."""
     declared = check.scope.names.get(e.value.id) if isinstance(e.value, s.Name) else None
-    if not isinstance(declared, s.Block) or declared.kind != "objects":
+    if not isinstance(declared, s.Block) or declared.count is None:
         found = check.infer(e.value)
-        message = f"only a set of objects has members, and this is {article(str(found.type))}"
+        message = f"only a set of objects or joints has members, and this is {article(str(found.type))}"
         check.fail("WMS302", message, e.value.span, "declare it with `objects NAME[NUMBER] { ... }`")
     members = check.scope.members(declared.name.id)
     if not members:  # its number is wrong, and that was reported
@@ -133,5 +133,5 @@ def index(check: Expressions, e: s.Index) -> Typed:
         check.fail("WMS304", message, e.index.span, "count from the end with `-1`, the last that is there")
     if number < 0:
         last = ir.Call(function="nth", arguments=(present(members), ir.Value(value=number)))
-        return Typed(last, OBJECT)
-    return Typed(ir.Value(value=members[int(number)]), OBJECT)
+        return Typed(last, BLOCKS[SETS[declared.kind]])
+    return Typed(ir.Value(value=members[int(number)]), BLOCKS[SETS[declared.kind]])

@@ -22,7 +22,7 @@ from wmspec.check.types import (
     Type,
     Word,
 )
-from wmspec.check.vocabulary import WORDS
+from wmspec.check.vocabulary import SETS, WORDS
 from wmspec.diagnostics import FEW, suggestion
 from wmspec.parse import syntax as s
 
@@ -73,8 +73,8 @@ def _declared(check: Expressions, e: s.Name, declared: Declaration) -> Typed:
         case s.Let():
             made = check.once(("let", e.id), e.span, lambda: check.infer(declared.value))
             return Typed(ir.Ref(name=e.id), made.type)
-        case s.Block(kind="objects"):
-            return Typed(present(check.scope.members(e.id)), List(OBJECT))
+        case s.Block(kind=kind) if kind in SETS:
+            return Typed(present(check.scope.members(e.id)), List(BLOCKS[SETS[kind]]))
         case s.Block():
             return Typed(ir.Value(value=e.id), BLOCKS[declared.kind])
         case s.Action():
@@ -122,6 +122,7 @@ def fitting(check: Expressions, wanted: tuple[Type, ...]) -> list[str]:
     for block, kind in BLOCKS.items():
         if kind in items or (kind == OBJECT and LABEL in items):
             found += check.scope.blocks(block)
-    if OBJECT in items or LABEL in items:
-        found += check.scope.blocks("objects")
+    for sets, block in SETS.items():
+        if BLOCKS[block] in items or (sets == "objects" and LABEL in items):
+            found += check.scope.blocks(sets)
     return [*found, *(check.scope.of(s.Action) if ACTION in items else ())]

@@ -1,4 +1,4 @@
-"""Sets of objects: as many members as there can be at most, each there where its index is below the number."""
+"""Sets of objects and joints: as many members as there can be at most, each there if its index is below the number."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from wmspec.check.factors import Factors
 from wmspec.check.substitute import Substitute, TooLarge
 from wmspec.check.typed import constant
 from wmspec.check.types import A_NUMBER
+from wmspec.check.vocabulary import SETS
 from wmspec.diagnostics import WmsError
 from wmspec.parse import syntax as s
 
@@ -30,10 +31,9 @@ class Sets:
         self.substitute = substitute
 
     def members(self, whole: s.Block) -> tuple[s.Block, ...]:
-        """The members of a set as objects; none if its number is wrong, and what is no set as it is. Raises Failed."""
-        if whole.kind != "objects":
+        """The members of a set as blocks; none if its number is wrong, and what is no set as it is. Raises Failed."""
+        if whole.count is None:
             return (whole,)
-        assert whole.count is not None
         count = self.check.value(whole.count, (A_NUMBER,), "the number of a set").expr
         largest = self._largest(whole.count, count)
         varies = constant(count) is None
@@ -54,7 +54,7 @@ class Sets:
             properties = _present(properties, values["index"], whole.count)
         made = tuple(self.substitute.part(p, values) for p in whole.parts)
         name = s.Name(f"{whole.name.id}_{i}", whole.name.span)
-        return s.Block("object", name, properties, whole.span, parts=made)
+        return s.Block(SETS[whole.kind], name, properties, whole.span, whole.model, parts=made)
 
     def _largest(self, written: s.Expr, count: ir.Expr) -> int:
         """The largest number over all values of the factors that it depends on."""

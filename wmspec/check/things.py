@@ -32,6 +32,7 @@ class Things:
         self.check = check
         self.scope = check.scope
         self.report = check.report
+        self._reported: set[Span] = set()
 
     # ------------------------------------------------------------ blocks
 
@@ -58,10 +59,13 @@ class Things:
         if block.parts and kind != "object":
             self.report.add("WMS405", f"{article(kind)} has no parts", block.parts[0].name.span, "only an object has")
         if kind in _MODELS and (model is None or model.id not in _MODELS[kind]):
+            self._once(model or block)
             known = ", ".join(_MODELS[kind])
             if model is None:
-                message = f"the {kind} `{block.name.id}` does not say which kind it is"
-                self.check.fail("WMS206", message, block.name.span, f"write `{kind} {block.name.id} : KIND`: {known}")
+                name = self.scope.sets.get(block.name.id, block.name.id)
+                message = f"the {kind} `{name}` does not say which kind it is"
+                remedy = f"write `: KIND` after its name: {known}"
+                self.check.fail("WMS206", message, block.name.span, remedy)
             message = f"there is no kind of {kind} `{model.id}`"
             self.check.fail("WMS201", message, model.span, suggestion(model.id, _MODELS[kind]))
         if kind not in ("object", *_MODELS) and model is not None:
@@ -74,6 +78,12 @@ class Things:
                 message = f"`{block.name.id}` has two parts `{part.name.id}`"
                 self.report.add("WMS202", message, part.name.span, "give one of them another name", notes)
             seen.setdefault(part.name.id, part.name.span)
+
+    def _once(self, written: s.Name | s.Block) -> None:
+        """Give up silently on what was reported of another member of the same set."""
+        if written.span in self._reported:
+            raise Failed
+        self._reported.add(written.span)
 
     def _part(self, whole: ir.Thing, of: Owner) -> ir.Thing:
         """A part: what it does not say of its looks is that of its object."""

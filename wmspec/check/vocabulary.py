@@ -94,6 +94,9 @@ STAGES = (".usda", ".usd", ".usdc", ".usdz")
 #: The endings of the files of assets, which `file` can name too: things of several links and joints.
 ASSETS = (".urdf", ".xml", *STAGES)
 
+#: Blocks that declare a set, and what its members are.
+SETS = {"objects": "object", "joints": "joint"}
+
 #: Kinds of joints, and what each lets an object do.
 JOINTS = {
     "hinge": "turns about its axis",
@@ -234,7 +237,8 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "gap": Slot((A_LENGTH,), "the least distance from others that are scattered on the same thing", "1 cm", least=0),
         **_TURN,
         "fixed": Slot((TRUTH,), "whether it can never move", "false"),
-        "solid": Slot((TRUTH,), "whether it can be touched; a mark on the floor cannot, and must be fixed", "true"),
+        "solid": Slot((TRUTH,), "whether it can be touched; what cannot is a mark, fixed or carried by actions", "true"),
+        "drawn": Slot((TRUTH,), "whether it can be seen; what only carries a camera need not be", "true"),
         "present": Slot((TRUTH,), "whether it is there at all", "true"),
     },
     "part": {
@@ -276,6 +280,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "pace": Slot((A_NUMBER,), "the speed that its drive's damping keeps it at, SI units", optional=True),
         "strength": Slot((A_NUMBER,), "the most that its drive exerts, SI units; as much as it takes if left out", optional=True, above=0),
         "touching": Slot((TRUTH,), "whether the two that it joins can touch each other; they cannot if left out", optional=True),
+        "present": Slot((TRUTH,), "whether it is there at all; it needs its objects", "true"),
     },
     "robot": {
         "on": Slot((OBJECT,), "what it stands on", optional=True),

@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterable, Iterator
 
 from wmspec.check.evaluate import parts
 from wmspec.check.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
-from wmspec.check.vocabulary import BY_MATERIAL
+from wmspec.check.vocabulary import BY_MATERIAL, MEASURES
 from wmspec.layout.motion import CARRYING
 from wmspec.layout.values import INHERITED
 
 #: What decides the form of an object or part.
-FORM = ("shape", "size", "radius", "height", "file", "scale", "collision")
+FORM = ("shape", *MEASURES, "file", "scale", "collision")
 _TURN = ("yaw", "pitch", "roll")
 #: What decides where an object is.
 PLACEMENT = ("at", "on", "inside", *_TURN)

@@ -17,7 +17,7 @@ from wmspec.check.typed import Failed, example, fits
 from wmspec.check.types import A_TIME, ITEM, LABEL, OBJECT, QUANTITY, TRUTH, List, Quantity, Type, Vector, Word, either
 from wmspec.check.units import fitting
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
-from wmspec.check.vocabulary import WORDS, Slot
+from wmspec.check.vocabulary import SETS, WORDS, Slot
 from wmspec.diagnostics import Report
 from wmspec.editor.cursor import Cursor, cursor
 from wmspec.editor.document import Document
@@ -149,7 +149,7 @@ def _typed(document: Document, meaning: Expressions | None, offset: int) -> Iter
 
 def _type(meaning: Expressions | None, name: str, node: object) -> Type | None:
     if isinstance(node, s.Block):
-        return List(OBJECT) if node.kind == "objects" else BLOCKS.get(node.kind)
+        return List(BLOCKS[SETS[node.kind]]) if node.kind in SETS else BLOCKS.get(node.kind)
     if meaning is None or name not in meaning.scope.names:
         return None
     with suppress(Failed):
@@ -232,7 +232,7 @@ def _members(meaning: Expressions | None, of: Span, visible: Iterable[str]) -> I
         yield from (Offer(name, "argument", takes(slot), slot.meaning) for name, slot in arguments.items())
         yield Offer("start", "argument", "time", "when it starts")
     elif isinstance(block, s.Block):
-        kind = block.kind.removesuffix("s") if block.kind == "objects" else block.kind
+        kind = SETS.get(block.kind, block.kind)
         names = {p.name.id for p in block.properties}
         table = slots(thing_type(kind, names, block.model.id if block.model else "", bool(block.parts)))
         yield from (Offer(part.name.id, "part", "part") for part in block.parts)

@@ -11,7 +11,7 @@ from wmspec.check.functions import FUNCTIONS
 from wmspec.check.typed import Failed
 from wmspec.check.units import UNITS, UnknownUnit, parse_unit
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
-from wmspec.check.vocabulary import COLORS, JOINTS, PLANS, PROPERTIES, TOLERANCES, WORDS, Slot
+from wmspec.check.vocabulary import COLORS, JOINTS, PLANS, PROPERTIES, SETS, TOLERANCES, WORDS, Slot
 from wmspec.editor.complete import shown_type, takes
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names, Occurrence
@@ -87,7 +87,7 @@ def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C
             return f"`{PLANS[name.id].written}`\n\n{PLANS[name.id].meaning}"
         case s.Tolerance(name=kind) if kind is name and name.id in TOLERANCES:
             return slot_shown(name.id, TOLERANCES[name.id])
-        case s.Block(model=model, kind=kind) if model is name and kind == "joint" and name.id in JOINTS:
+        case s.Block(model=model, kind=kind) if model is name and SETS.get(kind, kind) == "joint" and name.id in JOINTS:
             return f"`{name.id}`: {JOINTS[name.id]}"
     return ""
 
@@ -97,7 +97,7 @@ def _kind(whole: Node | None) -> str:
         case s.Part():
             return "part"
         case s.Block(kind=kind):
-            return "object" if kind == "objects" else kind
+            return SETS.get(kind, kind)
     return "object"
 
 

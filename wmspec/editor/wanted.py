@@ -25,7 +25,7 @@ from wmspec.check.types import (
     Vector,
 )
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
-from wmspec.check.vocabulary import JOINTS, PLANS, PROPERTIES, SETTINGS, TOLERANCES, Slot
+from wmspec.check.vocabulary import JOINTS, PLANS, PROPERTIES, SETS, SETTINGS, TOLERANCES, Slot
 from wmspec.diagnostics import Report
 from wmspec.editor.cursor import symbol
 from wmspec.parse import syntax as s
@@ -33,7 +33,7 @@ from wmspec.parse.machine import Part, Tree
 from wmspec.parse.parser import parse_expression
 from wmspec.places import Source, Span
 
-_BLOCKS = {kind.upper(): kind for kind in (*PROPERTIES, "objects")} | {"TEMPLATE": "object"}
+_BLOCKS = {kind.upper(): kind for kind in (*PROPERTIES, *SETS)} | {"TEMPLATE": "object"}
 _OPEN = ("LPAR", "LSQB", "LBRACE")
 _TYPED: dict[str, tuple[Type, ...]] = {
     "IF": (TRUTH,),
@@ -234,7 +234,8 @@ class Reader:
         head = next((i for i in range(opened - 1, -1, -1) if self._symbol(i) in (*_BLOCKS, *_OPEN)), -1)
         if head < 0 or self._symbol(head) not in _BLOCKS:
             return {}
-        kind = _BLOCKS[self._symbol(head)].replace("objects", "object")
+        kind = _BLOCKS[self._symbol(head)]
+        kind = SETS.get(kind, kind)
         present, parts = self._said(opened)
         model = next((self._text(i) for i in range(head, opened) if self._symbol(i) == "model"), "").lstrip(": \t\n")
         template = self.meaning.scope.names.get(model) if self.meaning else None

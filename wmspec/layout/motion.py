@@ -13,7 +13,7 @@ from wmspec.layout import paths
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.placement import rest
 from wmspec.layout.surfaces import WORLD
-from wmspec.space import Pose, Vector, add, heading, times, turn
+from wmspec.space import Pose, Vector, add, heading, multiply, times, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
@@ -50,7 +50,10 @@ def after(values: Values, move: Thing, stand: Stand) -> Stand:
     if move.verb == "teleport":
         return landed(values, move, stand)
     if move.verb == "follow":
-        return replace(stand, pose=Pose(way(values, move, stand.pose.position)[0][-1], stand.pose.orientation))
+        points, _, turns = way(values, move, stand.pose.position)
+        gained = turns[-1] if turns else 0.0
+        pose = Pose(points[-1], multiply(turn(gained), stand.pose.orientation) if gained else stand.pose.orientation)
+        return Stand(pose, stand.yaw + gained)
     speed, duration = values.property(move.name, "speed"), values.property(move.name, "duration")
     gone = times(speed * duration, heading(angle(values.property(move.name, "direction"))))
     return replace(stand, pose=Pose(add(stand.pose.position, gone), stand.pose.orientation))
@@ -66,16 +69,24 @@ def landed(values: Values, action: Thing, stand: Stand) -> Stand:
     return Stand(rest(values, owner, to, yaw, pitch, roll), yaw)
 
 
-def way(values: Values, action: Thing, origin: Vector) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
-    """The points (m, in the world) of a path that begins at `origin`, and the times (s) since its start."""
+def way(
+    values: Values, action: Thing, origin: Vector
+) -> tuple[tuple[Vector, ...], tuple[float, ...], tuple[float, ...]]:
+    """The points (m, in the world) of a path that begins at `origin`, and the times (s) since its start.
+
+    If it turns with its path, also how far (rad) it has turned at each point; else nothing.
+    """
     form, length, width, leads = (values.property(action.name, n) for n in ("path", "length", "width", "direction"))
     points = paths.named(form, length, width) if isinstance(form, str) else form
-    line, moments = paths.walked(paths.turned(points, angle(leads)), values.property(action.name, "duration"))
+    points, turns = paths.turned(points, angle(leads)), ()
+    if values.property(action.name, "facing"):
+        points, turns = paths.faced(points)
+    line, moments = paths.walked(points, values.property(action.name, "duration"))
     if len(line) < 2 or moments[-1] <= 0:
         raise ImpossibleValue(
             f"the path of `{action.name}` leads nowhere", action.place, "give it a length and a time above 0"
         )
-    return tuple(add(origin, point) for point in line), moments
+    return tuple(add(origin, point) for point in line), moments, turns
 
 
 def angle(direction: str | float) -> float:

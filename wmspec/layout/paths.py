@@ -8,6 +8,9 @@ from itertools import pairwise
 
 from wmspec.space import ORIGIN, Vector, add, times
 
+#: A bend that is sharper than this (rad) is a corner, which is turned within this share of the legs around it.
+CORNER, SHARE = math.radians(30), 0.1
+
 #: Into how many straight pieces a full circle is cut: at 40 cm across they stray 0.1 mm from it.
 PIECES = 96
 
@@ -39,6 +42,43 @@ def walked(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...
     for before, here in pairwise(kept):
         gone.append(gone[-1] + math.dist(before, here))
     return tuple(kept), tuple(duration * way / gone[-1] if gone[-1] else 0.0 for way in gone)
+
+
+def faced(points: Sequence[Vector]) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
+    """The points of a path, none twice in a row, and how far (rad) what turns with it has turned at each.
+
+    Along a curve it turns evenly. At a corner it turns by the shorter way, while it goes around it.
+    """
+    kept = [points[0], *(here for before, here in pairwise(points) if math.dist(before, here) > 1e-12)]
+    leads = _headings(kept)
+    line, turns = [kept[0]], [leads[0]]
+    for before, here, after, (first, second) in zip(kept, kept[1:], kept[2:], pairwise(leads), strict=False):
+        if abs(second - first) <= CORNER:
+            line.append(here)
+            turns.append((first + second) / 2)
+        else:
+            line += [_toward(here, before, SHARE), _toward(here, after, SHARE)]
+            turns += [first, second]
+    if len(leads) > 1 and abs(leads[1] - leads[0]) <= CORNER:  # a curve bends from its first point to its last
+        turns[0] -= (leads[1] - leads[0]) / 2
+    last = (leads[-1] - leads[-2]) / 2 if len(leads) > 1 and abs(leads[-1] - leads[-2]) <= CORNER else 0.0
+    return (*line, kept[-1]), tuple(turn - turns[0] for turn in (*turns, leads[-1] + last))
+
+
+def _headings(points: Sequence[Vector]) -> list[float]:
+    """The heading (rad) of each leg, counted on from the first; one that goes straight up keeps that before it."""
+    headings: list[float] = []
+    for (x, y, _), (to_x, to_y, _) in pairwise(points):
+        level = math.hypot(to_x - x, to_y - y) > 1e-12
+        before = headings[-1] if headings else 0.0
+        lead = math.atan2(to_y - y, to_x - x) if level else before
+        headings.append(before + math.remainder(lead - before, 2 * math.pi) if headings else lead)
+    return headings
+
+
+def _toward(here: Vector, there: Vector, share: float) -> Vector:
+    """The point so far on the way."""
+    return add(times(1 - share, here), times(share, there))
 
 
 def _straight(length: float, _width: float) -> tuple[Vector, ...]:

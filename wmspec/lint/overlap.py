@@ -78,7 +78,7 @@ def _in_pieces(values: Values, part: str) -> bool:
 
 
 def _joined(values: Values) -> set[frozenset[str]]:
-    joints = [t.name for t in values.spec.things if t.kind == "joint"]
+    joints = [t.name for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
     return {frozenset((values.property(j, "of"), values.property(j, "to"))) for j in joints if values.has(j, "to")}
 
 

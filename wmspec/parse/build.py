@@ -102,7 +102,7 @@ class _Builder:
         if kind == "world":
             return s.Block(kind, s.Name("world", self.span(c[0])), properties, span)
         model = next((self(n.children[0]) for n in trees if n.rule == "model"), None)
-        count = self(trees[1]) if kind == "objects" else None
+        count = self(trees[1]) if kind in ("objects", "joints") else None
         return s.Block(kind, self(trees[0]), properties, span, model, count, parts)
 
     def template(self, c: Any, span: Span) -> s.Template:

@@ -50,7 +50,7 @@ class Member(Node):
 
 
 class Index(Node):
-    """`blocks[2]`: a member of a set of objects."""
+    """`blocks[2]`: a member of a set of objects or joints."""
 
     value: Expr
     index: Expr
@@ -190,7 +190,8 @@ class Part(Node):
 class Block(Node):
     """`object name : model { properties parts }`, and the same for cameras, lights, joints, robots and the world.
 
-    The world has no name of its own. `count` is set for `objects name[count] { ... }`. `whole` is never written: it is
+    The world has no name of its own. `count` is set for `objects name[count] { ... }` and
+    `joints name[count] : model { ... }`. `whole` is never written: it is
     the object that an asset's link or joint belongs to, where they stand in the place of the asset.
     """
 

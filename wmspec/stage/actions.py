@@ -12,7 +12,7 @@ from wmspec.layout import motion
 from wmspec.layout.geometry import pieces
 from wmspec.layout.surfaces import WORLD, holder, under
 from wmspec.layout.values import Values
-from wmspec.space import UP, Vector, dot, heading, rotate, times
+from wmspec.space import UP, Vector, dot, heading, multiply, rotate, times, turn
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.joints import has_drive, joined, joint_path
 from wmspec.stage.objects import object_path
@@ -153,10 +153,14 @@ def glide(prim: Prim, action: Thing, values: Values) -> None:
 
 def follow(prim: Prim, action: Thing, values: Values) -> None:
     """A path."""
-    points, moments = motion.way(values, action, motion.before(values, action).pose.position)
-    form = tuple(f"{action.name}.{p}" for p in ("path", "length", "width"))
+    stand = motion.before(values, action)
+    points, moments, turns = motion.way(values, action, stand.pose.position)
+    form = tuple(f"{action.name}.{p}" for p in ("path", "length", "width", "facing"))
     prim.set("wms:points", "double3[]", points, *form, *_toward(action), f"{action.name}.way", uniform=True)
     prim.set("wms:times", "double[]", moments, *form, f"{action.name}.duration", uniform=True)
+    if turns:
+        turned = tuple(multiply(turn(yaw), stand.pose.orientation) for yaw in turns)
+        prim.set("wms:orientations", "quatd[]", turned, *form, *_toward(action), f"{action.name}.way", uniform=True)
 
 
 def teleport(prim: Prim, action: Thing, values: Values) -> None:

@@ -34,8 +34,10 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
     `carried` are the objects that actions carry about, each with one of these.
     """
     name = joint.name
+    if not values.there(name):
+        return
     of, to = values.property(name, "of"), values.property(name, "to") if values.has(name, "to") else None
-    sources = (f"{name}.of", f"{name}.to", f"{of}.present", *((f"{to}.present",) if to else ()))
+    sources = (f"{name}.present", f"{name}.of", f"{name}.to", f"{of}.present", *((f"{to}.present",) if to else ()))
     if not values.there(of) or (to and not values.there(to)):
         return
     if values.property(of, "fixed"):
@@ -69,7 +71,7 @@ def no_loops(values: Values) -> None:
     """Raise WmsError with its place for a joint between what others join already: engines solve trees."""
     groups: dict[str, set[str]] = {}
     for joint in values.spec.things:
-        if joint.kind != "joint":
+        if joint.kind != "joint" or not values.there(joint.name):
             continue
         ends = [values.property(joint.name, end) for end in ("of", "to") if values.has(joint.name, end)]
         if not all(map(values.there, ends)):
@@ -91,7 +93,8 @@ def no_loops(values: Values) -> None:
 
 def joined(values: Values, owner: str) -> bool:
     """Whether a joint holds an object."""
-    ends = ((j.name, end) for j in values.spec.things if j.kind == "joint" for end in ("of", "to"))
+    joints = (j.name for j in values.spec.things if j.kind == "joint" and values.there(j.name))
+    ends = ((name, end) for name in joints for end in ("of", "to"))
     return any(values.property(name, end) == owner for name, end in ends if values.has(name, end))
 
 

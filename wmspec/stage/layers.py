@@ -22,6 +22,7 @@ _VALUES: dict[str, Callable[[Any], Any]] = {
     "color3f": lambda v: Gf.Vec3f(*v),
     "quatd": lambda v: Gf.Quatd(*v),
     "quatf": lambda v: Gf.Quatf(*v),
+    "quatd[]": lambda v: Vt.QuatdArray([Gf.Quatd(*q) for q in v]),
     "matrix4d": lambda v: Gf.Matrix4d(*(x for row in v for x in row)),
     "token[]": Vt.TokenArray,
     "double[]": Vt.DoubleArray,

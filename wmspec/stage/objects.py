@@ -28,10 +28,11 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
     fixed, solid = values.property(name, "fixed"), values.property(name, "solid")
     if fixed and carried:
         raise ImpossibleValue(f"`{name}` is fixed, so nothing can carry it", values.place(name))
-    if not fixed and not solid:
-        raise ImpossibleValue(f"`{name}` cannot be touched, so it must be fixed", values.place(name))
+    if not fixed and not carried and not solid:
+        what = f"`{name}` cannot be touched, so it would fall through everything"
+        raise ImpossibleValue(what, values.place(name), "make it `fixed: true`, or carry it with `glide` or `follow`")
     supported(name, values)
-    weighed = () if fixed or not masses.own(name, values) else ("PhysicsMassAPI",)
+    weighed = () if fixed or not solid or not masses.own(name, values) else ("PhysicsMassAPI",)
     passed = _passed(name, values)
     filters = ("PhysicsFilteredPairsAPI",) if passed else ()
     schemas = filters if fixed else ("PhysicsRigidBodyAPI", *weighed, *filters)
@@ -103,8 +104,9 @@ def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values:
         for attribute, type, value, uniform in made.attributes:
             prim.set(attribute, type, value, form, uniform=uniform)
         prim.set("extent", "float3[]", made.extent, form)
-    if values.has(part, "drawn") and not values.property(part, "drawn"):
-        prim.set("visibility", "token", "invisible", f"{part}.drawn")
+    shown = dict.fromkeys((part, name))
+    if not all(values.property(owner, "drawn") for owner in shown if values.has(owner, "drawn")):
+        prim.set("visibility", "token", "invisible", *(f"{owner}.drawn" for owner in shown))
     if meshed:
         way = "convexHull" if piece.solid.convex else "convexDecomposition"
         if values.has(part, "file"):
