@@ -157,7 +157,7 @@ def follow(prim: Prim, action: Thing, values: Values) -> None:
     points, moments, turns = motion.way(values, action, stand.pose.position)
     form = tuple(f"{action.name}.{p}" for p in ("path", "length", "width", "facing"))
     prim.set("wms:points", "double3[]", points, *form, *_toward(action), f"{action.name}.way", uniform=True)
-    prim.set("wms:times", "double[]", moments, *form, f"{action.name}.duration", uniform=True)
+    prim.set("wms:times", "double[]", moments, *form, *_toward(action), f"{action.name}.duration", uniform=True)
     if turns:
         turned = tuple(multiply(turn(yaw), stand.pose.orientation) for yaw in turns)
         prim.set("wms:orientations", "quatd[]", turned, *form, *_toward(action), f"{action.name}.way", uniform=True)
