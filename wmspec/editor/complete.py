@@ -14,7 +14,7 @@ from wmspec.check.functions import FUNCTIONS
 from wmspec.check.names import BLOCKS
 from wmspec.check.property_schema import slots, thing_type
 from wmspec.check.typed import Failed, example, fits
-from wmspec.check.types import A_TIME, ITEM, LABEL, OBJECT, QUANTITY, TRUTH, List, Quantity, Type, Vector, Word, either
+from wmspec.check.types import A_TIME, ITEM, LABEL, QUANTITY, TRUTH, List, Quantity, Type, Vector, Word, either
 from wmspec.check.units import fitting
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import SETS, WORDS, Slot

@@ -78,9 +78,8 @@ def way(
     """
     form, length, width, leads = (values.property(action.name, n) for n in ("path", "length", "width", "direction"))
     points = paths.named(form, length, width) if isinstance(form, str) else form
-    points, turns = paths.turned(points, angle(leads)), ()
-    if values.property(action.name, "facing"):
-        points, turns = paths.faced(points)
+    turned = paths.turned(points, angle(leads))
+    points, turns = paths.faced(turned) if values.property(action.name, "facing") else (turned, ())
     line, moments = paths.walked(points, values.property(action.name, "duration"))
     if len(line) < 2 or moments[-1] <= 0:
         raise ImpossibleValue(

@@ -34,11 +34,9 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
     `carried` are the objects that actions carry about, each with one of these.
     """
     name = joint.name
-    if not values.there(name):
-        return
     of, to = values.property(name, "of"), values.property(name, "to") if values.has(name, "to") else None
     sources = (f"{name}.present", f"{name}.of", f"{name}.to", f"{of}.present", *((f"{to}.present",) if to else ()))
-    if not values.there(of) or (to and not values.there(to)):
+    if not all(map(values.there, (name, of, to) if to else (name, of))):
         return
     if values.property(of, "fixed"):
         raise ImpossibleValue(
