@@ -22,7 +22,7 @@ from wmspec.check.types import (
     Type,
     Word,
 )
-from wmspec.check.vocabulary import SETS, WORDS
+from wmspec.check.vocabulary import SETS, SYNONYMS, WORDS
 from wmspec.diagnostics import FEW, suggestion
 from wmspec.parse import syntax as s
 
@@ -102,6 +102,8 @@ def _word(word: str, wanted: tuple[Type, ...]) -> Typed | None:
 def suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
     """What may have been meant by a name where types of values are wanted: first what is of these, then all else."""
     values = check.scope.of(s.Factor, s.Let)
+    if (other := SYNONYMS.get(name)) in fitting(check, wanted):
+        return f"did you mean `{other}`?"
     groups = [[w for w in group if w != name] for group in (fitting(check, wanted), values, check.scope.known())]
     return suggestion(name, *groups)
 

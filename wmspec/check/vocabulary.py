@@ -345,6 +345,22 @@ OTHERWISE = {
     "bounciness": "restitution",
 }
 
+#: What people call words that are others here.
+SYNONYMS = {
+    "block": "box",
+    "brick": "box",
+    "disc": "cylinder",
+    "disk": "cylinder",
+    "pyramid": "cone",
+    "ring": "torus",
+    "pipe": "tube",
+    "grey": "gray",
+    "violet": "purple",
+    "magenta": "pink",
+    "turquoise": "cyan",
+    "gold": "yellow",
+}
+
 #: What only a nuisance is drawn from.
 WEIGHTED = (Form("weighted([red, blue], [3, 1])", "these values, the first three times as often"),)
 

@@ -14,12 +14,14 @@ from wmspec.layout.solids import bounds
 from wmspec.layout.values import Values
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
-from wmspec.lint.visibility import boxes_of_matter
+from wmspec.lint.visibility import boxes_of, boxes_of_matter, mentioned, subjects
 from wmspec.shapes import Shape
 from wmspec.space import Vector, add, dot, inverse, rotate, times, unit
 
 #: Heavier (kg) than anything on a table, in a room or on a road that a question is about.
 HEAVY = 20_000.0
+#: What sets off faster (m/s) is taken for a mistake: nobody throws like that.
+FAST = 40.0
 #: The share of the side of a picture below which nothing can be seen in it: 6 of 256 pixels.
 LEAST_SIDE = 6 / 256
 _AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -55,12 +57,41 @@ def camera_far_away(scene: Scene) -> Iterator[Breach]:
     values = scene.values
     boxes = list(boxes_of_matter(values))
     for camera in _standing(values):
-        eye, edge = values.property(camera, "at"), 2 * math.tan(values.property(camera, "fov") / 2)
-        shares = [_across(box) / max(1e-9, edge * _away(box, eye)) for box in boxes]
-        if shares and max(shares) < LEAST_SIDE:
+        if boxes and all(_share(values, camera, box) < LEAST_SIDE for box in boxes):
             what = f"all that is moved or asked about is too small to be seen from `{camera}` {scene.where}"
             place = next(o.place for o in values.spec.observations if o.camera == camera)
             yield Breach(what, place, "move the camera nearer, or narrow its `fov:`", about=camera)
+
+
+@rule("WMS605")
+def thing_far_away(scene: Scene) -> Iterator[Breach]:
+    """Something that is asked about, or needed for it, so far from all cameras that none shows it."""
+    values = scene.values
+    cameras = _standing(values)
+    if len(cameras) < len({o.camera for o in values.spec.observations}):
+        return  # one that rides may come near
+    needed = {name for q in values.spec.questions for e in q.ensures for name in mentioned(values, e.condition)}
+    things = [t for t in values.spec.things if t.kind == "object" and not t.set and values.there(t.name)]
+    for name in (t.name for t in things if t.name in needed.union(subjects(values))):
+        boxes = list(boxes_of(values, name))
+        if cameras and all(_share(values, camera, box) < LEAST_SIDE for camera in cameras for box in boxes):
+            what = f"`{name}` is too small to be seen from `{cameras[0]}` {scene.where}"
+            yield Breach(what, values.place(name, "at"), "is this the unit that is meant?", about=name)
+
+
+@rule("WMS606")
+def too_fast(scene: Scene) -> Iterator[Breach]:
+    """Something that is sent off faster than anybody throws."""
+    values = scene.values
+    for action in values.spec.things:
+        if action.kind == "action" and "speed" in action.properties and values.there(action.name) and not action.of:
+            speed: float = values.property(action.name, "speed")
+            if speed > FAST:
+                what = (
+                    f"`{action.name}` gives `{values.property(action.name, 'object')}` {units.told(speed, units.SPEED)}"
+                )
+                place = values.place(action.name, "speed")
+                yield Breach(f"{what} {scene.where}", place, "is this the unit that is meant?", about=action.name)
 
 
 @rule("WMS606")
@@ -91,7 +122,15 @@ def launched_twice(scene: Scene) -> Iterator[Breach]:
                 yield Breach(what, values.place(b.name), remedy, (note,), about=(a.name, b.name))
 
 
-RULES = (times_out_of_order, camera_inside, camera_far_away, out_of_proportion, launched_twice)
+RULES = (
+    times_out_of_order,
+    camera_inside,
+    camera_far_away,
+    thing_far_away,
+    out_of_proportion,
+    too_fast,
+    launched_twice,
+)
 
 
 def _standing(values: Values) -> list[str]:
@@ -120,6 +159,12 @@ def _inside(solid: Shape, point: Vector) -> bool:
     outward = [*_AXES, *(times(-1.0, a) for a in _AXES), *(normal for normal, _ in solid.flats)]
     outward += [unit(v) for v in (point, (x, y, 0.0)) if math.hypot(*v) > 1e-9]
     return all(dot(d, point) < solid.reach(d) - 1e-9 for d in outward)
+
+
+def _share(values: Values, camera: str, box: tuple[Vector, Vector]) -> float:
+    """How much of the height of a picture a box takes at most."""
+    eye, edge = values.property(camera, "at"), 2 * math.tan(values.property(camera, "fov") / 2)
+    return _across(box) / max(1e-9, edge * _away(box, eye))
 
 
 def _across(box: tuple[Vector, Vector]) -> float:

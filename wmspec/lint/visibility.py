@@ -31,15 +31,15 @@ def blind(values: Values) -> tuple[str, ...]:
 
 def boxes_of_matter(values: Values) -> Iterator[Box]:
     """The upright boxes around what is asked about or moved, and around where its own actions take it."""
-    for name in _subjects(values):
-        yield from _boxes(values, name)
+    for name in subjects(values):
+        yield from boxes_of(values, name)
 
 
 # ---------------------------------------------------------------- what matters
 
 
-def _subjects(values: Values) -> list[str]:
-    """The objects that actions move and questions mention, if they are there."""
+def subjects(values: Values) -> list[str]:
+    """The objects that actions move and that answers, options and texts mention, if they are there."""
     objects = {t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)}
     names: dict[str, None] = {}
     for thing in values.spec.things:
@@ -78,7 +78,7 @@ def _words(value: object) -> Iterator[str]:
 # ---------------------------------------------------------------- where it is
 
 
-def _boxes(values: Values, name: str) -> Iterator[Box]:
+def boxes_of(values: Values, name: str) -> Iterator[Box]:
     """The upright boxes around an object at the start and wherever its own actions take it."""
     low, high = bounds(pieces(values, name), values.pose(name))
     yield low, high
