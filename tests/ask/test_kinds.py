@@ -103,3 +103,20 @@ def test_options_in_the_same_place_that_look_the_same_are_too_near() -> None:
 def test_another_light_is_another_look() -> None:
     row = one(LOOKS % (DARKER, ""))
     assert {option.name for option in row.options} == {TRUTH, "other", "slow"}
+
+
+def test_texts_among_options_say_values() -> None:
+    body = """
+      factor tone in [red, blue]
+      object ball { shape: sphere  size: 8 cm  color: tone  called: "marble"  on: table at (-20 cm, 10 cm) }
+      object dice { shape: cube    size: 8 cm  color: green  on: table at (20 cm, -10 cm) }
+      observe front at [0 s]
+      question "Where is {ball}, {dice.size} from nothing?" {
+        options ["left of {dice}", "{tone} and \\{right\\}"]
+        answer  if position(ball).x < 0 then "left of {dice}" else "{tone} and \\{right\\}"
+      }"""
+    (question,) = asked(body)
+    assert isinstance(question, QuestionRow)
+    assert question.text == "Where is the red marble, 8 cm from nothing?"
+    assert {option.text for option in question.options} == {"left of the green cube", "red and {right}"}
+    assert question.options[question.answer or 0].text == "left of the green cube"

@@ -6,7 +6,7 @@ import pytest
 
 from tests.ask.asking import SCENE
 from tests.language.specs import task_from
-from wmspec.ask.describe import Ambiguous, described
+from wmspec.ask.describe import Ambiguous, described, together
 from wmspec.ask.verbalize import say, say_option, written
 from wmspec.layout.values import Values
 
@@ -34,6 +34,8 @@ def two(first: str, second: str) -> Values:
         ("at: (0, -9 cm, 0)", "at: (0, 9 cm, 0)", "the red cube at the front", "the red cube at the back"),
         ("color: rgb(0.8, 0.1, 0.1)", "color: rgb(0.1, 0.2, 0.8)", "the red cube", "the blue cube"),
         ("part p { size: 2 cm }", "", "the a", "the red cube"),
+        ('part p { size: 2 cm }  called: "toy car"', 'called: "crate"', "the red toy car", "the red crate"),
+        ('called: "toy car"  material: wood', 'called: "toy car"', "the red wooden toy car", "the red plastic toy car"),
     ],
 )
 def test_what_tells_two_objects_apart(first: str, second: str, a: str, b: str) -> None:
@@ -115,3 +117,19 @@ def test_expressions_read_as_they_were_written() -> None:
     assert written(first.difference.value) == "(speed(other) + 1) / speed(other)"
     assert written(second.difference.value) == "- other.size"
     assert written(second.answer) == "if moved(other) then yes else no"
+
+
+@pytest.mark.parametrize(
+    ("look", "said"),
+    [
+        ("shape: cube  color: red", "the red cubes"),
+        ('shape: box  called: "crate"  color: pick([red, blue], index)', "the crates"),
+        ('shape: cube  called: "die"  plural: "dice"  color: red', "the red dice"),
+    ],
+)
+def test_several_are_said_together_where_nothing_else_is_called_so(look: str, said: str) -> None:
+    many = f"objects many[3] {{ {look}  at: (index * 20 cm, 0, 0) }}"
+    names = tuple(t.name for t in values(many).spec.things if t.set == "many")
+    assert say(names, "list of objects", values(many)) == said
+    others = f"objects others[3] {{ {look}  at: (index * 20 cm, 50 cm, 0) }}"
+    assert together(names, values(f"{many} {others}")) is None

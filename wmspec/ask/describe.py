@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from wmspec.ask.difference import ciede2000, lab
 from wmspec.check.vocabulary import COLORS
@@ -53,8 +53,37 @@ def color_word(color: str) -> str:
     return min(COLORS, key=lambda word: float(ciede2000(wanted, lab(COLORS[word]))))
 
 
+def together(names: Sequence[str], values: Values) -> str | None:
+    """Several members of a set, or things that are called alike, in words that fit them all and nothing else.
+
+    By colour and noun if that is the same, else by noun; None if no such words fit them alone.
+    """
+    things = [values.spec.thing(name) for name in names]
+    alike = len({thing.set or values.has(thing.name, "called") for thing in things}) == 1
+    if len(names) < 2 or not alike or not (things[0].set or values.has(names[0], "called")):
+        return None
+    for words in (_plain, noun):
+        first = words(names[0], values)
+        fit = [other for other in present(values) if words(other, values) == first]
+        if sorted(fit) == sorted(names):
+            own = noun(names[0], values)
+            return f"the {first.removesuffix(own)}{_plural(names[0], own, values)}"
+    return None
+
+
+def _plural(name: str, noun: str, values: Values) -> str:
+    """What several are called: as the spec says, or by the rules of spelling."""
+    if values.has(name, "plural"):
+        return str(values.property(name, "plural"))
+    if noun.endswith(("s", "x", "ch", "sh")):
+        return f"{noun}es"
+    return f"{noun[:-1]}ies" if noun.endswith("y") and noun[-2:-1] not in "aeiou" else f"{noun}s"
+
+
 def noun(name: str, values: Values) -> str:
-    """What kind of thing an object is: its shape, or its own name if it has parts or is a mesh."""
+    """What kind of thing an object is: what it is called, its shape, or its own name if it has parts or is a mesh."""
+    if values.has(name, "called"):
+        return str(values.property(name, "called"))
     if values.parts(name) or values.has(name, "file") or not values.has(name, "shape"):
         return name.replace("_", " ")
     return str(values.property(name, "shape"))
@@ -62,7 +91,8 @@ def noun(name: str, values: Values) -> str:
 
 def _plain(name: str, values: Values) -> str:
     what = noun(name, values)
-    if what == name.replace("_", " "):
+    formless = values.parts(name) or values.has(name, "file") or not values.has(name, "shape")
+    if formless and not (values.has(name, "called") and values.has(name, "color")):
         return what
     return f"{color_word(values.property(name, 'color'))} {what}"
 
@@ -79,8 +109,8 @@ def _material(name: str, rivals: list[str], values: Values) -> Iterator[str]:
         return
     mine = values.property(name, "material")
     if all(values.property(other, "material") != mine for other in rivals):
-        color, _, shape = _plain(name, values).rpartition(" ")
-        yield f"{color} {_MADE.get(mine, mine)} {shape}".strip()
+        what = noun(name, values)
+        yield f"{_plain(name, values).removesuffix(what)}{_MADE.get(mine, mine)} {what}"
 
 
 def _size(name: str, rivals: list[str], values: Values) -> Iterator[str]:

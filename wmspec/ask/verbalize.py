@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from wmspec.ask.bearing import Bearing
-from wmspec.ask.describe import color_word, described
+from wmspec.ask.describe import color_word, described, together
 from wmspec.check import ir, units
 from wmspec.check.evaluate import Environment, evaluate
 from wmspec.check.vocabulary import WORDS
@@ -32,6 +32,8 @@ _SI = {
         units.NUMBER / units.TIME,
     )
 }
+#: How the kinds of points, sizes and directions begin.
+_TUPLES = ("pair of", "triple of")
 #: Relations in a text, where what they relate to follows.
 _RELATIONS = {"left_of": "to the left of", "right_of": "to the right of", "in_front_of": "in front of"}
 
@@ -50,7 +52,11 @@ def say(value: Any, sort: str, values: Values) -> str:
             number = "180"
         return f"{number}{'' if unit.startswith('°') else ' '}{unit}".strip()
     if isinstance(value, tuple):
-        return listed([say(v, sort, values) for v in value])
+        objects = {t.name for t in values.spec.things if t.kind == "object"}
+        if value and objects.issuperset(value) and (words := together(value, values)):
+            return words
+        said = [say(v, _of_each(sort), values) for v in value]
+        return f"({', '.join(said)})" if sort.startswith(_TUPLES) else listed(said)
     if sort in ("object", "label") and any(t.name == value and t.kind == "object" for t in values.spec.things):
         return described(value, values)
     if sort == "color":
@@ -58,6 +64,16 @@ def say(value: Any, sort: str, values: Values) -> str:
     if sort == "text" or (sort == "label" and value not in WORDS["tie"]):
         return str(value)
     return _RELATIONS.get(value, str(value).replace("_", " "))
+
+
+def _of_each(sort: str) -> str:
+    """The kind of each item of a list or a tuple: of `list of objects`, `object`; of `pair of lengths`, `length`."""
+    several = sort.partition(" of ")[2] or sort
+    if several.startswith(("pairs", "triples")):
+        return several.replace("s", "", 1)
+    if several.startswith("values ("):
+        return several[len("values (") : -1]
+    return several.removesuffix("s")
 
 
 def say_option(value: Any, sort: str, values: Values) -> str:
@@ -78,8 +94,12 @@ def si_unit(sort: str) -> str:
 
 def question_text(question: ir.Question, env: Environment, values: Values) -> str:
     """The text of a question with its values said."""
-    parts = (p if isinstance(p, str) else _said(p, env, values) for p in question.text)
-    return "".join(parts)
+    return filled(question.text, env, values)
+
+
+def filled(parts: Sequence[str | ir.Said], env: Environment, values: Values) -> str:
+    """A text with its values said."""
+    return "".join(p if isinstance(p, str) else _said(p, env, values) for p in parts)
 
 
 def _said(part: ir.Said, env: Environment, values: Values) -> str:

@@ -29,7 +29,8 @@ def named(question: Question, values: Values) -> set[str]:
     If none is named, it is those whose look or place shows what the answer rests on: `answer tone` is about what has
     `color: tone`.
     """
-    spoken: list[Expr] = [part.value for part in question.text if isinstance(part, Said)]
+    said = [*question.text, *(part for text in question.texts for part in text.parts)]
+    spoken: list[Expr] = [part.value for part in said if isinstance(part, Said)]
     spoken += [question.answer] if question.options is None else [question.answer, question.options]
     things = {t.name: t for t in values.spec.things}
     names: set[str] = set()

@@ -271,6 +271,13 @@ class Said(Node):
     sort: str
 
 
+class Filled(Node):
+    """A text among options and answers with values spoken within it; `text` is the value that stands for it."""
+
+    text: str
+    parts: tuple[str | Said, ...]
+
+
 class Difference(Node):
     """How strong the stimulus is, such as the ratio of two speeds: recorded, since accuracy is analysed against it."""
 
@@ -290,6 +297,7 @@ class Question(Node):
     group, the question has an `orbit`: the set of options is closed, the same whichever of them is true.
     Two pictures are `distinct` by so much (m), or by such a turn (`distinct_turn`, rad), and, if `distinct_kinds`, by
     the kind of their outcome: of `kinds`, the first that holds.
+    `texts` are those of the options that say values.
     `stable` is how far (m) every free object is nudged to see whether the answer holds.
     """
 
@@ -310,6 +318,7 @@ class Question(Node):
     kinds: tuple[Outcome, ...] = ()
     distinct_turn: Expr | None = None
     distinct_kinds: bool = False
+    texts: tuple[Filled, ...] = ()
     place: Location
 
     def alternatives(self, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:

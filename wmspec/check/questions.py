@@ -110,6 +110,7 @@ class Questions:
             distinct=distinct.length,
             distinct_turn=distinct.turn,
             distinct_kinds=distinct.kinds,
+            texts=self._texts(clauses),
             kinds=tuple(kinds),
             orbit=varied,
             within=self._within(clauses, answer),
@@ -316,6 +317,12 @@ class Questions:
         found.append(_unescape(raw[end:-1]))
         return tuple(part for part in found if part != "")
 
+    def _texts(self, clauses: dict[str, list[s.Clause]]) -> tuple[ir.Filled, ...]:
+        """The texts of options and answers that say values."""
+        written = [clause.value for kind in ("options", ANSWER) for clause in clauses.get(kind, [])]
+        holes = {text.value: text for text in s.texts(tuple(written)) if _BRACE.search(text.span.text)}
+        return tuple(ir.Filled(text=value, parts=self.text(text)) for value, text in holes.items())
+
     def _named(self, expr: ir.Expr) -> bool:
         """Whether it is a factor or nuisance whose values have names."""
         factor = self.check.scope.names.get(expr.name) if isinstance(expr, ir.Ref) else None
@@ -339,4 +346,6 @@ def _spoken(of: Type) -> str | None:
     """The type of a value that can be said in words, as it is named; None if it cannot."""
     if of == Quantity(ZERO):
         return str(Quantity(NUMBER))
-    return str(of) if isinstance(of, Word | Quantity) or of in (OBJECT, TEXT, LABEL) else None
+    if isinstance(of, List):
+        return str(of) if of.item is not None and _spoken(of.item) else None
+    return str(of) if isinstance(of, Word | Quantity | Vector) or of in (OBJECT, TEXT, LABEL) else None

@@ -240,6 +240,8 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "solid": Slot((TRUTH,), "whether it can be touched; what cannot is a mark, fixed or carried by actions", "true"),
         "drawn": Slot((TRUTH,), "whether it can be seen; what only carries a camera need not be", "true"),
         "present": Slot((TRUTH,), "whether it is there at all", "true"),
+        "called": Slot((TEXT,), "what texts call it, without article and colour: `\"crate\"`; else its shape, or its own name", optional=True),
+        "plural": Slot((TEXT,), "what several of them are called, if that is not its name with an s", optional=True),
     },
     "part": {
         **_FORM,

@@ -53,7 +53,8 @@ def subjects(values: Values) -> list[str]:
 def _asked(spec: TaskSpec) -> Iterator[Expr]:
     for question in spec.questions:
         yield question.answer
-        yield from (part.value for part in question.text if isinstance(part, Said))
+        said = (*question.text, *(part for text in question.texts for part in text.parts))
+        yield from (part.value for part in said if isinstance(part, Said))
         yield from (question.options,) if question.options else ()
 
 

@@ -363,6 +363,14 @@ def names(node: object) -> Iterator[Name]:
         yield from names(part)
 
 
+def texts(node: object) -> Iterator[Text]:
+    """All quoted texts in a piece of the syntax tree."""
+    if isinstance(node, Text):
+        yield node
+    for part in parts(node):
+        yield from texts(part)
+
+
 def parts(node: object) -> Iterator[object]:
     """What a piece of the syntax tree is made of directly."""
     if isinstance(node, tuple):

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 from wmspec.ask.asking import AnswerSlot, Asking
 from wmspec.ask.model import Answer, Number, Option, Picture
 from wmspec.ask.runs import Run
-from wmspec.ask.verbalize import say_option, si_unit
+from wmspec.ask.verbalize import filled, say_option, si_unit
 from wmspec.check.ir import Counterfactual, Level, Question
 
 
@@ -101,4 +101,7 @@ def quantity(value: Any, sort: str, within: float | None = None) -> Number | Non
 
 def in_words(asking: Asking, value: Any) -> str:
     """A value of the question's sort in words that stand alone. Raises Ambiguous if words cannot tell it."""
+    parts = next((text.parts for text in asking.question.texts if text.text == value), None)
+    if parts is not None:
+        return filled(parts, asking.measured, asking.values)
     return say_option(value, asking.question.sort, asking.values)
