@@ -18,7 +18,7 @@ import trimesh
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from wmspec.robots.arm import Array, about, shift
-from wmspec.robots.franka import PANDA, REST
+from wmspec.robots.franka import PANDA
 from wmspec.scene.transform import quaternion
 from wmspec.shapes.facets import smooth
 
@@ -40,7 +40,7 @@ def main() -> None:
     root = UsdGeom.Xform.Define(stage, "/panda")
     stage.SetDefaultPrim(root.GetPrim())
     rubber = material(stage, "rubber", (0.2, 0.2, 0.2), PANDA.rubber)
-    frames = PANDA.links(REST, np.eye(4))
+    frames = PANDA.links(PANDA.rest, np.eye(4))
     frames = [*frames[:-2], frames[-1]]
     for i, frame in enumerate(frames):
         name = "hand" if i == len(frames) - 1 else f"link{i}"

@@ -100,9 +100,17 @@ def test_what_is_too_heavy_or_too_smooth_slips(engine: str, density: float, fric
 @pytest.mark.parametrize("engine", ENGINES)
 def test_what_is_held_back_tears_loose_and_is_told(engine: str) -> None:
     installed(engine)
-    lid = "object lid { shape: box  size: (8 cm, 3 cm, 2 cm)  at: (-4 cm, -3 cm, 12 cm)  fixed: true }"
+    wall = "object wall { shape: box  size: (3 cm, 8 cm, 6 cm)  on: table at (1.5 cm, -3 cm)  fixed: true }"
+    more = f"""{wall} action grab = arm.pick(cup, height: 2 cm) for 3.4 s
+      action go = arm.carry(cup, direction: right, distance: 25 mm) for 1 s after grab"""
     with pytest.raises(EngineError, match=r"hand loses hold of .*/cup at \d\.\d+ s"):
-        one(f"{lid} {PICK}")[0].run(engine)
+        one(more)[0].run(engine)
+
+
+def test_no_hand_goes_through_a_thing() -> None:
+    lid = "object lid { shape: box  size: (8 cm, 3 cm, 2 cm)  at: (-4 cm, -3 cm, 12 cm)  fixed: true }"
+    with pytest.raises(SpecError, match="its hand would go through `lid`"):
+        one(f"{lid} {PICK}")[0].stage()
 
 
 @pytest.mark.parametrize("engine", ENGINES)

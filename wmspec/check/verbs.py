@@ -127,18 +127,30 @@ _GRIPPED = Slot((OBJECT,), "what is handled")
 _FAR = Slot((A_LENGTH,), "how far", above=0, most=100)
 _HIGH = Slot((A_LENGTH,), "how high", above=0, most=2)
 _SIDE = Slot((DIRECTION,), "to which side, as the robot sees it: `left` or `right`", among=("left", "right"))
+_WHERE = Slot((POINT2,), "where it takes it, along its own axes, from its middle: beside it, it misses", "(0 m, 0 m)")
+_HANDLE = Slot((OBJECT,), "what it takes")
+_JOINT = Slot((JOINT,), "a hinge or slider")
+_ALONG = Slot((AN_ANGLE, A_LENGTH), "how far, in the joint's own sense", above=0, most=6.3)
 _BY = Slot((AN_ANGLE,), "by how much", "90 deg", above=0, most=6.3)
+
+#: What an arm can do.
+_ARM = {
+    "push": Verb("pushes an object over what it rests on", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True),
+    "pick": Verb("grasps an object and lifts it", {"object": _GRIPPED, "height": _HIGH, "at": _WHERE}, True),
+    "grasp": Verb("grasps an object where it is, on something or in another hand", {"object": _GRIPPED, "at": _WHERE}, True),
+    "lift": Verb("raises an object that it holds, or an end of it", {"object": _GRIPPED, "height": _HIGH, "at": Slot((POINT2,), "where it takes it, along its own axes, from its end: beside it, it misses", "(0 m, 0 m)")}, True),
+    "carry": Verb("moves an object that it holds to a side", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True),
+    "place": Verb("puts down the object that it holds", {"object": _GRIPPED, "on": Slot((OBJECT,), "on what"), "at": Slot((POINT2,), "where on it", "(0 m, 0 m)")}, True),
+    "rotate": Verb("turns an object that it holds", {"object": _GRIPPED, "angle": Slot((AN_ANGLE,), "by how much, anticlockwise from above")}, True),
+    "tilt": Verb("tips an object that it holds, as one pours", {"object": _GRIPPED, "angle": Slot((AN_ANGLE,), "how far"), "direction": Slot((AN_ANGLE, DIRECTION), "to which side its top goes", "0 deg")}, True),
+    "drop": Verb("opens its hand", {"object": _GRIPPED}, False),
+    "open": Verb("takes a handle, moves it as a joint lets it, and lets go", {"object": _HANDLE, "joint": _JOINT, "far": _ALONG, "at": _WHERE}, True),
+    "close": Verb("does so the other way", {"object": _HANDLE, "joint": _JOINT, "far": _ALONG, "at": _WHERE}, True),
+}  # fmt: skip
 
 #: What each model of robot can do. Its verbs take as long as `for TIME` says.
 ROBOTS: dict[str, dict[str, Verb]] = {
-    "panda": {
-        "push": Verb("pushes an object over what it rests on", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True),
-        "pick": Verb("grasps an object and lifts it", {"object": _GRIPPED, "height": _HIGH}, True),
-        "lift": Verb("raises an object that it holds or supports", {"object": _GRIPPED, "height": _HIGH}, True),
-        "place": Verb("puts down the object that it holds", {"object": _GRIPPED, "on": Slot((OBJECT,), "on what"), "at": Slot((POINT2,), "where on it", "(0 m, 0 m)")}, True),
-        "rotate": Verb("turns an object that it holds", {"object": _GRIPPED, "angle": Slot((AN_ANGLE,), "by how much, anticlockwise from above")}, True),
-        "drop": Verb("opens its hand", {"object": _GRIPPED}, False),
-    },
+    "panda": _ARM,
     "car": {
         "forward": Verb("drives on along its lane", {"distance": _FAR}, True),
         "turn": Verb("turns at the next crossing", {"direction": _SIDE}, True),

@@ -161,6 +161,10 @@ class Dependencies:
                     yield from (f"{base}.pose" for base in self._named(thing.properties["on"].value))
             if thing.kind == "action" and thing.of:
                 yield from (f"{thing.name}.{name}" for name in ("there", "start", *thing.properties))
+                if "joint" in thing.properties:
+                    yield from (
+                        f"{j}.{n}" for j in self._named(thing.properties["joint"].value) for n in ("at", "axis")
+                    )
                 for name in {"object", "on"} & thing.properties.keys():
                     for owner in self._named(thing.properties[name].value):
                         yield from (f"{owner}.{aspect}" for aspect in ("pose", "form", "mass", "density", "friction"))

@@ -16,9 +16,11 @@ class Arm:
 
     `frames` (n, 4, 4): each joint's in the link before it, turning about its z. `hand` is the hand's frame in the last
     joint's; the tool is `reach` ahead along its z, between the fingers, which open along its y, `finger` ahead.
-    `low`, `high` (rad) and `speed` (rad/s) are the joints' limits; `home` is where they are pulled to. The hand opens
-    `opening` wide; its own hull begins `palm` above the tool, and pads, `pad` thick (from the tool outward, along y)
-    and `width` wide (along x), press with `grip` (N), with friction `rubber`. The prims are those of the file `asset`.
+    `low`, `high` (rad) and `speed` (rad/s) are the joints' limits; `home` is where they are pulled to, and `rest` where
+    they are before and between what it does: the hand drawn back, looking down. The hand is between the corners of
+    `hull` (2, 3), the left finger between those of `tip` in its own frame. The hand opens `opening` wide; its own hull
+    begins `palm` above the tool, and pads, `pad` thick (from the tool outward, along y) and `width` wide (along x),
+    press with `grip` (N), with friction `rubber`. The prims are those of the file `asset`.
     """
 
     frames: Array
@@ -29,6 +31,9 @@ class Arm:
     high: Array
     speed: Array
     home: Array
+    rest: Array
+    hull: Array
+    tip: Array
     opening: float
     palm: float
     pad: float

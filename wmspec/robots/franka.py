@@ -28,6 +28,9 @@ PANDA = Arm(
     high=np.array([2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973]),
     speed=np.array([2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61]),
     home=np.array([0.0, pi / 8, 0.0, -pi * 5 / 8, 0.0, pi * 3 / 4, pi / 4]),
+    rest=np.array([0.0, -0.769825, 0.0, -2.569866, 0.0, 1.80004, 0.785398]),
+    hull=np.array([[-0.032, -0.104, -0.026], [0.032, 0.101, 0.066]]),
+    tip=np.array([[-0.011, 0.0, 0.0], [0.011, 0.022, 0.0545]]),
     opening=0.08,
     palm=0.037,
     pad=0.008,
@@ -37,5 +40,3 @@ PANDA = Arm(
     asset="robots/panda/panda.usdc",
     joints=(*(f"joint{i}" for i in range(1, 8)), "left_slide", "right_slide"),
 )
-REST = np.array([0.0, -0.769825, 0.0, -2.569866, 0.0, 1.80004, 0.785398])
-"""Where the joints are before and between what it does (rad): the hand drawn back, looking down."""

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 class Goods:
     """A thing that stands upright: its box has half the edges `half` (3,) m in the frame `frame` (4, 4) of its middle.
 
-    `slipped`: it was too heavy or too smooth for the hand that wanted to raise it.
+    `start` (3,) is where its middle was before anything happened. `slipped`: it was too heavy or too smooth for the
+    hand that wanted to raise it, or the hand closed beside it.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Goods:
     half: tuple[float, float, float]
     mass: float
     friction: float
+    start: Array
     slipped: bool = False
 
     @property
@@ -50,14 +52,16 @@ class Goods:
 
     def moved(self, way: Sequence[float] | Array) -> Goods:
         """It, elsewhere; what has slipped stays."""
-        return self if self.slipped else replace(self, frame=shift(*map(float, way)) @ self.frame)
+        return self.put(shift(*map(float, way)))
 
-    def turned(self, angle: float, centre: Array) -> Goods:
-        """It, turned about the upright through a point (3,)."""
-        if self.slipped:
-            return self
-        here, back = shift(*centre.tolist()), shift(*(-centre).tolist())
-        return replace(self, frame=here @ about(2, angle) @ back @ self.frame)
+    def put(self, move: Array) -> Goods:
+        """It, moved as a body (4, 4); what has slipped stays."""
+        return self if self.slipped else replace(self, frame=move @ self.frame)
+
+    def has(self, point: Array) -> bool:
+        """Whether a hand at a point (3,), seen from above, is where it is."""
+        own = np.abs(self.seen(point))
+        return bool(own[0] <= self.half[0] and own[1] <= self.half[1])
 
     def seen(self, point: Array) -> Array:
         """A point (3,) in its own frame."""
@@ -89,4 +93,6 @@ def goods(values: Values, name: str) -> Goods:
     if mass is None:
         mass = values.property(name, "density") * volume(values, name)
     half = ((high - low) / 2).tolist()
-    return Goods(name, frame, (half[0], half[1], half[2]), float(mass), float(values.property(name, "friction")))
+    return Goods(
+        name, frame, (half[0], half[1], half[2]), float(mass), float(values.property(name, "friction")), frame[:3, 3]
+    )

@@ -36,7 +36,7 @@ def straight(a: Array, b: Array) -> Callable[[float], Array]:
     def way(s: float) -> Array:
         place = np.eye(4)
         place[:3, 3] = (1 - s) * a[:3, 3] + s * b[:3, 3]
-        place[:3, :3] = _turn(s * axis) @ a[:3, :3]
+        place[:3, :3] = spun(s * axis) @ a[:3, :3]
         return place
 
     return way
@@ -93,7 +93,7 @@ def _angles(arm: Arm, base: bytes, q: bytes, places: bytes) -> Array:
     return np.array(found)
 
 
-def _turn(vector: Array) -> Array:
+def spun(vector: Array) -> Array:
     """The rotation matrix (3, 3) of an axis times an angle (O. Rodrigues)."""
     angle = float(np.linalg.norm(vector))
     if angle < 1e-12:

@@ -1,0 +1,154 @@
+"""A plan in the making: how each arm is, where things are by then, and the ways that were decided so far."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wmspec.check.ir import Thing
+from wmspec.diagnostics import ImpossibleValue
+from wmspec.robots.arm import Arm, Array
+from wmspec.robots.goods import Goods, goods
+from wmspec.robots.legs import Leg, OutOfReachError, joints, times
+
+if TYPE_CHECKING:
+    from wmspec.layout.values import Values
+
+ABOVE = 0.12  # m: so high above where it takes or touches something the hand comes and goes
+OPENS = 0.4  # s: how long a hand takes to open
+
+
+@dataclass(frozen=True)
+class Hold:
+    """The `object` is held from `start` to `stop` (s) by `points` (m) of the hand's frame."""
+
+    object: str
+    start: float
+    stop: float
+    points: tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class Reach:
+    """The way of an arm during an action: its joints' `values` (n, k) at `times` (n,), s after the action starts."""
+
+    robot: str
+    times: tuple[float, ...]
+    values: Array
+    hold: Hold | None
+
+
+@dataclass
+class State:
+    """How an arm is while a plan is made: its joints, how wide it is open, and what it holds since which action."""
+
+    arm: Arm
+    base: Array
+    q: Array
+    width: float
+    held: str = ""
+    since: str = ""
+
+    @property
+    def tool(self) -> Array:
+        """Where its tool is."""
+        return self.arm.tool(self.q, self.base)
+
+    def drawn_back(self, tool: Array) -> Array:
+        """The place of a hand that is drawn back, turned as it is at `tool`."""
+        rest = tool.copy()
+        rest[:3, 3] = self.arm.tool(self.arm.rest, self.base)[:3, 3]
+        return rest
+
+
+class Unable(Exception):
+    """One try at a plan fails at an action."""
+
+    def __init__(self, action: Thing, reason: str, help: str = "") -> None:
+        self.action, self.reason, self.help = action, reason, help
+
+
+@dataclass
+class Plan:
+    """A plan in the making. `choice` is which of the ways to take things is tried."""
+
+    values: Values
+    choice: int
+    arms: dict[str, State]
+    things: dict[str, Goods] = field(default_factory=dict)
+    reaches: dict[str, Reach] = field(default_factory=dict)
+
+    def thing(self, action: Thing) -> Goods:
+        """What an action is done to, as it is by then."""
+        name = self.values.property(action.name, "object")
+        if name not in self.things:
+            self.things[name] = goods(self.values, name)
+        return self.things[name]
+
+    def number(self, action: Thing, name: str) -> float:
+        """An argument of an action."""
+        return float(self.values.property(action.name, name))
+
+    def lasts(self, action: Thing) -> float:
+        """How long (s) an action takes."""
+        return self.number(action, "duration") if "duration" in action.properties else OPENS
+
+    def go(self, action: Thing, legs: Sequence[Leg]) -> None:
+        """Note the way of the arm, which is then where it ends."""
+        arm = self.arms[action.of]
+        try:
+            found = joints(arm.arm, arm.base, arm.q, arm.width, legs)
+        except OutOfReachError as error:
+            raise Unable(action, str(error)) from None
+        self.reaches[action.name] = Reach(action.of, times(legs[-1].until), found, None)
+        arm.q, arm.width = found[-1, : len(arm.q)], legs[-1].width
+
+    def hold(self, action: Thing, name: str, start: float, points: Sequence[tuple[float, float, float]]) -> None:
+        """Let the arm hold a thing from `start` (s) on, by points as its tool sees them."""
+        arm, end = self.arms[action.of], float(self.values.ref("end"))
+        ahead = tuple((x, y, z + arm.arm.reach) for x, y, z in points)
+        held = Hold(name, start, max(end, start), ahead)
+        self.reaches[action.name] = replace(self.reaches[action.name], hold=held)
+        arm.held, arm.since = name, action.name
+
+    def let_go(self, action: Thing, moment: float) -> None:
+        """Let the arm let go at `moment` (s) of what it holds."""
+        arm = self.arms[action.of]
+        reach = self.reaches.get(arm.since)
+        if reach and reach.hold:
+            self.reaches[arm.since] = replace(reach, hold=replace(reach.hold, stop=moment))
+        arm.held = arm.since = ""
+
+    def free(self, action: Thing) -> None:
+        """Complain if the arm holds something."""
+        if held := self.arms[action.of].held:
+            raise ImpossibleValue(
+                f"`{action.of}` holds `{held}`, so it cannot {action.verb}",
+                action.place,
+                "let it `place` or `drop` that first",
+            )
+
+    def nearest(self, robot: str, yaws: Sequence[float]) -> float:
+        """The heading for a tool, of these or their opposites, that it has to turn least for; or another `choice`."""
+        tool = self.arms[robot].tool
+        fore = float(np.arctan2(tool[1, 0], tool[0, 0]))
+        turns = (_wrapped(yaw + flip - fore) for yaw in yaws for flip in (0.0, np.pi))
+        ways = sorted(turns, key=lambda way: (round(abs(way), 6), way))
+        return fore + ways[self.choice % len(ways)]
+
+
+def only(acts: Sequence[Thing]) -> Thing:
+    """The only action, or a complaint that several do one thing together."""
+    if len(acts) > 1:
+        raise ImpossibleValue(
+            f"two arms cannot {acts[1].verb} one thing together", acts[1].place, "let them push or lift it"
+        )
+    return acts[0]
+
+
+def _wrapped(angle: float) -> float:
+    """The angle within half a turn."""
+    return float((angle + np.pi) % (2 * np.pi) - np.pi)
