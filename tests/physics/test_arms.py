@@ -100,8 +100,8 @@ def test_what_is_too_heavy_or_too_smooth_slips(engine: str, density: float, fric
 @pytest.mark.parametrize("engine", ENGINES)
 def test_what_is_held_back_tears_loose_and_is_told(engine: str) -> None:
     installed(engine)
-    wall = "object wall { shape: box  size: (3 cm, 8 cm, 6 cm)  on: table at (1.5 cm, -3 cm)  fixed: true }"
-    more = f"""{wall} action grab = arm.pick(cup, height: 2 cm) for 3.4 s
+    stop = "object stop { shape: box  size: (3 cm, 8 cm, 6 cm)  on: table at (1.5 cm, -3 cm)  fixed: true }"
+    more = f"""{stop} action grab = arm.pick(cup, height: 2 cm) for 3.4 s
       action go = arm.carry(cup, direction: right, distance: 25 mm) for 1 s after grab"""
     with pytest.raises(EngineError, match=r"hand loses hold of .*/cup at \d\.\d+ s"):
         one(more)[0].run(engine)
