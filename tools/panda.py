@@ -26,6 +26,20 @@ SOURCE = Path(pybullet_data.getDataPath()) / "franka_panda"
 TARGET = Path("wmspec/robots/panda")
 KEPT = 0.12  # of the triangles
 ROUGH = 300  # triangles: below that nothing is taken away
+#: Of each joint, N m/rad and N m s/rad; of the fingers N/m and N s/m.
+DRIVES = (*[(600.0, 50.0)] * 4, *[(60.0, 3.0)] * 3, *[(100.0, 8.0)] * 2)
+#: What the links weigh (kg) and where the middle of that is (m), by panda.urdf; the hand is one with the last link.
+MASSES = {
+    "link1": (2.7, (0.0, -0.04, -0.05)),
+    "link2": (2.73, (0.0, -0.04, 0.06)),
+    "link3": (2.04, (0.01, 0.01, -0.05)),
+    "link4": (2.08, (-0.03, 0.03, 0.02)),
+    "link5": (3.0, (0.0, 0.04, -0.12)),
+    "link6": (1.3, (0.04, 0.0, 0.0)),
+    "hand": (1.01, (0.0, 0.0, 0.027)),
+    "left_finger": (0.1, (0.0, 0.01, 0.02)),
+    "right_finger": (0.1, (0.0, 0.01, 0.02)),
+}
 NOTICE = """Franka Emika Panda, from franka_description (https://github.com/frankaemika/franka_ros), Copyright 2017
 Franka Emika GmbH, under the Apache License 2.0 (LICENSE.txt), as it comes with PyBullet (pybullet_data/franka_panda).
 Changed by tools/panda.py: the meshes are joined by colour, decimated and written as USD, with disabled joints.
@@ -63,9 +77,56 @@ def main() -> None:
         slider = UsdPhysics.PrismaticJoint.Define(stage, f"/panda/{name}")
         ends = ("/panda/hand", f"/panda/{side}_finger")
         join(slider, ends, finger(turn), np.eye(4), "Y", 0.0, PANDA.opening / 2)
+    motion(stage)
     stage.GetRootLayer().Save()
     shutil.copy(SOURCE / "LICENSE.txt", TARGET / "LICENSE.txt")
     (TARGET / "NOTICE").write_text(NOTICE)
+
+
+def motion(stage: Usd.Stage) -> None:
+    """Two variants of `motion`: links that follow a plan, and a mechanism with masses and drives that hold it still."""
+    root = stage.GetPrimAtPath("/panda")
+    variants = root.GetVariantSets().AddVariantSet("motion")
+    for variant in ("articulated", "planned"):  # the last one is chosen
+        variants.AddVariant(variant)
+        variants.SetVariantSelection(variant)
+        with variants.GetVariantEditContext():
+            for name in MASSES:
+                link = UsdPhysics.RigidBodyAPI(stage.GetPrimAtPath(f"/panda/{name}"))
+                link.CreateKinematicEnabledAttr(variant == "planned")
+            for name in PANDA.joints:
+                UsdPhysics.Joint(stage.GetPrimAtPath(f"/panda/{name}")).CreateJointEnabledAttr(variant == "articulated")
+            if variant == "articulated":
+                articulated(stage, root)
+
+
+def articulated(stage: Usd.Stage, root: Usd.Prim) -> None:
+    """What a mechanism has that nobody plans for: masses, drives, and that it is one."""
+    UsdPhysics.ArticulationRootAPI.Apply(root)
+    for name, (mass, center) in MASSES.items():
+        link = stage.GetPrimAtPath(f"/panda/{name}")
+        weighs = UsdPhysics.MassAPI.Apply(link)
+        weighs.CreateMassAttr(mass)
+        weighs.CreateCenterOfMassAttr(center)
+        weighs.CreatePrincipalAxesAttr(Gf.Quatf(1))
+        weighs.CreateDiagonalInertiaAttr(Gf.Vec3f(*moments(link, mass)))
+    for i, name in enumerate(PANDA.joints):
+        joint, turns = stage.GetPrimAtPath(f"/panda/{name}"), i < len(PANDA.rest)
+        drive = UsdPhysics.DriveAPI.Apply(joint, "angular" if turns else "linear")
+        drive.CreateTypeAttr("force")
+        drive.CreateTargetPositionAttr(float(np.degrees(PANDA.rest[i])) if turns else PANDA.opening / 2)
+        stiffness, damping = np.array(DRIVES[i]) * (np.pi / 180 if turns else 1.0)  # USD's angles are in degrees
+        drive.CreateStiffnessAttr(float(stiffness))
+        drive.CreateDampingAttr(float(damping))
+
+
+def moments(link: Usd.Prim, mass: float) -> list[float]:
+    """The moments (kg m²) of a solid box around what is drawn of a link: what is known is its mass alone."""
+    corners = [
+        np.array(UsdGeom.Mesh(mesh).GetExtentAttr().Get()) for mesh in link.GetChildren() if mesh.IsA(UsdGeom.Mesh)
+    ]
+    edges = np.max(corners, axis=(0, 1)) - np.min(corners, axis=(0, 1))
+    return [float(mass * (np.sum(edges**2) - edge**2) / 12) for edge in edges]
 
 
 def finger(turn: float) -> Array:
@@ -79,7 +140,7 @@ def body(stage: Usd.Stage, name: str, frame: Array, *, moves: bool) -> str:
     link.AddTranslateOp().Set(Gf.Vec3d(*frame[:3, 3].tolist()))
     link.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(*quaternion(frame[:3, :3]).tolist()))
     if moves:
-        UsdPhysics.RigidBodyAPI.Apply(link.GetPrim()).CreateKinematicEnabledAttr(True)
+        UsdPhysics.RigidBodyAPI.Apply(link.GetPrim())
     return str(link.GetPath())
 
 
@@ -173,7 +234,7 @@ def join(
     low: float,
     high: float,
 ) -> None:
-    """What a joint holds, where and how far it goes; it is disabled."""
+    """What a joint holds, where and how far it goes."""
     joint.CreateBody0Rel().SetTargets([ends[0]])
     joint.CreateBody1Rel().SetTargets([ends[1]])
     for frame, place, turn in (
@@ -185,7 +246,6 @@ def join(
     joint.CreateAxisAttr(axis)
     joint.CreateLowerLimitAttr(low)
     joint.CreateUpperLimitAttr(high)
-    joint.CreateJointEnabledAttr(False)
 
 
 if __name__ == "__main__":

@@ -1,22 +1,31 @@
 """Arms pick, push, lift, turn, put down and let go alike in every engine, and stages say how."""
 
+import os
+import subprocess
+import sys
+from dataclasses import replace
 from math import radians
+from pathlib import Path
 
 import numpy as np
 import pytest
+from pxr import Usd, UsdGeom, UsdPhysics
 
 import wmspec
 from tests.engines import installed
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design
 from wmspec.diagnostics import EngineError, SpecError
+from wmspec.resources import resource
 from wmspec.robots.arm import down
 from wmspec.robots.franka import PANDA
 from wmspec.robots.ik import solve
 from wmspec.stage.episode import document
 from wmspec.stage.one_factor import changed_by, violations
+from wmspec.usd import read
 
 ENGINES = ("mujoco", "pybullet", "sapien")
+FIRST = ("mujoco", *(pytest.param(engine, marks=pytest.mark.slow) for engine in ENGINES[1:]))
 NEAR = 1e-4  # m
 TURN = radians(0.05)
 
@@ -139,6 +148,106 @@ def test_two_arms_push_by_the_sum(engine: str) -> None:
     moved, orientation = ended(wmspec.load(text=TWO.format(size="(14 cm, 14 cm, 8 cm)", more=more)), engine, "plank")
     assert moved == pytest.approx([0.08, -0.1, 0], abs=1e-3)
     assert turned(orientation, 0.0) < radians(0.2)
+
+
+@pytest.mark.parametrize("engine", FIRST)
+@pytest.mark.parametrize(("left", "right"), [("away", "away"), ("away", "nearer")])
+def test_a_bar_that_two_arms_push_by_its_ends_shifts_or_turns(engine: str, left: str, right: str) -> None:
+    more = f"""action a = left_arm.push(plank, direction: {left}, distance: 8 cm) for 6 s
+      action b = right_arm.push(plank, direction: {right}, distance: 8 cm) for 6 s with a"""
+    moved, orientation = ended(wmspec.load(text=TWO.format(size="(36 cm, 6 cm, 6 cm)", more=more)), engine, "plank")
+    assert moved == pytest.approx([0, 0.08 if left == right else 0, 0], abs=3e-3)
+    assert turned(orientation, 0.0 if left == right else -np.arcsin(0.08 / 0.145)) < radians(1.5)
+
+
+@pytest.mark.parametrize("engine", FIRST)
+def test_a_hand_that_closes_beside_a_thing_misses_it(engine: str) -> None:
+    miss = PICK.replace("height: 12 cm", "height: 12 cm, at: (0 cm, -9 cm)")
+    moved, _ = ended(one(miss), engine, "cup")
+    assert moved == pytest.approx([0, 0, 0], abs=NEAR)
+    both = BOTH.format(low="6 cm", high="6 cm").replace(
+        "height: 6 cm) for 3.4 s\n", "height: 6 cm, at: (0 cm, -9 cm)) for 3.4 s\n"
+    )
+    task = wmspec.load(text=TWO.format(size="(34 cm, 7 cm, 3 cm)", more=both))
+    _, orientation = ended(task, engine, "plank")
+    assert turned(orientation, -np.arcsin(0.06 / 0.315), axis=2) < 4 * TURN
+
+
+@pytest.mark.parametrize("engine", FIRST)
+def test_a_thing_is_handed_over(engine: str) -> None:
+    more = """action grab = left_arm.pick(plank, height: 10 cm, at: (-10 cm, 0 cm)) for 3.4 s
+      action take = right_arm.grasp(plank, at: (10 cm, 0 cm)) for 3 s after grab
+      action leave = left_arm.drop(plank) after take
+      action go = right_arm.carry(plank, direction: right, distance: 5 cm) for 1.5 s after leave"""
+    text = TWO.format(size="(30 cm, 4 cm, 4 cm)", more=more).replace("6.4 s", "8.4 s")
+    moved, orientation = ended(wmspec.load(text=text), engine, "plank")
+    assert moved == pytest.approx([0.05, 0, 0.1], abs=5e-4)
+    assert turned(orientation, 0.0) < 4 * TURN
+
+
+DRAWER = """object body { shape: box  size: (26 cm, 1 cm, 9 cm)  on: table at (0, 26 cm)  fixed: true }
+  object drawer {
+    mass: 400 g  on: table at (0, 14 cm)
+    part base  { shape: box  size: (23 cm, 20 cm, 6 mm)  at: (0, 0, 13 mm) }
+    part front { shape: box  size: (23 cm, 1 cm, 8 cm)   at: (0, -105 mm, 45 mm) }
+  }
+  object knob { shape: cube  size: 25 mm  mass: 20 g  at: (0, -30 mm, 50 mm) }
+  joint neck  : fixed  { of: knob    to: drawer  at: (0, -2 cm, 50 mm) }
+  joint rails : slider { of: drawer  to: body    at: (0, 0, 2 cm)  axis: (0, -1, 0)  low: -1 cm  high: 18 cm }"""
+
+
+@pytest.mark.parametrize("engine", FIRST)
+def test_a_drawer_is_opened_and_closed_by_its_knob(engine: str) -> None:
+    more = f"""{DRAWER} action pull = arm.open(knob, joint: rails, far: 12 cm) for 6.4 s
+      action back = arm.close(knob, joint: rails, far: 9 cm) for 6.4 s after pull"""
+    text = ONE.format(more=more, density=500, friction=0.5).replace("(-4 cm, -3 cm)", "(-40 cm, -3 cm)")
+    text = text.replace("(14 cm, -3 cm)", "(42 cm, -3 cm)").replace("10.6 s", "13 s")
+    moved, _ = ended(wmspec.load(text=text), engine, "drawer")
+    assert moved == pytest.approx([0, -0.03, 0], abs=1e-3)
+
+
+@pytest.mark.parametrize("engine", FIRST)
+def test_what_a_tilted_hand_holds_tilts_with_it(engine: str) -> None:
+    more = f"{PICK} action pour = arm.tilt(cup, angle: 70 deg, direction: right) for 2.4 s after grab"
+    _, orientation = ended(one(more), engine, "cup")
+    assert turned(orientation, radians(70), axis=2) < TURN
+
+
+@pytest.mark.parametrize("engine", FIRST)
+def test_the_arm_is_a_mechanism_that_stands_where_its_variant_says_so(engine: str, tmp_path: Path) -> None:
+    stage = Usd.Stage.CreateNew(str(tmp_path / "arm.usda"))
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdPhysics.Scene.Define(stage, "/physics")
+    prim = UsdGeom.Xform.Define(stage, "/arm").GetPrim()
+    prim.GetReferences().AddReference(str(resource(PANDA.asset)))
+    prim.GetVariantSets().GetVariantSet("motion").SetVariantSelection("articulated")
+    found = replace(read(stage), duration=1.0)
+    assert [joint.drive is not None for joint in found.joints] == [True] * 9
+    trace = installed(engine).execute(found)
+    hand = trace.bodies.index("hand")
+    assert np.linalg.norm(trace.position[-1, hand] - trace.position[0, hand]) < 0.03
+    assert np.linalg.norm(trace.linear_velocity[-1, hand]) < 0.01
+
+
+@pytest.mark.parametrize("engine", FIRST)
+def test_a_native_script_plays_what_an_arm_does_without_wmspec(engine: str, tmp_path: Path) -> None:
+    backend = installed(engine)
+    task = one(f"{PICK} action open = arm.drop(cup) after grab")
+    found = read(task[0].stage())
+    expected = backend.execute(found)
+    for name, text in backend.native(found).items():
+        assert "import wmspec" not in text
+        (tmp_path / name).write_text(text)
+    clean = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    done = subprocess.run(
+        [sys.executable, "-I", str(tmp_path / "run.py")],
+        check=False, cwd=tmp_path, env=clean, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    with np.load(tmp_path / "trace.npz") as got:
+        assert np.allclose(got["position"], expected.position, rtol=0, atol=1e-9)
+        assert np.allclose(got["orientation"], expected.orientation, rtol=0, atol=1e-9)
 
 
 def test_the_tool_comes_where_it_is_sent() -> None:
