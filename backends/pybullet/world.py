@@ -174,17 +174,20 @@ class World:
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
         """Tie points of a hand to the anchors in a body's frame."""
-        hand, body = self.ids[grip.hand][0], self.ids[grip.body][0]
+        ends = [(self.ids[grip.hand], grip.points), (self.ids[grip.body], anchors)]
+        if grip.body in self.trees:  # a link can be tied to a free body, but not the other way round
+            ends.reverse()
+        (one, here), (other, there) = ends
         self.ties[number] = [
             pybullet.createConstraint(
-                *(hand, -1, body, -1),
+                *(*one, *other),
                 pybullet.JOINT_POINT2POINT,
                 [0.0, 0.0, 0.0],
                 list(point),
                 list(anchor),
                 physicsClientId=self.client,
             )
-            for point, anchor in zip(grip.points, anchors, strict=True)
+            for point, anchor in zip(here, there, strict=True)
         ]
         for tie in self.ties[number]:
             pybullet.changeConstraint(tie, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
