@@ -24,14 +24,14 @@ def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
     manifest = json.loads((tmp_path / "out/manifest.json").read_text())
     import pyarrow.parquet as pq
 
-    for task, instances in (("speed_tabletop", 2), ("collide", 4)):  # the whole group
+    for task, asked in (("speed_tabletop", 2), ("collide", 4 * 4)):  # the whole group, four questions each
         rows = pq.read_table(tmp_path / f"out/data/{task}").to_pylist()
         assert rows, "nothing was kept"
         for row in rows:
             assert {a["answer"] for a in row["agreement"]} == {row["answer"]}
             assert {a["engine"] for a in row["agreement"]} == {"mujoco", "pybullet", "sapien"}
         rejected = [r for r in manifest["rejected"]["list"] if r["task"] == task]
-        assert len(rows) + len(rejected) == 3 * instances
+        assert len(rows) + len(rejected) == 3 * asked
         assert all(r["reason"] for r in rejected)
 
 

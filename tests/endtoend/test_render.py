@@ -13,8 +13,8 @@ from PIL import Image
 from tests.endtoend.test_commands import COLLIDE, wmspec
 from tests.engines import installed
 
-GIF_TOLERANCE = 40
-"""Of 255 colours for a picture; smooth shades come in steps."""
+GIF_TOLERANCE = 60
+"""A picture has 255 colours, of a furnished place too; smooth shades come in steps."""
 
 
 @pytest.fixture(scope="module")
@@ -39,8 +39,8 @@ def test_a_sheet_has_a_picture_for_every_look(trace: Path) -> None:
     wmspec("render", str(trace), "--size", "64", "-o", "sheet.png", folder=trace.parent)
     sheet = Image.open(trace.parent / "sheet.png")
     assert sheet.width > 3 * 64
-    wmspec("render", str(trace), "--size", "64", "--camera", "top", "-o", "top.png", folder=trace.parent)
-    assert Image.open(trace.parent / "top.png").size == sheet.size
+    wmspec("render", str(trace), "--size", "64", "--camera", "front", "-o", "front.png", folder=trace.parent)
+    assert Image.open(trace.parent / "front.png").size == sheet.size
 
 
 def test_an_overlay_draws_names_and_ways(trace: Path) -> None:

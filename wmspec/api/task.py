@@ -110,7 +110,7 @@ class Task(Sequence["Instance"]):
 
     @property
     def counterfactuals(self) -> tuple[str, ...]:
-        """The names of what might have been instead; with a question's number where there are several questions."""
+        """The names of what might have been instead; with a question's number where several questions have some."""
         return tuple(self._changes)
 
     @property
@@ -169,7 +169,7 @@ class Task(Sequence["Instance"]):
 
     @cached_property
     def _changes(self) -> dict[str, Counterfactual]:
-        many = len(self.spec.questions) > 1
+        many = sum(bool(question.counterfactuals) for question in self.spec.questions) > 1
         return {
             f"{change.name} ({number})" if many else change.name: change
             for number, question in enumerate(self.spec.questions, 1)

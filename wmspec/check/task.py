@@ -174,7 +174,7 @@ class _Task:
         repeat, plan, limits = self.repeat(), self.factors.plan(), self.tolerances()
         horizon = self.horizon(observations)
         self.questions.orbits = Orbits(self.check, plan, factors, lets, requires, things)
-        questions = self.each(s.Question, self.questions.question)
+        questions = self._questions()
         if not observations and not self.report.failed:
             self.report.add(
                 "WMS504", "nothing is observed", self.declaration.name.span, "add `observe CAMERA at TIMES`"
@@ -200,6 +200,13 @@ class _Task:
             questions=tuple(questions),
         )
         return None if self.report.failed else spec
+
+    def _questions(self) -> list[ir.Question]:
+        """Those of the task's own text come first, then those of the libraries that it uses."""
+        assert self.declaration is not None
+        text = self.declaration.span.source
+        asked = self.each(s.Question, lambda q: (q.span.source is not text, self.questions.question(q)))
+        return [question for _, question in sorted(asked, key=lambda pair: pair[0])]
 
     def each(self, sort: type[S], check: Callable[[S], T]) -> list[T]:
         """The results of checking every statement of a sort, without those that failed."""

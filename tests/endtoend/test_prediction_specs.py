@@ -1,0 +1,45 @@
+"""The prediction tasks of physics: closed sets of options, groups, three tiers, questions about what is seen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import wmspec
+from tests.engines import installed
+from tests.language.specs import task_of
+from wmspec.check.ir import Choices
+from wmspec.parse.load import catalogue_folders
+
+FOLDER = next(folder for folder in catalogue_folders() if folder.name == "prediction")
+PHYSICS = sorted(
+    path for path in FOLDER.rglob("*.wms") if "use places" in path.read_text() and "orbit of" in path.read_text()
+)
+
+
+def test_there_are_the_papers_and_six_more() -> None:
+    papers = {"slide", "drop", "collide", "two_balls"}
+    assert {path.stem for path in PHYSICS} >= papers | {"roll", "support", "contain", "topple", "domino_row", "hidden"}
+
+
+@pytest.mark.parametrize("path", PHYSICS, ids=lambda path: path.stem)
+def test_groups_tiers_and_questions(path: Path) -> None:
+    assert wmspec.load(path).groups >= 100
+    task = task_of(path)
+    assert task.name == path.stem
+    foreseen, *seen = task.questions
+    assert [question.name for question in seen] == ["moves", "color", "shape"], "after the task's own"
+    assert len(foreseen.orbit) == 2, "a state and an action"
+    assert foreseen.difference is not None
+    named = [factor.domain.names for factor in task.factors if isinstance(factor.domain, Choices)]
+    assert ("easy", "middle", "hard") in named
+
+
+@pytest.mark.slow
+@pytest.mark.engine
+@pytest.mark.parametrize("path", PHYSICS, ids=lambda path: path.stem)
+def test_each_gives_questions(path: Path, tmp_path: Path) -> None:
+    installed("mujoco")
+    made = wmspec.generate(path, tmp_path / "out", backend="mujoco", per_task=8, workers=0)
+    assert made.rows >= 0.9 * (made.rows + sum(made.rejected.values()))
