@@ -69,8 +69,11 @@ class World:
         stiffness, damping, _, velocity, _ = self.drives[joint]
         self.data.ctrl[self.actuators[joint]] = stiffness * target + damping * velocity
 
-    def hold(self, body: int) -> None:
-        """Put a dynamic body back where it began: a free one as heavy as a kinematic one and held against gravity."""
+    def hold(self, body: int, at: Any = None) -> None:
+        """Put a dynamic body where it began or `at` another place: a free one as heavy as a kinematic one and held
+
+        against gravity.
+        """
         if body in self.trees:
             for limb in self.trees[body]:
                 self.rest(limb.body)
@@ -80,6 +83,8 @@ class World:
             self.held.add(body)
             self.weigh(body, HEAVY, np.full(3, HEAVY))
         self.rest(body)
+        if at is not None:
+            self.data.qpos[self.qpos[body] : self.qpos[body] + 7] = at
         self.push(body, -HEAVY * self.model.opt.gravity, np.zeros(3))
 
     def rest(self, body: int) -> None:

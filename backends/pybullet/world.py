@@ -153,8 +153,8 @@ class World:
         """Give the drive of a joint this target."""
         self.targets[joint] = target
 
-    def hold(self, body: int) -> None:
-        """Put a dynamic body back where it began: a free one as heavy as a kinematic one."""
+    def hold(self, body: int, at: Any = None) -> None:
+        """Put a dynamic body where it began or `at` another place: a free one as heavy as a kinematic one."""
         if body in self.trees:
             made = {limb.body: self.ids[limb.body] for limb in self.trees[body]}
             put(self.trees[body], made, self.bodies, self.client)
@@ -163,8 +163,8 @@ class World:
         if body not in self.held:
             self.held.add(body)
             self.weigh(body, HEAVY_MASS, [HEAVY_INERTIA] * 3)
-        start = self.bodies[body].start
-        self.drive(body, start, start, (0.0,) * 6)
+        place = self.bodies[body].start if at is None else at
+        self.drive(body, place, place, (0.0,) * 6)
 
     def free(self, body: int) -> None:
         """Let go of what has been held."""

@@ -150,12 +150,14 @@ class World:
         """Give the drive of a joint this target."""
         self.joints[joint].set_drive_target(target)
 
-    def hold(self, body: int) -> None:
-        """Put a dynamic body back where it began, and make a free one kinematic."""
+    def hold(self, body: int, at: Any = None) -> None:
+        """Put a dynamic body where it began or `at` another place, and make a free one kinematic."""
         if body not in self.trees:
             self.parts[body].set_kinematic(True)
-            start = np.array(self.bodies[body].start)
-            self.drive(body, start, start, np.zeros(6))
+            place = np.array(self.bodies[body].start if at is None else at)
+            if at is not None:
+                self.parts[body].entity.set_pose(frame(place))
+            self.drive(body, place, place, np.zeros(6))
             return
         for branch in branches(self.trees[body]):
             part = self.parts[branch[0].body]

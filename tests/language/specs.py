@@ -154,6 +154,9 @@ _CHANGES = (
     "counterfactual turned  { state  a.yaw: a.yaw + 10 deg }",
     "counterfactual painted { state  a.material: fabric }",
     "counterfactual each other pace",
+    "counterfactual stopped { add stop(spare) at 0.6 s }",
+    "counterfactual dyed    { add paint(spare, color: green) at 0.2 s * n }",
+    "counterfactual gone    { add vanish(spare) at 0.9 s }",
     "counterfactual struck  { add impulse(spare, direction: turn, impulse: 0.1 kg * pace) at 0.5 s }",
 )
 

@@ -11,7 +11,20 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.diagnostics import WmsError
-from wmspec.scene.model import Action, Follow, Force, Glide, Impulse, Launch, Pose, Release, Scene, Teleport, Trace
+from wmspec.scene.model import (
+    Action,
+    Follow,
+    Force,
+    Glide,
+    Impulse,
+    Launch,
+    Pose,
+    Release,
+    Scene,
+    Teleport,
+    Trace,
+    Vanish,
+)
 from wmspec.scene.transform import multiply, rotate
 from wmspec.shapes import Box, Sphere
 
@@ -165,3 +178,27 @@ def test_what_cannot_be_done_is_refused(case: str) -> None:
     bodies = [body("d", CUBE), body("k", CUBE, motion="kinematic"), body("s", CUBE, motion="static")]
     with pytest.raises(WmsError, match=message):
         validate(scene(*bodies, actions=actions))
+
+
+def test_what_stands_on_what_vanishes_falls(execute: Execute) -> None:
+    """From when its support is gone, a cube falls freely, for the root of 2 h / g; nothing touches what is gone."""
+    support, cube = body("support", CUBE, (0, 0, 0.05)), body("cube", CUBE, (0, 0, 0.15))
+    trace = execute(scene(floor(), support, cube, duration=0.6, actions=(Vanish("v", "support", 0.25),)))
+    t = trace.time
+    assert np.abs(trace.position[t <= 0.25, 2, 2] - 0.15).max() < 1e-3
+    falling = (t > 0.25) & (t < 0.25 + np.sqrt(2 * 0.1 / G) - 0.01)
+    assert np.abs(trace.position[falling, 2, 2] - (0.15 - G * (t[falling] - 0.25) ** 2 / 2)).max() < 2e-3
+    assert trace.position[-1, 2, 2] == pytest.approx(0.05, abs=1e-3)
+    assert trace.position[t > 0.26, 1, 2].min() > 100
+    assert max(c.stop for c in trace.contacts if {c.first, c.second} == {"support", "cube"}) < 0.27
+
+
+def test_what_is_carried_vanishes_on_its_way(execute: Execute) -> None:
+    glide = Glide("g", "b", 0.0, 1.0, np.array([1.0, 0, 0]))
+    trace = execute(
+        scene(body("b", CUBE, (0, 0, 1), motion="kinematic"), duration=1, actions=(glide, Vanish("v", "b", 0.5)))
+    )
+    t = trace.time
+    assert np.abs(trace.position[t < 0.5, 0, 0] - t[t < 0.5]).max() < 1e-9
+    assert trace.position[t >= 0.5, 0, 2].min() > 100
+    assert not trace.linear_velocity[t >= 0.5].any()

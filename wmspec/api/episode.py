@@ -19,6 +19,7 @@ from wmspec.diagnostics import StageError, WmsError, suggestion
 from wmspec.execute import archive
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.places import FilePlace
+from wmspec.scene.appearance import shown_at
 from wmspec.scene.bounds import middle
 from wmspec.scene.camera import find
 from wmspec.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
@@ -178,7 +179,7 @@ class Episode:
         if not -1e-9 <= time <= self.time[-1] + 0.5 / self.scene.rate:
             raise WmsError(f"{time:g} s is outside the episode, which lasts {self.time[-1]:g} s")
         shot = Shot(camera, self.trace.poses(time))
-        return renderer_of(self.engine, **drawing).draw(self.scene, shot, depth=depth)
+        return renderer_of(self.engine, **drawing).draw(shown_at(self.scene, time), shot, depth=depth)
 
 
 def open_stage(path: str | PathLike[str]) -> Usd.Stage:

@@ -19,6 +19,7 @@ from wmspec.draws import uniform
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.layout.values import Values
+from wmspec.scene.appearance import shown_at, vanished
 from wmspec.scene.bounds import bounds, middle
 from wmspec.scene.model import Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.scene.overlap import overlap
@@ -67,9 +68,9 @@ class Run:
             label = f"{self.values.change.name}: " if self.values.change else ""
             raise WmsError(f"{label}{time:g} s is outside the episode, which lasts {self.scene.duration:g} s")
         i, index = self.trace.sample(time), {name: k for k, name in enumerate(self.trace.bodies)}
-        rows = np.full((len(names), 7), np.nan)
+        rows, gone = np.full((len(names), 7), np.nan), vanished(self.scene, time)
         for row, name in zip(rows, names, strict=True):
-            if name in index:
+            if name in index and name not in gone:
                 k = index[name]
                 here = Pose(self.trace.position[i, k], self.trace.orientation[i, k])
                 row[:3], row[3:] = middle(self.scene.bodies[k], here), here.orientation
@@ -86,7 +87,7 @@ class Run:
 
     def draw(self, camera: str, time: float, pair: EnginePair, *, depth: bool = False) -> Frame:
         """What a camera sees at a time (s)."""
-        return pair.renders.draw(self.scene, Shot(camera, self.trace.poses(time)), depth=depth)
+        return pair.renders.draw(shown_at(self.scene, time), Shot(camera, self.trace.poses(time)), depth=depth)
 
 
 def values_of(design: Design, instance: Instance, change: Counterfactual | None = None) -> Values:

@@ -14,6 +14,7 @@ from wmspec.check.evaluate import evaluate, parts
 from wmspec.check.ir import Expr, Question, Ref, Said, Value
 from wmspec.design.depend import Dependencies
 from wmspec.layout.values import Values
+from wmspec.scene.appearance import vanished
 
 #: A body that covers less of a picture than this cannot be seen in it. (A 6 x 6 patch of 256 x 256 pixels.)
 LEAST_VISIBLE = 36 / 256**2
@@ -125,7 +126,9 @@ def _seen_once(observed: Observed, group: tuple[str, ...], views: Sequence[View]
 
 
 def _unseen(observed: Observed, group: tuple[str, ...], view: View) -> str:
-    """Why a body, or bodies that are seen as one thing, are not well seen in a view; empty if they are."""
+    """Why a body, or bodies that are seen as one thing, are not well seen in a view; empty if they are, or are gone."""
+    if vanished(observed.scene, view[1]).issuperset(group):
+        return ""
     if len(group) == 1:
         return unseen(observed, group[0], view)
     ids = observed.picture(*view).ids

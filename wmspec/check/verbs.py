@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from wmspec.check.types import (
     A_LENGTH,
     AN_ANGLE,
+    COLOR,
     DIRECTION,
     JOINT,
     OBJECT,
@@ -29,6 +30,7 @@ class Verb:
     `lasts`: it needs `for TIME`. `author` is the function that says on the stage what happens, as `module:function`; a
     verb without one is checked, and refused when a stage is made. `staged` is which action of the stage it becomes, if
     not one of its own name. `carries`: it moves its object whatever is in the way. `holds`: its object stays until then.
+    `whatever`: it can be done to what is carried, too.
     """
 
     meaning: str
@@ -38,6 +40,7 @@ class Verb:
     staged: str = ""
     carries: bool = False
     holds: bool = False
+    whatever: bool = False
 
 
 _DIRECTION = Slot((AN_ANGLE, DIRECTION), "heading on the ground, anticlockwise from +x; a word; or `toward(object)`")
@@ -120,6 +123,17 @@ VERBS: dict[str, Verb] = {
         "sends a joint's drive to another target",
         {"joint": Slot((JOINT,), "which joint"), "target": Slot((AN_ANGLE, A_LENGTH), "where to")},
         lasts=False, author="wmspec.stage.actions:drive",
+    ),
+    "stop": Verb("makes the object stand still at once", {"object": _OBJECT}, lasts=False, author="wmspec.stage.actions:stop", staged="launch"),
+    "paint": Verb(
+        "gives all of the object another colour",
+        {"object": Slot((OBJECT,), "what is painted"), "color": Slot((COLOR,), "which colour")},
+        lasts=False, author="wmspec.stage.actions:paint", whatever=True,
+    ),
+    "vanish": Verb(
+        "takes the object away: from then on nothing touches or shows it",
+        {"object": Slot((OBJECT,), "what vanishes")},
+        lasts=False, author="wmspec.stage.actions:vanish", whatever=True,
     ),
 }  # fmt: skip
 

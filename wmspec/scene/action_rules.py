@@ -18,22 +18,27 @@ from wmspec.scene.model import (
     Impulse,
     Joint,
     Launch,
+    Paint,
     Release,
     Scene,
     Steer,
     Teleport,
+    Vanish,
 )
 from wmspec.scene.paths import astray, overlaps
 
+_MOVED, _FREE = ("kinematic",), ("dynamic",)
 MOTIONS = {
-    Launch: "dynamic",
-    Glide: "kinematic",
-    Follow: "kinematic",
-    Teleport: "kinematic",
-    Impulse: "dynamic",
-    Force: "dynamic",
-    Release: "dynamic",
-    Grip: "dynamic",
+    Launch: _FREE,
+    Glide: _MOVED,
+    Follow: _MOVED,
+    Teleport: _MOVED,
+    Impulse: _FREE,
+    Force: _FREE,
+    Release: _FREE,
+    Grip: _FREE,
+    Paint: (*_FREE, *_MOVED, "static"),
+    Vanish: (*_FREE, *_MOVED),
 }
 """What an action can be done to."""
 
@@ -47,8 +52,9 @@ def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Jo
         needed = MOTIONS[type(action)]
         if action.body not in motions:
             yield Diagnostic(f"there is no body '{action.body}'", help=f"there are {', '.join(motions)}")
-        elif motions[action.body] != needed:
-            yield Diagnostic(f"it moves '{action.body}', which is {motions[action.body]}, expected a {needed} body")
+        elif motions[action.body] not in needed:
+            found, wanted = motions[action.body], " or ".join(needed)
+            yield Diagnostic(f"it moves '{action.body}', which is {found}, expected a {wanted} body")
     if isinstance(action, Grip) and motions.get(action.hand) != "kinematic":
         yield Diagnostic(f"there is no kinematic body '{action.hand}' that could hold anything")
     if not (action.start >= 0 and all(np.isfinite(v).all() for v in _numbers(action))):
@@ -82,7 +88,9 @@ def _numbers(action: Action) -> list[ArrayLike]:
             return [action.start, action.pose.position, action.pose.orientation]
         case Impulse():
             return [action.start, action.impulse]
-        case Release():
+        case Paint():
+            return [action.start, action.color]
+        case Release() | Vanish():
             return [action.start]
         case Steer():
             return [action.start, action.target]
@@ -98,7 +106,7 @@ def sequence(scene: Scene) -> Iterator[Diagnostic]:
         )
     releases = {action.body: action for action in scene.actions if isinstance(action, Release)}
     for action in scene.actions:
-        if isinstance(action, Launch | Impulse | Force) and action.body in releases:
+        if isinstance(action, Launch | Impulse | Force | Vanish) and action.body in releases:
             release = releases[action.body]
             if action.start < release.start:
                 yield Diagnostic(

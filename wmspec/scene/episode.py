@@ -56,10 +56,12 @@ class Drag:
 
 @dataclass(frozen=True)
 class Hold:
-    """Until step number `until` the dynamic `body` stays where it began."""
+    """From step number `first` until `until` the dynamic `body` stays where it began, or `at` another place (7,)."""
 
     until: int
     body: int
+    first: int = 0
+    at: Vector | None = None
 
 
 @dataclass(frozen=True)
@@ -185,8 +187,11 @@ class World(Protocol):
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Let a force and a torque (3,) act at the centre of mass of a dynamic body during the next step."""
 
-    def hold(self, body: int) -> None:
-        """Put a dynamic body, with all that is jointed to it, back where it began, at rest, and let nothing move it."""
+    def hold(self, body: int, at: Any = None) -> None:
+        """Put a dynamic body, with all that is jointed to it, back where it began, at rest, and let nothing move it.
+
+        With a pose `at` (7,), put the body, which has no joints, there instead.
+        """
 
     def free(self, body: int) -> None:
         """Let go of what has been held."""
@@ -244,7 +249,7 @@ def play(world: World, episode: Episode) -> Recording:
 
 def beginnings(episode: Episode) -> set[int]:
     """The numbers of the steps before which something happens at once."""
-    held = range(max((hold.until + 1 for hold in episode.holds), default=0))
+    held = (i for hold in episode.holds for i in range(hold.first, hold.until + 1))
     taken = {step for grip in episode.grips for step in (grip.first, grip.last)}
     return {*held, *taken, *(kick.step for kick in episode.kicks), *(aim.step for aim in episode.aims)}
 
@@ -252,8 +257,8 @@ def beginnings(episode: Episode) -> set[int]:
 def begin(world: World, episode: Episode, i: int) -> list[Kick]:
     """What happens at once before step number `i`; the kicks, as they are to be recorded."""
     for hold in episode.holds:
-        if i < hold.until:
-            world.hold(hold.body)
+        if hold.first <= i < hold.until:
+            world.hold(hold.body, hold.at)
         elif i == hold.until:
             world.free(hold.body)
     for aim in episode.aims:

@@ -9,7 +9,7 @@ import numpy as np
 from wmspec.diagnostics import Diagnostic
 from wmspec.places import PrimPlace
 from wmspec.scene.articulations import jointed, moves, trees
-from wmspec.scene.model import Body, Drive, Joint, Launch, Release, Scene
+from wmspec.scene.model import Body, Drive, Joint, Launch, Release, Scene, Vanish
 
 
 def problems(scene: Scene) -> Iterator[Diagnostic]:
@@ -66,12 +66,9 @@ def _tied(scene: Scene) -> Iterator[Diagnostic]:
                 "give it an impulse or a drive instead of a velocity",
             )
     for action in scene.actions:
-        if isinstance(action, Launch) and action.body in tied:
-            yield Diagnostic(
-                f"'{action.body}' has joints",
-                PrimPlace(f"action {action.name}"),
-                "give it an impulse instead of a launch",
-            )
+        if isinstance(action, Launch | Vanish) and action.body in tied:
+            remedy = "give it an impulse instead" if isinstance(action, Launch) else "let what has no joints vanish"
+            yield Diagnostic(f"'{action.body}' has joints", PrimPlace(f"action {action.name}"), remedy)
     releases = {a.body: a.start for a in scene.actions if isinstance(a, Release)}
     for tree in trees(scene):
         names = [scene.bodies[link.body].name for link in tree]

@@ -10,12 +10,13 @@ from math import ceil
 import numpy as np
 
 from wmspec.scene.episode import Track
-from wmspec.scene.model import Action, Array, Body, Follow, Glide, Pose, Scene, Teleport
+from wmspec.scene.model import Action, Array, Body, Follow, Glide, Pose, Scene, Teleport, Vanish
 from wmspec.scene.numbers import floats
 from wmspec.scene.transform import conjugate, multiply, turned, turning
 
 Move = Glide | Follow | Teleport
 _FUZZ = 1e-6  # steps
+FAR, APART = 1000.0, 10.0  # m: how high what has vanished is, and how far from what else has
 NEAR = 1e-3  # m and rad: how far from where the body is its way may begin
 
 
@@ -49,6 +50,9 @@ def track(scene: Scene, index: int, steps_per_second: int) -> Track:
     for move in moves_of(scene.actions, body):
         for part in _parts(move, parts[-1].at(move.start), steps_per_second):
             parts.append(part.since(parts[-1].time))
+    for gone in (a for a in scene.actions if isinstance(a, Vanish) and a.body == body.name):
+        left = _rest(ceil(gone.start * steps_per_second - _FUZZ) / steps_per_second, Pose(away(index), parts[0].turn))
+        parts = [*(part for part in parts if part.time < left.time), left]
     return Track(
         index,
         tuple(float(part.time) for part in parts),
@@ -57,6 +61,11 @@ def track(scene: Scene, index: int, steps_per_second: int) -> Track:
         tuple(floats(part.turn) for part in parts),
         tuple(floats(part.spin) for part in parts),
     )
+
+
+def away(index: int) -> Array:
+    """Where the body number `index` is (3,) when it has vanished."""
+    return np.array([APART * index, 0.0, FAR])
 
 
 def moves_of(actions: Sequence[Action], body: Body) -> list[Move]:

@@ -11,9 +11,9 @@ from wmspec.scene import model
 from wmspec.scene.articulations import jointed, trees
 from wmspec.scene.com_frame import com_frame, mount
 from wmspec.scene.episode import Aim, Drag, Episode, Grip, Hold, Kick, Push
-from wmspec.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer
+from wmspec.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer, Vanish
 from wmspec.scene.numbers import floats, numbers
-from wmspec.scene.paths import track
+from wmspec.scene.paths import away, track
 
 _REST = (0.0, 0.0, 0.0)
 
@@ -34,7 +34,7 @@ def episode(scene: Scene, steps_per_second: int) -> Episode:
         kicks=kicks(scene, held, rate),
         tracks=tuple(track(scene, i, rate) for i, body in enumerate(scene.bodies) if body.motion == "kinematic"),
         pushes=pushes(scene, held, rate),
-        holds=held,
+        holds=(*held, *absences(scene, rate)),
         aims=aims(scene, rate),
         drags=drags(scene),
         grips=grips(scene, rate),
@@ -62,6 +62,21 @@ def holds(scene: Scene, rate: int) -> tuple[Hold, ...]:
     """What is held at first."""
     ends = {_index(scene)[a.body]: round(a.start * rate) for a in scene.actions if isinstance(a, Release)}
     return tuple(Hold(until, body) for body, until in sorted(ends.items()) if until)
+
+
+def absences(scene: Scene, rate: int) -> tuple[Hold, ...]:
+    """What vanishes, and is held far away from everything, and from whatever else has vanished, to the end."""
+    index, last = _index(scene), ceil(scene.duration * rate) + 1
+    return tuple(
+        Hold(
+            last,
+            i,
+            round(action.start * rate),
+            (*floats(away(i)), *floats(com_frame(scene.bodies[i]).pose.orientation)),
+        )
+        for action in sorted((a for a in scene.actions if isinstance(a, Vanish)), key=lambda a: a.start)
+        if scene.bodies[i := index[action.body]].motion == "dynamic"
+    )
 
 
 def aims(scene: Scene, rate: int) -> tuple[Aim, ...]:

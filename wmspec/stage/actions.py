@@ -12,6 +12,7 @@ from wmspec.layout import motion
 from wmspec.layout.geometry import pieces
 from wmspec.layout.surfaces import WORLD, holder, under
 from wmspec.layout.values import Values
+from wmspec.materials.colors import rgb
 from wmspec.space import UP, Vector, dot, heading, multiply, rotate, times, turn
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.joints import has_drive, joined, joint_path
@@ -54,16 +55,17 @@ def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, 
 
 def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -> None:
     """Complain if the object cannot do what the verb asks."""
-    if values.property(target, "fixed"):
+    if values.property(target, "fixed") and action.verb != "paint":
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
-    if action.verb not in motion.CARRYING and target in carried:
+    if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].whatever:
         raise ImpossibleValue(
             f"`{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it",
             action.place,
             "use verbs that carry it, or none of them",
         )
-    if "launch" in (action.verb, VERBS[action.verb].staged) and joined(values, target):
-        raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, "use `impulse`")
+    if {"launch", "vanish"} & {action.verb, VERBS[action.verb].staged} and joined(values, target):
+        remedy = "use `impulse`" if action.verb == "launch" else "leave out the joint, or this"
+        raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, remedy)
 
 
 def _heading(action: Thing, values: Values) -> Vector:
@@ -170,6 +172,24 @@ def teleport(prim: Prim, action: Thing, values: Values) -> None:
     sources = (f"{name}.to", f"{name}.yaw", f"{name}.way")
     _vector(prim, "wms:position", pose.position, *sources)
     prim.set("wms:orientation", "quatd", pose.orientation, *sources, uniform=True)
+
+
+# ---------------------------------------------------------------- at once, in the midst of it
+
+
+def stop(prim: Prim, _action: Thing, _values: Values) -> None:
+    """No velocity and no spin, at once."""
+    prim.set("wms:speed", "double", 0.0, uniform=True)
+    _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
+
+
+def paint(prim: Prim, action: Thing, values: Values) -> None:
+    """Another colour, at once."""
+    _vector(prim, "wms:color", rgb(values.property(action.name, "color")), f"{action.name}.color")
+
+
+def vanish(_prim: Prim, _action: Thing, _values: Values) -> None:
+    """Nothing more: it is nowhere from then on."""
 
 
 # ---------------------------------------------------------------- pushed, released, driven

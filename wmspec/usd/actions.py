@@ -23,10 +23,12 @@ from wmspec.scene.model import (
     Impulse,
     Joint,
     Launch,
+    Paint,
     Pose,
     Release,
     Steer,
     Teleport,
+    Vanish,
 )
 from wmspec.scene.paths import overlaps
 from wmspec.usd.frames import World, quaternion
@@ -51,8 +53,9 @@ def action(prim: Usd.Prim, bodies: Mapping[str, Body], joints: Mapping[str, Join
     if kind is Steer:
         return make(prim, _driven(prim, joints), world)
     body, motion = target(prim, "wms:object", bodies, "rigid body"), MOTIONS[kind]
-    if body.motion != motion:
-        refuse(prim, f"{verb} needs a {motion} body, but {body.path} is {body.motion}", f"choose a {motion} body")
+    if body.motion not in motion:
+        wanted = " or ".join(motion)
+        refuse(prim, f"{verb} needs a {wanted} body, but {body.path} is {body.motion}", f"choose a {wanted} body")
     return make(prim, body.name, world)
 
 
@@ -117,6 +120,17 @@ def _release(prim: Usd.Prim, body: str, _world: World) -> Release:
     return Release(prim.GetName(), body, seconds(prim, "wms:start"))
 
 
+def _paint(prim: Usd.Prim, body: str, _world: World) -> Paint:
+    red, green, blue = (float(part) for part in value(prim, "wms:color", Gf.Vec3d(0)))
+    if not all(0 <= part <= 1 for part in (red, green, blue)):
+        refuse(prim, f"wms:color = {(red, green, blue)}", "author sRGB in 0..1")
+    return Paint(prim.GetName(), body, seconds(prim, "wms:start"), (red, green, blue))
+
+
+def _vanish(prim: Usd.Prim, body: str, _world: World) -> Vanish:
+    return Vanish(prim.GetName(), body, seconds(prim, "wms:start"))
+
+
 def _hold(prim: Usd.Prim, body: str, bodies: Mapping[str, Body]) -> Grip:
     hand: Body = target(prim, "wms:hand", bodies, "rigid body")
     points = np.array(value(prim, "wms:points", ()), np.float64).reshape(-1, 3)
@@ -140,6 +154,8 @@ VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, World], Action]]] 
     "force": (Force, _force),
     "release": (Release, _release),
     "drive": (Steer, _steer),
+    "paint": (Paint, _paint),
+    "vanish": (Vanish, _vanish),
 }
 """Verb -> the action, and what reads it, given the name of the body or joint that it is done to."""
 

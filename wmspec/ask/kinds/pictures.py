@@ -22,6 +22,7 @@ from wmspec.ask.runs import Run
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
 from wmspec.execute.render_cache import look_key
+from wmspec.scene.appearance import shown_at
 from wmspec.scene.model import Frame, Pose, Scene
 from wmspec.scene.turn import axis, visibly_turned
 
@@ -86,7 +87,7 @@ class Pictures(Kind[PictureAnswer]):
             names=(TRUTH, *(change.name for change in asking.changes)),
             bodies=bodies,
             outcomes=np.stack([run.poses(bodies, time) for run in runs]),
-            looks=tuple(appearance(run.scene) for run in runs),
+            looks=tuple(appearance(shown_at(run.scene, time)) for run in runs),
             axes=_axes(runs, bodies),
             lever=lever,
             outcome_kinds=tuple(_outcome_kinds(asking)),
@@ -274,7 +275,10 @@ def _from(mine: PictureAnswer, other: PictureAnswer, name: str) -> str:
 def _told_apart(depicted: Sequence[Depicted], frames: Sequence[Frame]) -> None:
     """Raise Reject if two pictures look alike."""
     numbers: dict[tuple[object, ...], int] = {}
-    shown = [_shown(option.run.scene, frame, numbers) for option, frame in zip(depicted, frames, strict=True)]
+    shown = [
+        _shown(shown_at(option.run.scene, option.time), frame, numbers)
+        for option, frame in zip(depicted, frames, strict=True)
+    ]
     for i, j in combinations(range(len(shown)), 2):
         share = float((shown[i] != shown[j]).mean())
         if share < LEAST_DIFFERENT:

@@ -4,7 +4,20 @@ Units are SI, the world is Z up, quaternions are (w, x, y, z), colours are sRGB 
 immutable; arrays are float64 and never written to after construction.
 """
 
-from wmspec.scene.model.actions import Action, Follow, Force, Glide, Grip, Impulse, Launch, Release, Steer, Teleport
+from wmspec.scene.model.actions import (
+    Action,
+    Follow,
+    Force,
+    Glide,
+    Grip,
+    Impulse,
+    Launch,
+    Paint,
+    Release,
+    Steer,
+    Teleport,
+    Vanish,
+)
 from wmspec.scene.model.bodies import Body, Drive, Friction, Geom, Inertia, Joint, JointKind, Motion, Surface
 from wmspec.scene.model.cameras import Camera, Frame, Light, Observation, Shot
 from wmspec.scene.model.episode import Contact, Scene, Trace
@@ -34,6 +47,7 @@ __all__ = [
     "Look",
     "Motion",
     "Observation",
+    "Paint",
     "Pose",
     "Release",
     "Renderer",
@@ -43,4 +57,5 @@ __all__ = [
     "Surface",
     "Teleport",
     "Trace",
+    "Vanish",
 ]

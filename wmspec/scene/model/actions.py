@@ -115,4 +115,23 @@ class Grip:
     points: Array
 
 
-Action = Launch | Glide | Follow | Teleport | Impulse | Force | Release | Steer | Grip
+@dataclass(frozen=True)
+class Paint:
+    """From `start` (s) on all of the body has this `color`, sRGB in 0..1, whatever moves it."""
+
+    name: str
+    body: str
+    start: float
+    color: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Vanish:
+    """From `start` (s) on the body, which can move and has no joints, is nowhere: nothing touches or shows it."""
+
+    name: str
+    body: str
+    start: float
+
+
+Action = Launch | Glide | Follow | Teleport | Impulse | Force | Release | Steer | Grip | Paint | Vanish

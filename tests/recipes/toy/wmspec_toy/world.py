@@ -40,8 +40,10 @@ class World:
         self.force[body] += force
         self.torque[body] += torque
 
-    def hold(self, body: int) -> None:
+    def hold(self, body: int, at: Any = None) -> None:
         self.held.add(body)
+        if at is not None:
+            self.position[body], self.turn[body] = np.array(at[:3]), np.array(at[3:])
 
     def free(self, body: int) -> None:
         self.held.discard(body)
