@@ -164,7 +164,8 @@ class Questions:
         rules = QUESTION_RULES[kind]
         noun = article(str(answer.type))
         rule = broken(rules, answer.type, places.keys())
-        if rules.spoken and _spoken(answer.type) is None and answer.type != TRUTH:
+        several = isinstance(answer.type, List | Vector)
+        if rules.spoken and (several or _spoken(answer.type) is None) and answer.type != TRUTH:
             self.check.fail("WMS502", f"{noun} is no answer to a question", clause.value.span, _made_one(answer.type))
         if rule is not None:
             self.check.fail("WMS502", rule.message.format(answer=noun), places[rule.at], rule.remedy)
