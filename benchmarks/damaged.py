@@ -1,50 +1,66 @@
 """Files for the fuzzer: datasets, traces, stages, assets, meshes and pictures, whole ones that were damaged.
 
 A damaged file is cut off, has bits turned, parts swapped or doubled, says that something is longer than it is, or has
-numbers and words that mean something else. Each is a pure function of its number.
+numbers and words that mean something else. Most of these no longer can be read at all; so there are files too that are
+whole, and of which values and lines are others. Each is a pure function of its number.
 """
 
 from __future__ import annotations
 
-import hashlib
 import io
-import json
+import math
 import random
 import re
 import shutil
 import struct
 import tempfile
+import warnings
 import zipfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
 from PIL import Image
 
 from tests.dataset.made import make, plan
-from wmspec.api.episode import load_episode, open_stage
+from tests.trust.made import resaved, rewritten, signed, wmspec
+from wmspec.api.episode import load_episode, open_stage, run
 from wmspec.check.task import check_program
 from wmspec.diagnostics import Report, WmsError
+from wmspec.evaluate import results
 from wmspec.execute import archive
 from wmspec.gallery.gallery import folder as gallery_folder
 from wmspec.lint.dry_run import dry_run
 from wmspec.parse.load import load_source
 from wmspec.places import Source
+from wmspec.recast.recast import recast
+from wmspec.report import replies
 from wmspec.scene.model import Trace
 from wmspec.usd import read
 from wmspec.write.reader import DatasetReader
 
 ROOT = Path(__file__).parent.parent
 MESHES = ("obj", "stl", "ply", "off", "glb", "gltf", "dae")
+TEXTS = ("obj", "off", "gltf", "dae")
+
+Damage = Callable[[bytes, random.Random], bytes]
+Attempt = Callable[[Path, random.Random, Damage], None]
 KINDS = ("manifest", "shard", "trace", "stage", "usd", "urdf", "mjcf", "mesh", "picture")
+CHANGED = ("manifest", "rows", "arrays", "stage", "usd", "urdf", "mjcf", "mesh", "results", "table")
 
 SPEC = """use tabletop
 task t : custom {{
   object thing {{ {what} }}
   observe front at 0 s
 }}
+"""
+TABLE = b"""question,pictures,options,answer,frames,times,difference,within,factor.kind
+"Which is it?","a.png;b.jpg","left;right","left","","0;1.5","2.5","","near"
+"How far, in ""m""?","b.jpg","","3","","","","0.5","far"
+"Which one?","a.png","a.png;b.jpg","b.jpg","","","","","near"
 """
 ODD = (
     b"nan",
@@ -81,6 +97,11 @@ def originals() -> Path:
     picture.save(made / "picture.png")
     picture.save(made / "picture.jpg")
     _trace(made / "trace.npz")
+    (made / "photos").mkdir()
+    for name in ("a.png", "b.jpg"):
+        picture.save(made / "photos" / name)
+    asked = wmspec("evaluate", made / "dataset", "-m", "random", "-o", made / "results.parquet")
+    assert asked.exit_code == 0, asked.output
     return made
 
 
@@ -156,8 +177,42 @@ def _words(content: bytes) -> list[tuple[int, int]]:
     return [m.span() for m in re.finditer(rb"[\w.+-]+", content[:200_000])]
 
 
-_DAMAGES: tuple[Callable[[bytes, random.Random], bytes], ...] = (_cut, _flipped, _swapped, _doubled, _lying, _reworded)
+_DAMAGES: tuple[Damage, ...] = (_cut, _flipped, _swapped, _doubled, _lying, _reworded)
 _OFTEN = (1, 4, 1, 1, 4, 5)
+
+
+def changed(content: bytes, random_: random.Random) -> bytes:
+    """A text whose syntax stays: one to three of its numbers, words in quotes or lines are others, or are gone."""
+    for _ in range(random_.choice((1, 1, 2, 3))):
+        content = random_.choices((_revalued, _relined), (4, 1))[0](content, random_)
+    return content
+
+
+_VALUE = re.compile(rb"(?<=\")[^\"\n]*(?=\")|(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w.])")
+_NUMBERS = (b"nan", b"inf", b"-1", b"0", b"1e308", b"1e-308", b"1e-9", b"1e12", b"3", b"999999999999999999999")
+
+
+def _revalued(content: bytes, r: random.Random) -> bytes:
+    """Another value, most often of the same kind: a number for a number, several for several."""
+    values = [m.span() for m in _VALUE.finditer(content)]
+    if not values:
+        return content
+    a, b = r.choice(values)
+    c, d = r.choice(values)
+    numbers = content[a:b].split()
+    if r.random() < 0.7 and all(_VALUE.fullmatch(n) for n in numbers) and numbers:
+        numbers[r.randrange(len(numbers))] = r.choice(_NUMBERS)
+        return content[:a] + b" ".join(numbers) + content[b:]
+    return content[:a] + r.choice((*ODD[-3:-1], b"", content[c:d])) + content[b:]
+
+
+def _relined(content: bytes, r: random.Random) -> bytes:
+    """A line is gone, is there twice, or stands elsewhere."""
+    lines = content.split(b"\n")
+    line = lines.pop(r.randrange(len(lines)))
+    for _ in range(r.randrange(3)):
+        lines.insert(r.randrange(len(lines) + 1), line)
+    return b"\n".join(lines)
 
 
 # ---------------------------------------------------------------- trying
@@ -168,48 +223,127 @@ def attempt_file(number: int) -> str:
 
     Its folder has others around it, so that what is written outside is seen.
     """
-    kind, random_ = KINDS[number % len(KINDS)], random.Random(f"file {number}")  # noqa: S311
+    return _attempt(KINDS[number % len(KINDS)], random.Random(f"file {number}"), damaged)  # noqa: S311
+
+
+def attempt_changed(number: int) -> str:
+    """The same for a file that is whole and says something else."""
+    return _attempt(CHANGED[number % len(CHANGED)], random.Random(f"changed {number}"), changed)  # noqa: S311
+
+
+def _attempt(kind: str, random_: random.Random, damage: Damage) -> str:
     with tempfile.TemporaryDirectory(prefix="fuzz") as root:
         home = Path(root) / "a" / "b" / "c"
         home.mkdir(parents=True)
         try:
-            _TRY[kind](home, random_)
+            with warnings.catch_warnings(record=True, action="always", category=RuntimeWarning) as told:
+                _TRY[kind](home, random_, damage)
             came = "read"
         except WmsError as error:
             error.render()
             came = "refused"
+        assert not told, f"it warns: {told[0].message} ({told[0].filename}:{told[0].lineno})"
         outside = [p for p in Path(root).rglob("*") if p.is_file() and not p.is_relative_to(home)]
         assert not outside, f"written outside: {outside}"
     return f"{kind} {came}"
 
 
-def _dataset(home: Path, name: str, r: random.Random, signed: bool) -> None:
-    folder = home / "dataset"
-    shutil.copytree(originals() / "dataset", folder)
-    path = folder / name
-    path.write_bytes(damaged(path.read_bytes(), r))
-    if signed:
-        place = folder / "manifest.json"
-        manifest = json.loads(place.read_bytes())
-        manifest["shards"][name]["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
-        place.write_text(json.dumps(manifest))
+def _manifest(home: Path, r: random.Random, damage: Damage) -> None:
+    folder = _copied(home)
+    path = folder / "manifest.json"
+    path.write_bytes(damage(path.read_bytes(), r))
     gallery_folder(DatasetReader.open(folder), 2, home / "out")
 
 
-def _shard(home: Path, r: random.Random) -> None:
-    shards = sorted((originals() / "dataset").glob("data/*/*.parquet"))
-    _dataset(home, str(r.choice(shards).relative_to(originals() / "dataset")), r, signed=True)
+def _copied(home: Path) -> Path:
+    shutil.copytree(originals() / "dataset", home / "dataset")
+    return home / "dataset"
 
 
-def _of_trace(home: Path, r: random.Random) -> None:
+def _chosen(folder: Path, r: random.Random) -> str:
+    return str(r.choice(sorted(folder.glob("data/*/*.parquet"))).relative_to(folder))
+
+
+def _shard(home: Path, r: random.Random, damage: Damage) -> None:
+    folder = _copied(home)
+    name = _chosen(folder, r)
+    (folder / name).write_bytes(damage((folder / name).read_bytes(), r))
+    signed(folder, name)
+    gallery_folder(DatasetReader.open(folder), 2, home / "out")
+
+
+def _rows(home: Path, r: random.Random, _: Damage) -> None:
+    folder = _copied(home)
+    rewritten(folder, _chosen(folder, r), lambda rows: _other(r.choice(rows), r))
+    gallery_folder(DatasetReader.open(folder), 2, home / "out")
+
+
+def _other(row: dict[str, Any], r: random.Random) -> None:
+    """A row has another value, of the same type."""
+    name = r.choice(sorted(row))
+    row[name] = _instead(row[name], r)
+
+
+def _instead(value: Any, r: random.Random) -> Any:
+    match value:
+        case bool():
+            return r.choice((not value, None))
+        case int():
+            return r.choice((-1, 0, 99, 2**62, None))
+        case float():
+            return r.choice((math.nan, math.inf, -1.0, 1e308, None))
+        case str():
+            return r.choice(("", "../../x", "\x1b[2J<script>", "x" * 10_000, None))
+        case bytes():
+            return r.choice((b"", damaged(value, r)))
+        case dict():
+            name = r.choice(sorted(value))
+            return {**value, name: _instead(value[name], r)}
+        case list() if value:
+            at = r.randrange(len(value))
+            return r.choice(([], value * 2, value[1:], [*value[:at], _instead(value[at], r), *value[at + 1 :]]))
+    return value
+
+
+def _arrays(home: Path, r: random.Random, _: Damage) -> None:
+    """A trace of which an array holds other numbers, or others as many."""
+    path = home / "trace.npz"
+    shutil.copy(originals() / "trace.npz", path)
+    with np.load(path) as file:
+        name = r.choice(sorted(file.files))
+        array = file[name].copy()
+    if array.dtype.kind == "f" and array.size and r.random() < 0.6:
+        array.flat[r.randrange(array.size)] = r.choice((math.nan, math.inf, -1.0, 1e308, 1e-308, 0.0))
+    else:
+        array = r.choice((array[:0] if array.ndim else array, array.astype("U9"), array[..., None], np.array(7), None))
+    resaved(path, **{name: array})
+    load_episode(path)
+
+
+def _results(home: Path, r: random.Random, _: Damage) -> None:
+    rows, about = results.read(originals() / "results.parquet")
+    for _ in range(r.choice((1, 2))):
+        _other(r.choice(rows), r)
+    results.write(home / "r.parquet", rows, about)
+    replies.read([home / "r.parquet"], None)
+    results.rescore(home / "r.parquet")
+
+
+def _table(home: Path, r: random.Random, damage: Damage) -> None:
+    shutil.copytree(originals() / "photos", home / "photos")
+    (home / "t.csv").write_bytes(damage(TABLE, r))
+    recast(home / "t.csv", home / "photos", home / "out", 32)
+
+
+def _of_trace(home: Path, r: random.Random, damage: Damage) -> None:
     path = home / "trace.npz"
     if r.random() < 0.4:
-        path.write_bytes(damaged((originals() / "trace.npz").read_bytes(), r))
+        path.write_bytes(damage((originals() / "trace.npz").read_bytes(), r))
     else:  # an archive that is whole, of arrays that are not
         with np.load(originals() / "trace.npz") as file:
             members = {name: _saved(file[name]) for name in file.files}
         name = r.choice(sorted(members))
-        members[name] = damaged(members[name], r)
+        members[name] = damage(members[name], r)
         with zipfile.ZipFile(path, "w") as archived:
             for each, content in members.items():
                 archived.writestr(f"{each}.npy", content)
@@ -222,10 +356,12 @@ def _saved(array: np.ndarray) -> bytes:
     return out.getvalue()
 
 
-def _stage(home: Path, r: random.Random) -> None:
-    name = r.choice(("stage.usda", "crate.usdc"))
-    (home / name).write_bytes(damaged((originals() / name).read_bytes(), r))
-    read(open_stage(home / name))
+def _stage(home: Path, r: random.Random, damage: Damage) -> None:
+    name = "stage.usda" if damage is changed else r.choice(("stage.usda", "crate.usdc"))
+    (home / name).write_bytes(damage((originals() / name).read_bytes(), r))
+    stage = open_stage(home / name)
+    if read(stage) and damage is changed:
+        run(stage, "mujoco", 0.02)
 
 
 def _checked(home: Path, what: str) -> None:
@@ -236,30 +372,34 @@ def _checked(home: Path, what: str) -> None:
     report.stop_if_failed()
 
 
-def _asset(name: str) -> Callable[[Path, random.Random], None]:
-    def attempt(home: Path, r: random.Random) -> None:
+def _asset(name: str) -> Attempt:
+    def attempt(home: Path, r: random.Random, damage: Damage) -> None:
         for beside in ("parts", "pictures"):
             shutil.copytree(originals() / beside, home / beside)
-        (home / name).write_bytes(damaged((originals() / name).read_bytes(), r))
+        (home / name).write_bytes(damage((originals() / name).read_bytes(), r))
         _checked(home, f'file: "{name}"')
 
     return attempt
 
 
-def _mesh(home: Path, r: random.Random) -> None:
-    _asset(f"mesh.{r.choice(MESHES)}")(home, r)
+def _mesh(home: Path, r: random.Random, damage: Damage) -> None:
+    _asset(f"mesh.{r.choice(TEXTS if damage is changed else MESHES)}")(home, r, damage)
 
 
-def _picture(home: Path, r: random.Random) -> None:
+def _picture(home: Path, r: random.Random, damage: Damage) -> None:
     name = r.choice(("picture.png", "picture.jpg"))
-    (home / name).write_bytes(damaged((originals() / name).read_bytes(), r))
+    (home / name).write_bytes(damage((originals() / name).read_bytes(), r))
     _checked(home, f'shape: cube  size: 5 cm  image: "{name}"')
 
 
-_TRY: dict[str, Callable[[Path, random.Random], None]] = {
-    "manifest": lambda home, r: _dataset(home, "manifest.json", r, signed=False),
+_TRY: dict[str, Attempt] = {
+    "manifest": _manifest,
     "shard": _shard,
+    "rows": _rows,
     "trace": _of_trace,
+    "arrays": _arrays,
+    "results": _results,
+    "table": _table,
     "stage": _stage,
     "usd": _asset("usd.usda"),
     "urdf": _asset("urdf.urdf"),

@@ -2,11 +2,12 @@
 
     python -m benchmarks.fuzz --count 100000 --workers 2
     python -m benchmarks.fuzz --of files --count 20000 --workers 2
+    python -m benchmarks.fuzz --of changed --count 20000 --workers 2
 
-A spec may take 2 s and 512 MB, a file (`benchmarks/damaged.py`) 10 s and 1 GB, and nothing may be written but where it
-was asked for. An input is a pure function of its number and of the texts in the repository, which it is made from. A
-spec is checked, tried out and, if it can be parsed, formatted twice. What fails is written to `--output`; the exit code
-is 1 then.
+A spec may take 2 s and 512 MB, a file 10 s and 1 GB (`benchmarks/damaged.py`: damaged, or whole and changed), and
+nothing may be written but where it was asked for. An input is a pure function of its number and of the texts in the
+repository, which it is made from. A spec is checked, tried out and, if it can be parsed, formatted twice. What fails is
+written to `--output`; the exit code is 1 then.
 """
 
 from __future__ import annotations
@@ -164,17 +165,17 @@ FILE_SECONDS, FILE_MEMORY = 10.0, 2**30
 TOGETHER = 20
 
 
-def attempt_files(first: int, last: int) -> list[Outcome]:
-    """Damage and read the files of these numbers."""
-    return [_attempt_file(number) for number in range(first, last)]
+def attempt_files(kind: str, first: int, last: int) -> list[Outcome]:
+    """Damage, or change, and read the files of these numbers."""
+    return [_attempt_file(kind, number) for number in range(first, last)]
 
 
-def _attempt_file(number: int) -> Outcome:
-    from benchmarks.damaged import attempt_file
+def _attempt_file(kind: str, number: int) -> Outcome:
+    from benchmarks.damaged import attempt_changed, attempt_file
 
     came, failure, began = "failed", "", time.process_time()
     try:
-        came = attempt_file(number)
+        came = {"files": attempt_file, "changed": attempt_changed}[kind](number)
     except BaseException:  # noqa: BLE001  a crash of any sort is what we look for
         failure = traceback.format_exc()
     seconds, memory = time.process_time() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
@@ -183,10 +184,10 @@ def _attempt_file(number: int) -> Outcome:
     return Outcome(number, "", came, seconds, memory, failure)
 
 
-def run_files(numbers: range, workers: int) -> Iterator[Outcome]:
+def run_files(kind: str, numbers: range, workers: int) -> Iterator[Outcome]:
     """The outcomes of all files, in order; a worker that dies or hangs is a failure of the files that it had."""
-    pieces = [(first, min(first + TOGETHER, numbers.stop)) for first in numbers[::TOGETHER]]
-    for (first, last), outcomes in zip(pieces, in_order(attempt_files, pieces, Effort(workers, 300)), strict=True):
+    pieces = [(kind, first, min(first + TOGETHER, numbers.stop)) for first in numbers[::TOGETHER]]
+    for (_, first, last), outcomes in zip(pieces, in_order(attempt_files, pieces, Effort(workers, 300)), strict=True):
         if isinstance(outcomes, Lost):
             yield from (Outcome(n, "", "failed", 0.0, 0, f"{outcomes.reason}: {first} to {last}") for n in (first,))
         else:
@@ -204,7 +205,7 @@ def keep(outcome: Outcome, output: Path) -> None:
 def main() -> None:
     """Run and report."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--of", choices=("specs", "files"), default="specs")
+    parser.add_argument("--of", choices=("specs", "files", "changed"), default="specs")
     parser.add_argument("--count", type=int, default=100_000)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
@@ -212,14 +213,15 @@ def main() -> None:
     options = parser.parse_args()
     tally = Tally()
     numbers = range(options.first, options.first + options.count)
-    for outcome in (run_files if options.of == "files" else run)(numbers, options.workers):
+    files = options.of != "specs"
+    for outcome in run_files(options.of, numbers, options.workers) if files else run(numbers, options.workers):
         tally.add(outcome)
         if outcome.failure:
             keep(outcome, options.output)
         if tally.came.total() % 1000 == 0:
             print(tally, flush=True)
     print(tally)
-    if options.of == "files":
+    if files:
         print(*(f"{count:,} {came}" for came, count in sorted(tally.came.items())), sep="; ")
     sys.exit(tally.failed > 0)
 

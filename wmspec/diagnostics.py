@@ -6,6 +6,7 @@ wants to know (its code, its place) is in the value; no text is ever read back.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -24,6 +25,15 @@ Paint = Callable[[str, Part], str]
 def plain(text: str, _part: Part) -> str:
     """The text as it is."""
     return text
+
+
+#: What a terminal obeys instead of showing it, or what turns the order of what follows.
+_OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+
+
+def visible(text: str) -> str:
+    """A text that others wrote as it can be shown on a terminal: a sign, as wide, for each character that it obeys."""
+    return _OBEYED.sub(lambda match: chr(0x2400 + ord(match[0])) if match[0] < " " else "\ufffd", text)
 
 
 @dataclass(frozen=True)
@@ -67,11 +77,11 @@ class Diagnostic:
         """With its text, the diagnostic is a headline, the line with a caret, notes and the remedy; else one line."""
         label = paint(f"{self.severity}[{self.code}]" if self.code else self.severity, self.severity)
         if not isinstance(self.place, Span):
-            return f"{label}: {self}"
-        lines = [f"{label}: {self.message}", *_excerpt(self.place, paint)]
+            return f"{label}: {visible(str(self))}"
+        lines = [f"{label}: {visible(self.message)}", *_excerpt(self.place, paint)]
         for note in self.notes:
-            lines += [f"{paint('note', 'note')}: {note.message}", *_excerpt(note.place, paint)]
-        return "\n".join([*lines, f"{paint('help', 'help')}: {self.help}"] if self.help else lines)
+            lines += [f"{paint('note', 'note')}: {visible(note.message)}", *_excerpt(note.place, paint)]
+        return "\n".join([*lines, f"{paint('help', 'help')}: {visible(self.help)}"] if self.help else lines)
 
     def record(self) -> dict[str, object]:
         """The diagnostic as plain values, for JSON."""
@@ -103,15 +113,15 @@ def _record(place: Place | None) -> dict[str, object]:
 
 def _excerpt(place: Place, paint: Paint) -> Iterator[str]:
     if not isinstance(place, Span):
-        yield f" --> {place}"
+        yield f" --> {visible(str(place))}"
         return
     text = place.source.line(place.line)
     start = place.column - 1
     window = max(0, start - 100)
-    shown = text[window : window + 160].replace("\t", " ")
+    shown = visible(text[window : window + 160].replace("\t", " "))
     carets = max(1, min(place.end - place.start, len(text) - start, 160))
     gutter = " " * len(str(place.line))
-    yield f"{gutter}--> {place}"
+    yield f"{gutter}--> {visible(str(place))}"
     yield f"{gutter} |"
     yield f"{place.line} | {shown}"
     yield paint(f"{gutter} | {' ' * (start - window)}{'^' * carets}", "caret")

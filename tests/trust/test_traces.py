@@ -118,3 +118,21 @@ def test_a_task_may_be_named_by_its_folders(tmp_path: Path) -> None:
     result = wmspec("render", stage, "-b", "mujoco", "-o", tmp_path / "out", "--size", "32")
     assert result.exit_code == 0, result.output
     assert all(path.name.startswith("falls-000000-mujoco-") for path in below(tmp_path / "out"))
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ('string radius = "double"', "radius is a text, expected a number"),
+        ("double3 radius = (1, 2, 3)", "radius is 3 numbers, expected a number"),
+        ('string physics:velocity = "fast"', "physics:velocity is a text, expected 3 numbers"),
+        ("token[] physics:velocity = []", "physics:velocity is texts, expected 3 numbers"),
+        ('double radius = 0.1\n  string physxRigidBody:linearDamping = "low"', "is a text, expected a number"),
+    ],
+)
+def test_a_value_of_another_type_than_its_schema_says(tmp_path: Path, line: str, told: str) -> None:
+    stage = tmp_path / "ball.usda"
+    stage.write_text(STAGE.format(task='"falls"').replace("double radius = 0.1", line))
+    result = wmspec("run", stage, "-b", "mujoco")
+    assert result.exit_code == 2
+    assert told in " ".join(result.output.replace(";", ",").split())

@@ -14,6 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
+
 from wmspec.diagnostics import WmsError
 from wmspec.evaluate.model import Reply
 from wmspec.places import FilePlace
@@ -21,6 +23,8 @@ from wmspec.write.files import explained
 
 Key = tuple[str, int, int]
 Replies = dict[Key, Reply]
+_KEY = TypeAdapter(Key)
+_REPLY = TypeAdapter(Reply)
 
 
 class Journal:
@@ -99,7 +103,7 @@ def same(before: Any, asked: dict[str, Any], path: Path) -> None:
 def _loaded(line: bytes, path: Path) -> dict[str, Any]:
     try:
         value = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         value = None
     if not isinstance(value, dict):
         raise _other(path)
@@ -109,8 +113,8 @@ def _loaded(line: bytes, path: Path) -> dict[str, Any]:
 def _record(value: dict[str, Any], path: Path) -> tuple[Key, Reply]:
     try:
         key = (value.pop("id"), value.pop("permutation"), value.pop("sample"))
-        return key, Reply(**value)
-    except (KeyError, TypeError):
+        return _KEY.validate_python(key, strict=True), _REPLY.validate_python(asdict(Reply(**value)))
+    except (KeyError, TypeError, ValidationError):
         raise _other(path) from None
 
 

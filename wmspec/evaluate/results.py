@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from wmspec.diagnostics import WmsError
@@ -19,6 +21,7 @@ from wmspec.evaluate.journal import Key, Replies
 from wmspec.evaluate.model import Outcome, Reply
 from wmspec.evaluate.question import Question
 from wmspec.evaluate.request import Ask
+from wmspec.foreign import is_name
 from wmspec.places import FilePlace
 from wmspec.write.files import explained
 
@@ -169,7 +172,7 @@ def check_free(path: Path) -> None:
         ours = "asked" in json.loads(beside.read_bytes())
     except FileNotFoundError:
         return
-    except (OSError, ValueError, TypeError):
+    except (OSError, ValueError, TypeError, RecursionError):
         ours = False
     if not ours:
         message = "it is in the way of what is said beside the results"
@@ -202,13 +205,52 @@ def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
     try:
         table = pq.read_table(path)
         about = json.loads((table.schema.metadata or {})[_ABOUT])
-    except (OSError, pa.ArrowException, KeyError, ValueError):
+    except (OSError, pa.ArrowException, KeyError, ValueError, RecursionError):
         raise WmsError(f"{path} holds no results; they are made with `wmspec evaluate DATASET -o {path}`") from None
     if not set(SCHEMA.names) <= set(table.column_names) or not isinstance(about, dict):
         raise WmsError(
             "results of another version of wmspec", FilePlace(str(path)), "evaluate again, into another file"
         )
-    return table.to_pylist(), about
+    return checked(table, path).to_pylist(), about
+
+
+#: Columns in which every row has something; names among them; and words that can be shown, whoever chose them.
+_FILLED = ("id", "task", "dimension", "engine", "index", "group", "model", "prompt", "permutation", "sample", "order",
+           "right", "status")  # fmt: skip
+_NAMES = ("task", "engine")
+_SHOWN = ("id", "dimension", "question_name", "group", "model", "prompt", "ablation")
+_WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{0,300}")
+
+
+def checked(table: pa.Table, path: Path) -> pa.Table:
+    """The columns of results that a table has, each of its type. Raises WmsError for a row that no run writes."""
+    known = [name for name in SCHEMA.names if name in table.column_names]
+    try:
+        table = table.select(known).cast(pa.schema([SCHEMA.field(name) for name in known]))
+        fault = _fault(table)
+    except (pa.ArrowException, ValueError, KeyError) as error:
+        fault = str(error).splitlines()[0][:200]
+    if fault:
+        raise WmsError(f"no results of wmspec: {fault}", FilePlace(str(path)), "evaluate again, into another file")
+    return table
+
+
+def _fault(table: pa.Table) -> str:
+    """What is wrong with rows of the right types: empty if nothing is."""
+    for name in _FILLED:
+        if name in table.column_names and table[name].null_count:
+            return f"row {pc.index(pc.is_null(table[name]), True).as_py() + 1}: `{name}` is null"
+    for name in (*_NAMES, *_SHOWN):
+        for word in table[name].unique().to_pylist() if name in table.column_names else ():
+            if word is not None and not (is_name(word) if name in _NAMES else _WORDS.fullmatch(word)):
+                return f"`{name}` is {word[:80]!r}, which is no name"
+    if unknown := set(table["status"].unique().to_pylist()) - set(get_args(Status)):
+        return f"a status is {min(unknown)[:80]!r}"
+    chosen = (table[name].to_pylist() for name in ("order", "answer", "parsed"))
+    for number, (order, *places) in enumerate(zip(*chosen, strict=True), 1):
+        if sorted(order) != list(range(len(order))) or not all(p is None or p in order for p in places):
+            return f"row {number}: it is of other options than its `order`, {order}"
+    return ""
 
 
 def known(rows: Iterable[Row]) -> Replies:

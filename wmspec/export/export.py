@@ -73,7 +73,7 @@ class _Folder:
             return
         try:
             before = json.loads((self.place / MARK).read_bytes())["files"]
-        except (OSError, ValueError, LookupError, TypeError):
+        except (OSError, ValueError, LookupError, TypeError, RecursionError):
             raise WmsError(f"{self.place} holds something else than an export; choose another folder with -o") from None
         inside = self.place.resolve()
         for path in [(self.place / str(name)).resolve() for name in before]:

@@ -14,11 +14,16 @@ from numpy.typing import NDArray
 from PIL import Image, ImageCms, ImageOps
 
 from wmspec.diagnostics import WmsError, suggestion
+from wmspec.foreign import inside
+from wmspec.limits import PIXELS
 from wmspec.write.rows import png
 
 #: The endings of files that are read: pictures, and clips. A picture that moves (GIF, WebP, PNG) is a clip too.
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
 CLIPS = (".mp4", ".mov", ".webm", ".mkv", ".avi")
+#: What these are to Pillow, and to FFmpeg: a file is read as nothing else, whatever it looks like inside.
+_STILL_FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")
+_CLIP_FORMATS = ["-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,webm,avi"]
 #: The least side of a picture (px).
 LEAST = 16
 
@@ -41,12 +46,12 @@ class Pictures:
     def moves(self, name: str) -> bool:
         """Whether a file is a picture with several frames."""
         path = self._names.get(name)
-        if path is None or path.suffix.lower() not in STILLS:
+        if path is None or path.suffix.lower() not in STILLS or not inside(self._folder, path):
             return False
         try:
-            with Image.open(path) as picture:
+            with _explained(name), _opened(path) as picture:
                 return bool(getattr(picture, "n_frames", 1) > 1 and picture.format != "TIFF")
-        except (OSError, Image.DecompressionBombError):
+        except WmsError:
             return False
 
     def digest(self, name: str) -> bytes:
@@ -57,7 +62,7 @@ class Pictures:
     def still(self, name: str) -> Pixels:
         """A photograph (h, w, 3). Raises WmsError if it is not there or cannot be shown."""
         path = self._path(name, STILLS)
-        with _explained(name), Image.open(path) as picture:
+        with _explained(name), _opened(path) as picture:
             pixels = self._ready(picture, name)
         return pixels
 
@@ -75,8 +80,8 @@ class Pictures:
 
     def _path(self, name: str, endings: Sequence[str]) -> Path:
         if name not in self._names:
-            inside = PurePosixPath(name)
-            if inside.is_absolute() or ".." in inside.parts:
+            place = PurePosixPath(name)
+            if place.is_absolute() or ".." in place.parts:
                 raise WmsError(
                     f"`{name}` leads out of the folder", help=f"put it into {self._folder}, and write its name there"
                 )
@@ -85,6 +90,8 @@ class Pictures:
                 f"there is no `{name}` in {self._folder}", help=remedy or "put it there, or correct the name"
             )
         path = self._names[name]
+        if not inside(self._folder, path):
+            raise WmsError(f"`{name}` is a link that leads out of the folder", help="put the file itself there")
         if path.suffix.lower() not in endings:
             raise WmsError(
                 f"`{name}` is no kind of picture that can be read", help=f"save it as one of {', '.join(endings)}"
@@ -107,7 +114,7 @@ class Pictures:
         return np.asarray(colored, np.uint8)
 
     def _animated(self, path: Path, name: str, count: int) -> tuple[list[Pixels], list[float]]:
-        with _explained(name), Image.open(path) as picture:
+        with _explained(name), _opened(path) as picture:
             total = int(getattr(picture, "n_frames", 1))
             wanted = set(_evenly(name, total, count))
             pixels, times, now = [], [], 0.0
@@ -127,16 +134,18 @@ class Pictures:
                 f"`{name}` needs imageio-ffmpeg", help="install it with `pip install 'wmspec[video]'`, or give a .gif"
             ) from None
         try:
-            reader = imageio_ffmpeg.read_frames(str(path))
+            reader = imageio_ffmpeg.read_frames(str(path), input_params=_CLIP_FORMATS)
             about = next(reader)
-            wide, high = about["size"]
+            (wide, high), rate = about["size"], about["fps"]
+            if wide * high > PIXELS.most:
+                raise _too_large(name)
             total, _ = imageio_ffmpeg.count_frames_and_secs(str(path))
             wanted = set(_evenly(name, total, count))
-            shown = [(n, frame) for n, frame in enumerate(reader) if n in wanted]
-        except (OSError, RuntimeError, StopIteration):
+            frames = ((n, Image.frombytes("RGB", (wide, high), frame)) for n, frame in enumerate(reader) if n in wanted)
+            shown = [(n, self._ready(picture, name)) for n, picture in frames]  # small, before the next one comes
+            return [pixels for _, pixels in shown], [round(n / rate, 3) for n, _ in shown]
+        except (OSError, RuntimeError, ValueError, LookupError, ArithmeticError, StopIteration):
             raise WmsError(f"`{name}` cannot be read", help="save the clip again, as .mp4") from None
-        pictures = [Image.frombytes("RGB", (wide, high), frame) for _, frame in shown]
-        return [self._ready(p, name) for p in pictures], [round(n / about["fps"], 3) for n, _ in shown]
 
 
 def encoded(pixels: Pixels) -> dict[str, bytes | None]:
@@ -150,6 +159,18 @@ def _evenly(name: str, total: int, count: int) -> Iterator[int]:
     yield from (round(i) for i in np.linspace(0, total - 1, count))
 
 
+def _opened(path: Path) -> Image.Image:
+    """A picture, not read yet. Raises OSError and others, which `_explained` explains."""
+    picture = Image.open(path, "r", _STILL_FORMATS)
+    if picture.width * picture.height > PIXELS.most:
+        raise Image.DecompressionBombError
+    return picture
+
+
+def _too_large(name: str) -> WmsError:
+    return WmsError(f"`{name}` {PIXELS.sentence}", help=PIXELS.help)
+
+
 @contextmanager
 def _explained(name: str) -> Iterator[None]:
     """Turn what goes wrong when a picture is read into a WmsError."""
@@ -158,8 +179,8 @@ def _explained(name: str) -> Iterator[None]:
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # twice as many pixels are an error
             yield
     except Image.DecompressionBombError:
-        raise WmsError(f"`{name}` has too many pixels", help="save it smaller") from None
-    except (OSError, SyntaxError, ValueError):
+        raise _too_large(name) from None
+    except (OSError, SyntaxError, ValueError, EOFError, MemoryError, AttributeError, IndexError, KeyError, TypeError):
         raise WmsError(f"`{name}` cannot be read: it is damaged, or no picture", help="save it again") from None
 
 

@@ -17,7 +17,7 @@ from wmspec.recast.table import Entry, read
 from wmspec.write import files
 from wmspec.write.croissant import Described, metadata
 from wmspec.write.rows import table
-from wmspec.write.schema import SHARD
+from wmspec.write.schema import SHARD, manifest_fault
 from wmspec.write.shards import parquet
 
 #: By what a manifest tells that its dataset was recast, and may be recast again.
@@ -88,9 +88,9 @@ def _clear(output: Path) -> None:
         return
     try:
         manifest: Any = json.loads((output / files.MANIFEST).read_bytes())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         manifest = None
-    if not isinstance(manifest, dict) or manifest.get("made by") != MADE_BY:
+    if manifest_fault(manifest) or manifest.get("made by") != MADE_BY:
         raise WmsError(f"{output} holds files that `wmspec recast` did not write; choose another folder with -o")
     with files.explained(output):
         (output / files.MANIFEST).unlink()

@@ -122,9 +122,14 @@ def latex(caption: str, frame: pd.DataFrame) -> str:
 
 
 def _escaped(text: str) -> str:
-    for character in "_%&#":
-        text = text.replace(character, f"\\{character}")
-    return text.replace(" · ", r" $\cdot$ ").replace("–", "--").replace("−", "$-$")
+    return text.translate(_LATEX).replace(" · ", r" $\cdot$ ")
+
+
+#: What LaTeX would read otherwise: whoever named a model must not write the paper.
+_LATEX = str.maketrans(
+    {c: f"\\{c}" for c in "_%&#${}"}
+    | {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "–": "--", "−": "$-$"}
+)
 
 
 # ---------------------------------------------------------------- numbers

@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 
 from wmspec.diagnostics import WmsError, suggestion
 from wmspec.evaluate.agreement import majority
+from wmspec.evaluate.results import checked
 from wmspec.places import FilePlace
 from wmspec.report.questions import Questions
 
@@ -147,7 +148,7 @@ def _file(path: Path) -> pd.DataFrame:
                 f"{path} is no file of results: it lacks the columns {', '.join(lacking)}; "
                 "give what `wmspec evaluate` or `wmspec study collect` wrote (a dataset goes to --dataset)"
             )
-        table: pd.DataFrame = file.read(list(COLUMNS)).to_pandas()
+        table: pd.DataFrame = checked(file.read(list(COLUMNS)), path).to_pandas()
         return table
     except FileNotFoundError:
         raise WmsError(f"{path} is not there; give a file or a folder that `wmspec evaluate` wrote") from None

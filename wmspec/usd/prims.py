@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import Any, NoReturn
 
 import numpy as np
-from pxr import Sdf, Usd
+from pxr import Gf, Sdf, Usd, Vt
 
 from wmspec.diagnostics import StageError
 from wmspec.places import PrimPlace
@@ -32,10 +33,12 @@ def still(attribute: Usd.Attribute) -> Any:
     if attribute.ValueMightBeTimeVarying():
         refuse(attribute.GetPrim(), f"{name} is animated", "author one value without time samples")
     held = attribute.Get(NOW)
+    if isinstance(held, Sdf.UnregisteredValue) or not (kind := attribute.GetTypeName()):
+        refuse(attribute.GetPrim(), f"{name} is of a type that USD does not know", "correct its type")
+    if held is not None and _form(held) != _form_of(kind):  # an opinion may be of another type than the schema's
+        refuse(attribute.GetPrim(), f"{name} is {_called(_form(held))}", f"expected {_called(_form_of(kind))}")
     if held is None or isinstance(held, bool | int | str) or (isinstance(held, float) and math.isfinite(held)):
         return held  # most are, and need no more than this
-    if isinstance(held, Sdf.UnregisteredValue):
-        refuse(attribute.GetPrim(), f"{name} is of a type that USD does not know", "correct its type")
     numbers = _numbers(held)
     if np.isfinite(numbers).all() or (name.endswith(_ENDLESS) and not np.isnan(numbers).any()):
         return held
@@ -47,7 +50,50 @@ def value(prim: Usd.Prim, name: str, fallback: Any = None) -> Any:
     """The attribute's value, as `still` says; `fallback` if it has none."""
     attribute = prim.GetAttribute(name)
     authored = still(attribute) if attribute else None
-    return fallback if authored is None else authored
+    if authored is None:
+        return fallback
+    if isinstance(fallback, int | float) and _form(authored) != _NUMBER:
+        refuse(prim, f"{name} is {_called(_form(authored))}", "expected a number")
+    return authored
+
+
+_NUMBER, _TEXT = (), ("text",)
+
+
+def _form(held: Any) -> tuple[Any, ...]:
+    """What a value is, whatever its precision: a number, a text, or so many of which."""
+    if isinstance(held, bool | int | float):
+        return _NUMBER
+    if isinstance(held, str):
+        return _TEXT
+    if hasattr(held, "imaginary"):
+        return ("quaternion",)
+    if isinstance(held, Vt.TokenArray | Vt.StringArray):
+        return ("texts",)
+    if type(held).__module__.startswith("pxr.Sdf"):  # paths, times
+        return (type(held).__name__,)
+    numbers = np.asarray(held)
+    return numbers.shape if isinstance(held, _SINGLE) else ("array", *numbers.shape[1:])
+
+
+_SINGLE = (Gf.Vec2d, Gf.Vec2f, Gf.Vec2h, Gf.Vec2i, Gf.Vec3d, Gf.Vec3f, Gf.Vec3h, Gf.Vec3i, Gf.Vec4d, Gf.Vec4f, Gf.Vec4h,
+           Gf.Vec4i, Gf.Matrix2d, Gf.Matrix3d, Gf.Matrix4d)  # fmt: skip
+
+
+@cache
+def _form_of(name: Sdf.ValueTypeName) -> tuple[Any, ...]:
+    return _form(name.defaultValue)
+
+
+def _called(form: tuple[Any, ...]) -> str:
+    match form:
+        case ():
+            return "a number"
+        case ("array", *more):
+            return f"an array of {_called(tuple(more))}"
+        case (str(name),):
+            return name if name == "texts" else f"a {name}"
+    return " x ".join(map(str, form)) + " numbers"
 
 
 def _numbers(held: Any) -> Array:

@@ -45,12 +45,15 @@ def kept(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
             content = path.read_bytes()
             if path.stem.partition("-")[2] != hashlib.sha256(content).hexdigest():
                 continue
-            rows = pa.ipc.open_stream(content).read_all()
-            metadata = rows.schema.metadata
-            if metadata[b"plan"].decode() == plan.fingerprint and int(metadata[b"index"]) in shard.indices:
+            try:
+                rows = pa.ipc.open_stream(content).read_all()
+                metadata = rows.schema.metadata
+                index, made_by = int(metadata[b"index"]), metadata[b"plan"].decode()
                 rejected = tuple(Rejected(**r) for r in json.loads(metadata[b"rejected"]))
-                if not passing(rejected):
-                    outcomes[int(metadata[b"index"])] = Outcome(tuple(rows.to_pylist()), rejected)
+            except (pa.ArrowException, ValueError, TypeError, LookupError, RecursionError):
+                continue  # somebody else wrote it
+            if made_by == plan.fingerprint and index in shard.indices and not passing(rejected):
+                outcomes[index] = Outcome(tuple(rows.to_pylist()), rejected)
     return outcomes
 
 

@@ -88,5 +88,5 @@ def read_record(folder: Path, shard: Shard) -> Record | None:
         record: dict[str, Any] = json.loads((folder / sidecar(shard)).read_bytes())
         rejected = tuple(Rejected(**r) for r in record.pop("rejected"))
         return Record(**record, rejected=rejected)
-    except (FileNotFoundError, ValueError, TypeError, KeyError, AttributeError):
+    except (FileNotFoundError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None

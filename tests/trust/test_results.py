@@ -1,0 +1,99 @@
+"""Results and journals from a stranger: what no run writes is told, and nobody's name is a command of LaTeX."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from tests.dataset.made import make, plan
+from tests.trust.made import wmspec
+from wmspec.diagnostics import WmsError
+from wmspec.evaluate import results
+from wmspec.evaluate.journal import Journal
+
+pytest.importorskip("pandas")
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("dataset") / "in"
+    make(folder, plan(), size=24)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def original(dataset: Path) -> Path:
+    path = dataset.parent / "r.parquet"
+    assert wmspec("evaluate", dataset, "-m", "random", "-o", path).exit_code == 0
+    return path
+
+
+def rewritten(original: Path, path: Path, **values: Any) -> Path:
+    rows, about = results.read(original)
+    rows[1] |= values
+    results.write(path, rows, about)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"task": "../../x"}, "`task` is '../../x', which is no name"),
+        ({"task": None}, "row 2: `task` is null"),
+        ({"id": None}, "row 2: `id` is null"),
+        ({"model": "\x1b]0;x\x07"}, r"`model` is '\x1b]0;x\x07', which is no name"),
+        ({"model": None}, "row 2: `model` is null"),
+        ({"right": None}, "row 2: `right` is null"),
+        ({"status": "well"}, "a status is 'well'"),
+        ({"parsed": 99}, "row 2: it is of other options than its `order`"),
+        ({"order": [7, 7]}, "row 2: it is of other options than its `order`"),
+    ],
+)
+def test_rows_that_no_run_writes(
+    tmp_path: Path, dataset: Path, original: Path, values: dict[str, Any], told: str
+) -> None:
+    path = rewritten(original, tmp_path / "evil.parquet", **values)
+    content = path.read_bytes()
+    for command in (
+        ["report", path, "-o", tmp_path / "report"],
+        ["view", dataset, "--results", path, "-o", tmp_path / "page.html"],
+        ["evaluate", "--rescore", path],
+    ):
+        result = wmspec(*command)
+        assert result.exit_code == 2
+        assert "evil.parquet: no results of wmspec" in result.output
+        assert told in result.output
+    assert path.read_bytes() == content
+
+
+def test_columns_of_another_type(tmp_path: Path, original: Path) -> None:
+    table = pq.read_table(original)
+    place = table.column_names.index("order")
+    pq.write_table(table.set_column(place, "order", pa.array(["x"] * len(table))), tmp_path / "evil.parquet")
+    result = wmspec("report", tmp_path / "evil.parquet", "-o", tmp_path / "report")
+    assert result.exit_code == 2
+    assert "evil.parquet: no results of wmspec" in result.output
+
+
+def test_a_models_name_is_no_command(tmp_path: Path) -> None:
+    pd = pytest.importorskip("pandas")
+    from wmspec.report.frames import latex
+
+    name = r"a\input{/etc/passwd}$x^2$~"
+    written = latex("caption", pd.DataFrame({"x": ["1"]}, index=[name]))
+    assert r"a\textbackslash{}input\{/etc/passwd\}\$x\textasciicircum{}2\$\textasciitilde{}" in written
+
+
+@pytest.mark.parametrize(
+    "line", [b"[" * 100_000, b'{"id": 1}', b'{"id": "a", "permutation": 0, "sample": 0, "text": 5}']
+)
+def test_a_journal_that_is_none(tmp_path: Path, line: bytes) -> None:
+    path = tmp_path / "r.journal.jsonl"
+    path.write_bytes(b'{"asked": {}}\n' + line + b"\n")
+    with pytest.raises(WmsError, match="no journal of this version"):
+        Journal(path, {})
+    assert path.read_bytes().endswith(line + b"\n")
