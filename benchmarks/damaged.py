@@ -28,6 +28,7 @@ from PIL import Image
 from tests.dataset.made import make, plan
 from tests.trust.made import resaved, rewritten, signed, wmspec
 from wmspec.api.episode import load_episode, open_stage, run
+from wmspec.api.loading import load
 from wmspec.check.task import check_program
 from wmspec.diagnostics import Report, WmsError
 from wmspec.evaluate import results
@@ -57,10 +58,10 @@ task t : custom {{
   observe front at 0 s
 }}
 """
-TABLE = b"""question,pictures,options,answer,frames,times,difference,within,factor.kind
-"Which is it?","a.png;b.jpg","left;right","left","","0;1.5","2.5","","near"
-"How far, in ""m""?","b.jpg","","3","","","","0.5","far"
-"Which one?","a.png","a.png;b.jpg","b.jpg","","","","","near"
+TABLE = b"""question,pictures,options,answer,frames,times,difference,quantity,within,factor.kind
+"Which is it?","a.png;b.jpg","left;right","left","","0;1.5","2.5","size","","near"
+"How far, in ""m""?","b.jpg","","3","","","","","0.5","far"
+"Which one?","a.png","a.png;b.jpg","b.jpg","","","","","","near"
 """
 ODD = (
     b"nan",
@@ -90,6 +91,8 @@ def originals() -> Path:
     (made / "pictures").mkdir()
     Image.effect_noise((4, 4), 80).save(made / "pictures/four.png")
     shutil.copy(ROOT / "tests/stage/data/collide.usda", made / "stage.usda")
+    moving = load(ROOT / "specs/perception/motion/speed_tabletop.wms")[0].stage()
+    moving.Flatten().Export(str(made / "executed.usda"))
     open_stage(made / "stage.usda").Flatten().Export(str(made / "crate.usdc"))
     for kind in MESHES:
         trimesh.creation.icosphere(1, 0.05).export(str(made / f"mesh.{kind}"))
@@ -99,7 +102,7 @@ def originals() -> Path:
     _trace(made / "trace.npz")
     (made / "photos").mkdir()
     for name in ("a.png", "b.jpg"):
-        picture.save(made / "photos" / name)
+        picture.rotate(90 * (name == "a.png")).save(made / "photos" / name)
     asked = wmspec("evaluate", made / "dataset", "-m", "random", "-o", made / "results.parquet")
     assert asked.exit_code == 0, asked.output
     return made
@@ -357,7 +360,7 @@ def _saved(array: np.ndarray) -> bytes:
 
 
 def _stage(home: Path, r: random.Random, damage: Damage) -> None:
-    name = "stage.usda" if damage is changed else r.choice(("stage.usda", "crate.usdc"))
+    name = "executed.usda" if damage is changed else r.choice(("stage.usda", "crate.usdc"))
     (home / name).write_bytes(damage((originals() / name).read_bytes(), r))
     stage = open_stage(home / name)
     if read(stage) and damage is changed:

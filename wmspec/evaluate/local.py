@@ -31,9 +31,11 @@ class LocalModel:
         if not (path / "config.json").is_file():
             raise WmsError(f"hf:{path}: there is no config.json; name the folder that `save_pretrained` wrote")
         try:
-            self._processor: Any = transformers.AutoProcessor.from_pretrained(path, local_files_only=True)
+            self._processor: Any = transformers.AutoProcessor.from_pretrained(
+                path, local_files_only=True, trust_remote_code=False
+            )
             self._model: Any = transformers.AutoModelForImageTextToText.from_pretrained(
-                path, local_files_only=True, dtype="auto"
+                path, local_files_only=True, trust_remote_code=False, dtype="auto"
             ).eval()
         except (OSError, ValueError, ImportError, KeyError) as error:
             raise WmsError(f"hf:{path}: transformers cannot open it: {str(error).splitlines()[0]}") from None

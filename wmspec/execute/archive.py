@@ -107,7 +107,9 @@ def _fault(trace: Trace) -> str:
         return "its engine has no name"
     if len(set(trace.bodies)) < n or not all(isinstance(name, str) and name for name in trace.bodies):
         return "its bodies are not told apart by name"
-    if np.abs(np.linalg.norm(trace.orientation, axis=2) - 1).max(initial=0) > _UNIT:
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(trace.orientation, axis=2)
+    if np.abs(lengths - 1).max(initial=0) > _UNIT:
         return "an orientation is no unit quaternion"
     known = set(trace.bodies)
     for contact in trace.contacts:
