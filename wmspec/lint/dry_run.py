@@ -9,7 +9,15 @@ from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design
 from wmspec.diagnostics import Report
 from wmspec.layout.values import Values
-from wmspec.lint import change_rules, design_rules, option_rules, plausible_rules, scene_rules, task_rules
+from wmspec.lint import (
+    change_rules,
+    design_rules,
+    giveaway_rules,
+    option_rules,
+    plausible_rules,
+    scene_rules,
+    task_rules,
+)
 from wmspec.lint.change_rules import Changed
 from wmspec.lint.option_rules import Tried, compared
 from wmspec.lint.rule import Linter
@@ -30,7 +38,7 @@ def dry_run(spec: TaskSpec, report: Report) -> int:
     """
     linter, depend, size = Linter(), Dependencies(spec), 0
     with linter.going_on():
-        linter.check(Task(spec, depend), task_rules.RULES)
+        linter.check(Task(spec, depend), (*task_rules.RULES, *giveaway_rules.TASK_RULES))
         design = Design(spec)
         size = len(design)
         linter.check(design, design_rules.RULES)
@@ -56,6 +64,7 @@ def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
     stage = built(scene.values)
     linter.check(scene, scene_rules.RULES)
     linter.check(scene, plausible_rules.RULES)
+    linter.check(scene, giveaway_rules.SCENE_RULES)
     things = {t.name for t in spec.things}
     for question in spec.questions if changed else ():
         for change in question.alternatives(instance.factors):

@@ -1,0 +1,78 @@
+"""Rules on questions that can be answered without what they are about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from wmspec.check import units
+from wmspec.check.evaluate import evaluate
+from wmspec.check.ir import Question, Ref, Said
+from wmspec.lint.asked import asked, pictured
+from wmspec.lint.rule import Breach, rule
+from wmspec.lint.scene_rules import Scene
+from wmspec.lint.task_rules import Task
+
+#: What pictures show of a thing whatever happens to it.
+_LOOKS = ("form", "color", "material", "image", "scale")
+
+
+@rule("WMS510")
+def told_by_text(task: Task) -> Iterator[Breach]:
+    """A text that says all that decides between the options, or the answer itself."""
+    for question in task.spec.questions:
+        said = [part.value for part in question.text if isinstance(part, Said)]
+        decisive = {varied.factor for varied in question.orbit}
+        if decisive and decisive <= {value.name for value in said if isinstance(value, Ref)}:
+            names = " and ".join(f"`{name}`" for name in sorted(decisive))
+            what = f"the text says {names}, which is all that decides between the options"
+            yield Breach(what, question.place, "leave one of them to the pictures", about=("text", question.place))
+        elif question.kind == "labels" and question.answer in said:
+            what = "the text says the answer"
+            yield Breach(what, question.place, "leave it to the pictures", about=("text", question.place))
+
+
+@rule("WMS510")
+def told_by_looks(task: Task) -> Iterator[Breach]:
+    """A state of a closed set that all pictures show: two of the options can be left aside at once."""
+    for question in task.spec.questions:
+        for varied in question.orbit:
+            if varied.reads == "action":
+                continue
+            for thing in (t for t in task.spec.things if t.kind in ("object", "part")):
+                if any(varied.factor in task.depend.source(f"{thing.name}.{look}") for look in _LOOKS):
+                    what = f"`{varied.factor}` decides what `{thing.name}` looks like, in the options and before"
+                    remedy = "let it change what cannot be seen at the end, such as a mass, or a place that is left"
+                    yield Breach(what, question.place, remedy, about=("looks", question.place, varied.factor))
+                    break
+
+
+@rule("WMS510")
+def told_by_pictures(scene: Scene) -> Iterator[Breach]:
+    """A picture that is asked for and shown; of a closed set, one that is shown when all has happened."""
+    values = scene.values
+    for question in values.spec.questions:
+        time = pictured(question, values) if asked(question, values) else None
+        if time is None:
+            continue
+        for observation in values.spec.observations:
+            shown = [moment for moment in evaluate(observation.times, values) if _late(moment, time, question)]
+            if shown and (question.orbit or observation.camera == _camera(question)):
+                at = units.told(shown[0], units.TIME)
+                what = f"the picture that is asked for is shown: that at {at}, {scene.where}"
+                yield Breach(what, observation.place, "show what comes before it", about=("shown", question.place))
+
+
+TASK_RULES = (told_by_text, told_by_looks)
+SCENE_RULES = (told_by_pictures,)
+
+
+def _late(moment: float, time: float, question: Question) -> bool:
+    """Whether a picture then shows the answer: it is that of its time, or, of a closed set, no earlier."""
+    return abs(moment - time) < 1e-9 or (bool(question.orbit) and moment > time)
+
+
+def _camera(question: Question) -> str:
+    """The camera of the picture that is asked for, if it is always the same."""
+    answer = question.answer
+    first = answer.arguments[0] if answer.kind == "call" and answer.arguments else None
+    return str(first.value) if first is not None and first.kind == "value" else ""
