@@ -160,3 +160,13 @@ def test_a_plan_that_was_lost_is_rebuilt_for_reuse(tmp_path: Path) -> None:
     assert all(before.missing(s) == s.indices[len(s.indices) :] for s in few.shards())
     with pytest.raises(WmsError, match="holds no dataset that could be reused"):
         Before([tmp_path / "few"], replace(ordered, seed=8))
+
+
+def test_a_factor_without_a_value_is_a_dash(tmp_path: Path, folder: Path) -> None:
+    def emptied(rows: list[dict[str, Any]]) -> None:
+        rows[1].update({name: None for name in rows[1] if name.startswith(("factor.", "nuisance."))})
+
+    rewritten(folder, SHARD, emptied)
+    for output in ("page.html", "folder", "sheet.png"):
+        result = wmspec("view", folder, "-o", tmp_path / output)
+        assert result.exit_code == 0, result.output

@@ -51,6 +51,7 @@ def rewritten(original: Path, path: Path, **values: Any) -> Path:
         ({"status": "well"}, "a status is 'well'"),
         ({"parsed": 99}, "row 2: it is of other options than its `order`"),
         ({"order": [7, 7]}, "row 2: it is of other options than its `order`"),
+        ({"order": [None, 0]}, "row 2: it is of other options than its `order`"),
     ],
 )
 def test_rows_that_no_run_writes(
@@ -97,3 +98,17 @@ def test_a_journal_that_is_none(tmp_path: Path, line: bytes) -> None:
     with pytest.raises(WmsError, match="no journal of this version"):
         Journal(path, {})
     assert path.read_bytes().endswith(line + b"\n")
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"text": None}, "row 2: `text` is null"),
+        ({"options": ["a"]}, "row 2: it is of other options than its `order`"),
+        ({"options": None}, "row 2: `options` is null"),
+    ],
+)
+def test_texts_that_no_run_writes(tmp_path: Path, original: Path, values: dict[str, Any], told: str) -> None:
+    result = wmspec("evaluate", "--rescore", rewritten(original, tmp_path / "evil.parquet", **values))
+    assert result.exit_code == 2
+    assert told in result.output

@@ -216,7 +216,7 @@ def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
 
 #: Columns in which every row has something; names among them; and words that can be shown, whoever chose them.
 _FILLED = ("id", "task", "dimension", "engine", "index", "group", "model", "prompt", "permutation", "sample", "order",
-           "right", "status")  # fmt: skip
+           "labels", "options", "text", "right", "status")  # fmt: skip
 _NAMES = ("task", "engine")
 _SHOWN = ("id", "dimension", "question_name", "group", "model", "prompt", "ablation")
 _WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{0,300}")
@@ -246,9 +246,11 @@ def _fault(table: pa.Table) -> str:
                 return f"`{name}` is {word[:80]!r}, which is no name"
     if unknown := set(table["status"].unique().to_pylist()) - set(get_args(Status)):
         return f"a status is {min(unknown)[:80]!r}"
-    chosen = (table[name].to_pylist() for name in ("order", "answer", "parsed"))
-    for number, (order, *places) in enumerate(zip(*chosen, strict=True), 1):
-        if sorted(order) != list(range(len(order))) or not all(p is None or p in order for p in places):
+    options = "options" if "options" in table.column_names else "order"
+    chosen = (table[name].to_pylist() for name in ("order", options, "answer", "parsed"))
+    for number, (order, words, *places) in enumerate(zip(*chosen, strict=True), 1):
+        known = range(len(words))
+        if None in order or sorted(order) != list(known) or not all(p is None or p in known for p in places):
             return f"row {number}: it is of other options than its `order`, {order}"
     return ""
 

@@ -14,13 +14,15 @@ READABLE = {"m": ("cm", 100.0), "rad": ("°", 180 / math.pi), "kg": ("g", 1000.0
 
 
 def human(value: Any, unit: str = "") -> str:
-    """A value in SI units in words: `20 cm/s`, `yes`, `red`, `(10, 20) cm`."""
+    """A value in SI units in words: `20 cm/s`, `yes`, `red`, `(10, 20) cm`; a dash for none."""
+    if value is None:
+        return "–"
     if isinstance(value, bool):
         return "yes" if value else "no"
     heavy = unit == "kg" and isinstance(value, float | int) and abs(value) >= 1
     sign, scale = (unit, 1.0) if heavy else READABLE.get(unit, (unit, 1.0))
     if isinstance(value, Sequence) and not isinstance(value, str):
-        return f"({', '.join(_number(v * scale) for v in value)}){_spaced(sign)}"
+        return f"({', '.join('–' if v is None else _number(v * scale) for v in value)}){_spaced(sign)}"
     return value if isinstance(value, str) else _number(value * scale) + _spaced(sign)
 
 
