@@ -1,7 +1,7 @@
 """Public stages of others: fetched by repository, commit and path, run in every engine, and told in docs/anyone.md.
 
 python -m tools.stages fetch FOLDER [--mirror M]   M/OWNER/NAME: repositories that are there, in place of the network
-python -m tools.stages robots FOLDER [--bin BIN]   with the converters that are in BIN, made for an environment of their own
+python -m tools.stages robots FOLDER [--bin BIN]   with the converters that are in BIN, of an environment of their own
 python -m tools.stages run FOLDER                  a second in each engine; a stage that was run is not run again
 python -m tools.stages table FOLDER                rewrites the page from what ran
 """
@@ -129,7 +129,9 @@ def rigid(path: Path) -> bool:
     """Whether a stage holds rigid bodies and nothing that is soft, or a tendon, gear or vehicle."""
     from pxr import Usd
 
-    apis = [api for prim in Usd.Stage.Open(str(path)).Traverse() for api in prim.GetPrimTypeInfo().GetAppliedAPISchemas()]
+    apis = [
+        api for prim in Usd.Stage.Open(str(path)).Traverse() for api in prim.GetPrimTypeInfo().GetAppliedAPISchemas()
+    ]
     types = {str(prim.GetTypeName()) for prim in Usd.Stage.Open(str(path)).Traverse()}
     soft = any(word in name for word in SOFT for name in (*apis, *types)) or {"Points", "TetMesh"} & types
     return "PhysicsRigidBodyAPI" in apis and not soft
@@ -162,9 +164,9 @@ def page(folder: Path) -> str:
     made, n = rows(folder)
     head = ("stage", "rigid only", *ENGINES, "warnings", "apart, mm", "refused because")
     told = (
-        f"{n['all']} stages, of which {n['rigid']} hold rigid bodies only. Of these {n['two']} run in at least two engines "
-        f"({100 * n['two'] / n['rigid']:.0f} %), {n['three']} in all three; of {n['agree']} no body ends more than "
-        f"{1e3 * AGREE:g} mm apart."
+        f"{n['all']} stages, of which {n['rigid']} hold rigid bodies only. Of these {n['two']} run in at least two "
+        f"engines ({100 * n['two'] / n['rigid']:.0f} %), {n['three']} in all three; of {n['agree']} no body ends "
+        f"more than {1e3 * AGREE:g} mm apart."
     )
     before, start, rest = PAGE.read_text().partition(START)
     return before + start + "\n".join(["", told, "", *table(head, iter(made)), "", ""]) + STOP + rest.partition(STOP)[2]

@@ -68,7 +68,9 @@ def _print(found: list[Score], engines: list[str]) -> None:
         rows.setdefault((score.case, score.measure.what), []).append(score)
     for (case, what), row in rows.items():
         measure = row[0].measure
-        click.echo(f"{click.style(case, bold=True)}: {what}, {measure.answer:.5g} ± {measure.tolerance:.3g} {measure.unit}")
+        click.echo(
+            f"{click.style(case, bold=True)}: {what}, {measure.answer:.5g} ± {measure.tolerance:.3g} {measure.unit}"
+        )
         for score in row:
             mark = click.style("ok", fg="green") if score.passed else click.style("--", fg="red")
             told = score.refusal if score.measured is None else f"{score.measured:.5g} {measure.unit}"

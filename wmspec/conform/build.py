@@ -12,7 +12,9 @@ ORIGIN: Vector = (0.0, 0.0, 0.0)
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
-def stage(*prims: str, friction: float | tuple[float, float] = 0.5, restitution: float = 0.0, gravity: float = G) -> str:
+def stage(
+    *prims: str, friction: float | tuple[float, float] = 0.5, restitution: float = 0.0, gravity: float = G
+) -> str:
     """A stage of prims that are all of one material: then every rule of mixing materials gives the same."""
     static, dynamic = friction if isinstance(friction, tuple) else (friction, friction)
     return f"""#usda 1.0
@@ -58,12 +60,18 @@ def body(
     """A rigid body of a `shape`; one without a mass never moves. `spin` in rad/s."""
     moving = mass is not None
     schemas = [*(["PhysicsRigidBodyAPI", "PhysicsMassAPI"] if moving else []), *apis]
-    own = f"""        vector3f physics:velocity = {velocity}
+    own = (
+        f"""        vector3f physics:velocity = {velocity}
         vector3f physics:angularVelocity = {tuple(degrees(w) for w in spin)}
         float physics:mass = {mass}
-""" if moving else ""
+"""
+        if moving
+        else ""
+    )
     if moments:
-        own += f"        float3 physics:diagonalInertia = {moments}\n        quatf physics:principalAxes = (1, 0, 0, 0)\n"
+        own += (
+            f"        float3 physics:diagonalInertia = {moments}\n        quatf physics:principalAxes = (1, 0, 0, 0)\n"
+        )
     listed = ", ".join(f'"{api}"' for api in schemas)
     head = f" (prepend apiSchemas = [{listed}])" if schemas else ""
     return f"""    def Xform "{name}"{head}
@@ -139,7 +147,7 @@ def joint(
     limits: tuple[float, float] | None = None,
     drive: str = "",
 ) -> str:
-    """A joint between two bodies, or a body and the world (an empty name), by its places in them; limits as USD has them.
+    """A joint between two bodies, or a body and the world (an empty name), by its places in them; limits are as in USD.
 
     `drive`: the attributes of its drive after `drive:NAME:physics:`, each on a line.
     """

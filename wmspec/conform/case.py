@@ -15,9 +15,9 @@ RATE = 240  # samples a second
 
 @dataclass(frozen=True)
 class Track:
-    """The way of one body, T samples: `position` (T, 3) m and `orientation` (T, 4) of its frame, which is at its centre of
+    """The way of one body, T samples: `position` (T, 3) m and `orientation` (T, 4) of its frame, which is at its centre
 
-    mass, and velocities (T, 3), m/s and rad/s, in world axes.
+    of mass, and velocities (T, 3), m/s and rad/s, in world axes.
     """
 
     position: Array

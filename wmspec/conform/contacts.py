@@ -39,11 +39,7 @@ def _flight() -> Iterator[Case]:
         "free_fall",
         stage(body("ball", ball(0.1), (0, 0, 10))),
         1.0,
-        (
-            Measure(
-                "way down after 1 s", G / 2, 0.0005, "m", lambda r: 10 - r["ball"].at(1, 2), "g t²/2", MECHANICS
-            ),
-        ),
+        (Measure("way down after 1 s", G / 2, 0.0005, "m", lambda r: 10 - r["ball"].at(1, 2), "g t²/2", MECHANICS),),
     )
     yield Case(
         "projectile",
@@ -78,7 +74,11 @@ def _spins() -> Iterator[Case]:
         "spin",
         stage(top, gravity=0),
         1.0,
-        (Measure("turn about a principal axis in 0.5 s", 2.5, 0.003, "rad", lambda r: r["top"].turn(0.5), "ω t", LANDAU),),
+        (
+            Measure(
+                "turn about a principal axis in 0.5 s", 2.5, 0.003, "rad", lambda r: r["top"].turn(0.5), "ω t", LANDAU
+            ),
+        ),
     )
     moments = (0.02, 0.02, 0.03)
     w1, w3 = 1.0, 4.0
@@ -102,9 +102,7 @@ def _spins() -> Iterator[Case]:
     )
     yield Case(
         "dzhanibekov",
-        stage(
-            body("key", box(0.4, 0.2, 0.1), spin=(0.02, 8.0, 0.02), moments=(0.01, 0.02, 0.028)), gravity=0
-        ),
+        stage(body("key", box(0.4, 0.2, 0.1), spin=(0.02, 8.0, 0.02), moments=(0.01, 0.02, 0.028)), gravity=0),
         4.0,
         (
             Measure(
@@ -303,7 +301,11 @@ def _slides() -> Iterator[Case]:
         "two_frictions_motion",
         stage(floor(), body("box", box(0.2, 0.2, 0.1), (0, 0, 0.05), velocity=(v, 0, 0)), friction=(0.6, 0.4)),
         1.0,
-        (Measure("way until it stops", two, 0.02 * two, "m", lambda r: r["box"].at(1.0, 0), "v²/2μg in motion", MECHANICS),),
+        (
+            Measure(
+                "way until it stops", two, 0.02 * two, "m", lambda r: r["box"].at(1.0, 0), "v²/2μg in motion", MECHANICS
+            ),
+        ),
     )
     yield from _spun_puck()
 
@@ -340,7 +342,11 @@ def _rolls() -> Iterator[Case]:
             f"roll_{name}",
             stage(floor(), body("thing", shape, (0, 0, r), velocity=(v, 0, 0), spin=(0, v / r, 0))),
             3.0,
-            (Measure("speed after rolling for 3 s", v, 0.01, "m/s", lambda run: run["thing"].speed(3), "v", MECHANICS),),
+            (
+                Measure(
+                    "speed after rolling for 3 s", v, 0.01, "m/s", lambda run: run["thing"].speed(3), "v", MECHANICS
+                ),
+            ),
         )
         yield Case(
             f"slide_to_roll_{name}",

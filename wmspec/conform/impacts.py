@@ -62,7 +62,9 @@ def _pairs() -> Iterator[Case]:
         ),
         0.6,
         (
-            Measure("speed of the struck", sqrt(3) / 2, 0.015, "m/s", lambda r: r["struck"].speed(0.6), "v cos θ", MECHANICS),
+            Measure(
+                "speed of the struck", sqrt(3) / 2, 0.015, "m/s", lambda r: r["struck"].speed(0.6), "v cos θ", MECHANICS
+            ),
             Measure("speed of the striker", 0.5, 0.015, "m/s", lambda r: r["striker"].speed(0.6), "v sin θ", MECHANICS),
             Measure(
                 "angle between their ways",
@@ -198,7 +200,14 @@ def _moved() -> Iterator[Case]:
             pusher,
             pushed,
             joint(
-                "Prismatic", "rail", "", "pusher", (-0.4, 0, 0.1), axis="X", limits=(-1.0, 1.0), drive=str(rail["drive"])
+                "Prismatic",
+                "rail",
+                "",
+                "pusher",
+                (-0.4, 0, 0.1),
+                axis="X",
+                limits=(-1.0, 1.0),
+                drive=str(rail["drive"]),
             ),
             friction=mu,
         ),
@@ -252,7 +261,17 @@ def _filtered() -> Iterator[Case]:
             name,
             made,
             0.8,
-            (Measure("where a box above a shelf is after 0.8 s", answer, 0.003, "m", lambda r: r["box"].at(0.8, 2), told, source),),
+            (
+                Measure(
+                    "where a box above a shelf is after 0.8 s",
+                    answer,
+                    0.003,
+                    "m",
+                    lambda r: r["box"].at(0.8, 2),
+                    told,
+                    source,
+                ),
+            ),
         )
     upright = body("mug", cylinder(0.05, 0.1), (0, 0, 0.05))
     yield Case(

@@ -70,7 +70,9 @@ def scores(engine: str, runner: Runner, wanted: Iterable[Case]) -> Iterator[Scor
         try:
             run = runner(case)
         except WmsError as error:
-            yield from (Score(engine, case.name, measure, None, str(error).splitlines()[0]) for measure in case.measures)
+            yield from (
+                Score(engine, case.name, measure, None, str(error).splitlines()[0]) for measure in case.measures
+            )
             continue
         for measure in case.measures:
             number = float(measure.of(run))
@@ -93,9 +95,7 @@ def by_backend(engine: str) -> Runner:
         stage.GetRootLayer().ImportFromString(case.stage)
         scene = replace(read(stage, strict=False), duration=case.seconds, rate=RATE)
         trace = known.execute(scene)
-        return {
-            name: Track(*(getattr(trace, what)[:, i] for what in _ARRAYS)) for i, name in enumerate(trace.bodies)
-        }
+        return {name: Track(*(getattr(trace, what)[:, i] for what in _ARRAYS)) for i, name in enumerate(trace.bodies)}
 
     return execute
 
