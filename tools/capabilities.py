@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from wmspec.execute.backends import info, names
-from wmspec.scene.capability import table
+from wmspec.scene.capability import NEARLY, table
 
 PAGE = Path(__file__).parent.parent / "docs/stage.md"
 START, STOP = "<!-- capabilities -->\n", "<!-- /capabilities -->\n"
@@ -36,7 +36,7 @@ def lines() -> list[str]:
 
 def cells(row: dict[str, str]) -> list[str]:
     """A mark for each engine, and the reasons."""
-    marks = ["—" if reason else "✓" for reason in row.values()]
+    marks = ["≈" if reason.startswith(NEARLY) else "—" if reason else "✓" for reason in row.values()]
     return [*marks, "; ".join(dict.fromkeys(filter(None, row.values())))]
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from wmspec.scene.backend import Graphics, Info
-from wmspec.scene.capability import BALL_LIMITS, Lack, stiff_drives
+from wmspec.scene.capability import BALL_LIMITS, TWO_FRICTIONS, Lack, fine_drives, stiff_drives
+from wmspec.scene.drives import FINEST
 
 STEPS_PER_SECOND = 3840
 
@@ -18,9 +19,11 @@ INFO = Info(
     lacks=(
         Lack(BALL_LIMITS, "MuJoCo has no such limits; remove the cone angles, or use hinges"),
         Lack(
-            stiff_drives(STEPS_PER_SECOND),
+            stiff_drives(FINEST * STEPS_PER_SECOND),
             "MuJoCo computes drives step by step and would overshoot; make it softer or what it moves heavier",
         ),
+        Lack(fine_drives(STEPS_PER_SECOND), "MuJoCo makes up to 16 times as many steps", nearly=True),
+        Lack(TWO_FRICTIONS, "MuJoCo has one coefficient, that of motion", nearly=True),
     ),
     graphics=Graphics("EGL", mesa=(24, 3), variables=("MUJOCO_GL", "PYOPENGL_PLATFORM"), on_import=True),
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.scene.articulations import Link
+from wmspec.scene.articulations import Link, Tie
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
@@ -22,5 +22,7 @@ def native(scene: Scene) -> dict[str, str]:
     """
     whole, timeline = prepare(scene)
     values = {"HEAVY": HEAVY, "ASSEMBLY": whole, "EPISODE": timeline}
-    run = script("MuJoCo", "mujoco", scene, parts=[Piece, Rigid, Link, Assembly, World], values=values, world=WORLD)
-    return {"scene.xml": mjcf(scene, timeline, whole.trees), "run.py": run}
+    run = script(
+        "MuJoCo", "mujoco", scene, parts=[Piece, Rigid, Link, Tie, Assembly, World], values=values, world=WORLD
+    )
+    return {"scene.xml": mjcf(scene, timeline, whole.trees, whole.ties), "run.py": run}

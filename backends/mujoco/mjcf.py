@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from wmspec.scene.articulations import WORLD, Link, Tree
+from wmspec.scene.articulations import WORLD, Link, Tie, Tree
 from wmspec.scene.com_frame import com_frame, mount, placed
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import TOUCH, Episode, Kick, Vector
@@ -24,7 +24,7 @@ SPIN, ROLL = 0.005, 0.0001  # required by the format, without effect at condim 3
 _HIDDEN = "3"  # the group of geoms that viewers don't show at first
 
 
-def mjcf(scene: Scene, episode: Episode, trees: tuple[Tree, ...] = ()) -> str:
+def mjcf(scene: Scene, episode: Episode, trees: tuple[Tree, ...] = (), ties: tuple[Tie, ...] = ()) -> str:
     """A model: bodies in the scene's order, those in trees below their parents, frames at their centres of mass, one
 
     `pair` per pair that may touch.
@@ -48,7 +48,7 @@ def mjcf(scene: Scene, episode: Episode, trees: tuple[Tree, ...] = ()) -> str:
         _camera(elements[rides], camera, pose)
     for a, g, b, h in touchable(scene):
         _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", mix(g.friction, h.friction), episode)
-    _equality(root, scene, episode)
+    _equality(root, scene, episode, ties)
     drives = [limb for tree in trees for limb in tree if limb.drive]
     actuators = ET.SubElement(root, "actuator") if drives else root
     for limb in drives:
@@ -173,12 +173,23 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
     )
 
 
-def _equality(root: ET.Element, scene: Scene, episode: Episode) -> None:
-    """The points by which bodies will be held, not yet active; as stiff as the step allows."""
-    if not episode.grips:
+def _equality(root: ET.Element, scene: Scene, episode: Episode, ties: tuple[Tie, ...]) -> None:
+    """The points by which bodies will be held, not yet active, and those that close loops, as stiff as steps let."""
+    if not (episode.grips or ties):
         return
     equality = ET.SubElement(root, "equality")
     solref = text([-((0.1 / episode.step) ** 2), -0.5 / episode.step])
+    for tie in ties:
+        names = {"body1": scene.bodies[tie.second].name, "body2": scene.bodies[tie.first].name}
+        points = tie.below
+        if tie.first == WORLD:
+            del names["body2"]
+        elif tie.second == WORLD:
+            names, points = {"body1": names["body2"]}, tie.above
+        for i, point in enumerate(points):
+            name = f"{scene.joints[tie.joint].name} {i}"
+            made = ET.SubElement(equality, "connect", {"name": name, **names, "anchor": text(point), "solref": solref})
+            made.set("solimp", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
     for number, grip in enumerate(episode.grips):
         for i in range(len(grip.points)):
             ET.SubElement(

@@ -11,6 +11,7 @@ from wmspec.diagnostics import EngineError, WmsError
 from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable
+from wmspec.scene.drives import enough
 from wmspec.scene.episode import Episode, play
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
@@ -38,7 +39,7 @@ def execute(scene: Scene) -> Trace:
     whole, timeline = prepare(scene)
     with unlogged():
         try:
-            model = mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole.trees))
+            model = mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole.trees, whole.ties))
         except ValueError as error:
             raise WmsError(f"MuJoCo can't load the scene: {error}") from error
         world = World(model, whole)
@@ -54,7 +55,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     """The scene in MuJoCo's words. Raises WmsError, with the prim path, for what MuJoCo doesn't have."""
     validate(scene)
     require(INFO.lacks, scene)
-    timeline = episode(scene, INFO.steps_per_second)
+    timeline = episode(scene, enough(scene, INFO.steps_per_second, damped=False))
     return assembly(scene, timeline), timeline
 
 

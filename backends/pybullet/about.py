@@ -6,12 +6,15 @@ from wmspec.scene.backend import Compiled, Info
 from wmspec.scene.capability import (
     BALL_LIMITS,
     SEVERAL_MATERIALS,
+    TWO_FRICTIONS,
     Lack,
     damped_drives,
+    fine_drives,
     friction_above,
     pieces_above,
     stiff_drives,
 )
+from wmspec.scene.drives import FINEST
 
 STEPS_PER_SECOND = 1920
 MOST_FRICTION = 10.0  # of a pair: Bullet's own limit
@@ -29,8 +32,10 @@ INFO = Info(
     looks=("parity",),
     lacks=(
         Lack(BALL_LIMITS, "PyBullet has no such limits; remove the cone angles, or use hinges"),
-        Lack(stiff_drives(STEPS_PER_SECOND), _OVERSHOOTS),
-        Lack(damped_drives(STEPS_PER_SECOND), _OVERSHOOTS),
+        Lack(stiff_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),
+        Lack(damped_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),
+        Lack(fine_drives(STEPS_PER_SECOND), "PyBullet makes up to 16 times as many steps", nearly=True),
+        Lack(TWO_FRICTIONS, "PyBullet has one coefficient, that of motion", nearly=True),
         Lack(
             SEVERAL_MATERIALS,
             "PyBullet has one material a moving body; give its pieces the same friction and restitution",

@@ -25,7 +25,9 @@ def branches(
     without mass at its joint. Motors are off.
     """
     floats = tree[0].kind == "free"
-    base, links = tree[0], tree[1:] if floats else tree
+    order = depth_first(tree)
+    shapes = [shapes[tree.index(limb)] for limb in order]
+    base, links = tree[0], order[1:] if floats else order
     place = bodies[base.body].start if floats else base.above
     number = {limb.body: i + 1 for i, limb in enumerate(links)} | ({base.body: 0} if floats else {-1: 0})
     frames = {limb.body: limb.below for limb in links}
@@ -53,6 +55,16 @@ def branches(
     for i, limb in enumerate(links):
         still(handle, i, limb.kind, client)
     return {limb.body: (handle, number[limb.body] - 1) for limb in tree}
+
+
+def depth_first(tree: tuple[Link, ...]) -> tuple[Link, ...]:
+    """A tree's limbs, each followed by all that hangs on it: so PyBullet numbers links, in whatever order they come."""
+    order: list[Link] = []
+    waiting = [tree[0]]
+    while waiting:
+        order.append(waiting.pop())
+        waiting += [limb for limb in reversed(tree) if limb.parent == order[-1].body]
+    return tuple(order)
 
 
 def still(handle: int, link: int, kind: str, client: int) -> None:

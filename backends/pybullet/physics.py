@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wmspec.scene.capability import require
+from wmspec.scene.drives import enough
 from wmspec.scene.episode import Episode, play
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
@@ -39,7 +40,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     """The scene in PyBullet's words. Raises WmsError, with the prim path, for what PyBullet doesn't have."""
     validate(scene)
     require(INFO.lacks, scene)
-    timeline = episode(scene, INFO.steps_per_second)
+    timeline = episode(scene, enough(scene, INFO.steps_per_second))
     return within_margins(assembly(scene, timeline)), timeline
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.articulations import Link
+from wmspec.scene.articulations import Link, Tie
 from wmspec.scene.episode import MEET, TOUCH, Grip
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.silence import silence
@@ -65,6 +65,27 @@ class World:
         for a, b in assembly.apart:
             for one, other in [(one, other) for one in self.parts[a] for other in self.parts[b]]:
                 pybullet.setCollisionFilterPair(one[0], other[0], one[1], other[1], 0, physicsClientId=self.client)
+
+        for tie in assembly.ties:
+            self.tie(tie)
+
+    def tie(self, tie: Tie) -> None:
+        """Close a loop."""
+        first, second, above, below = tie.first, tie.second, tie.above, tie.below
+        if first < 0:  # the world can only be the second of two
+            first, second, above, below = second, first, below, above
+        other = self.ids[second] if second >= 0 else (-1, -1)
+        for one, two in zip(above, below, strict=True):
+            made = pybullet.createConstraint(
+                *self.ids[first],
+                *other,
+                pybullet.JOINT_POINT2POINT,
+                [0.0, 0.0, 0.0],
+                list(one),
+                list(two),
+                physicsClientId=self.client,
+            )
+            pybullet.changeConstraint(made, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
 
     def add(self, body: Rigid) -> list[tuple[int, int]]:
         """Make a body; a static one is made of one per piece, as only there PyBullet lets pieces differ in material."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.scene.articulations import Link
+from wmspec.scene.articulations import Link, Tie
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
@@ -16,7 +16,7 @@ CONSTANTS = {
     joints: ("HERE", "JOINTS", "FASTEST_JOINT"),
 }
 PARTS = (
-    *(Piece, Rigid, Link, Assembly),
+    *(Piece, Rigid, Link, Tie, Assembly),
     *(joints.branches, joints.connect, joints.ball, joints.ignored, joints.frame),
     *(shapes.lanes, shapes.mean, shapes.groups, shapes.shape),
     *(world.World, world.entity, world.solve, world.iterate),

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.articulations import Link
+from wmspec.scene.articulations import Link, Tie
 from wmspec.scene.episode import Grip
 from wmspec.scene.rigid import Assembly, Rigid
 from wmspec.scene.silence import silence
@@ -60,6 +60,28 @@ class World:
                 for branch in branches(self.trees[i]):
                     made |= self.grow(branch, made)
         self.parts = [made[i] for i in range(len(self.bodies))]
+        for tie in assembly.ties:
+            self.tie(tie)
+
+    def tie(self, tie: Tie) -> None:
+        """Close a loop."""
+        first, second, above, below = tie.first, tie.second, tie.above, tie.below
+        if second < 0:  # the world can only be the first of two
+            first, second, above, below = second, first, below, above
+        for one, other in zip(above, below, strict=True):
+            self.point(second, first, other, one)
+
+    def point(self, body: int, parent: int, inner: Any, outer: Any) -> Any:
+        """Hold a point of a body to one of another, or of the world."""
+        tie = sapien.physx.PhysxDriveComponent(self.parts[body])
+        if parent >= 0:
+            tie.set_parent(self.parts[parent])
+        tie.set_pose_in_parent(sapien.Pose(np.array(outer, np.float32)))
+        tie.set_pose_in_child(sapien.Pose(np.array(inner, np.float32)))
+        for lock in (tie.set_limit_x, tie.set_limit_y, tie.set_limit_z):
+            lock(0.0, 0.0)
+        self.parts[body].entity.add_component(tie)
+        return tie
 
     def add(self, number: int) -> Any:
         """Make a body; its entity's name is its number."""
@@ -174,17 +196,9 @@ class World:
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
         """Tie points of a hand to the anchors in a body's frame."""
-        hand, body = self.parts[grip.hand], self.parts[grip.body]
-        self.ties[number] = []
-        for point, anchor in zip(grip.points, anchors, strict=True):
-            tie = sapien.physx.PhysxDriveComponent(body)
-            tie.set_parent(hand)
-            tie.set_pose_in_parent(sapien.Pose(np.array(point, np.float32)))
-            tie.set_pose_in_child(sapien.Pose(np.array(anchor, np.float32)))
-            for lock in (tie.set_limit_x, tie.set_limit_y, tie.set_limit_z):
-                lock(0.0, 0.0)
-            body.entity.add_component(tie)
-            self.ties[number].append(tie)
+        self.ties[number] = [
+            self.point(grip.body, grip.hand, anchor, point) for point, anchor in zip(grip.points, anchors, strict=True)
+        ]
 
     def loose(self, number: int, grip: Grip) -> None:
         """Let go of what a hand holds."""

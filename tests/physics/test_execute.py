@@ -11,6 +11,8 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.diagnostics import WmsError
+from wmspec.execute.backends import info
+from wmspec.scene.capability import approximated, require
 from wmspec.scene.inertia import inertia
 from wmspec.scene.model import Array, Body, Friction, Geom, Glide, Launch, Pose, Scene, Trace
 from wmspec.scene.transform import rotate
@@ -186,11 +188,23 @@ def test_what_makes_no_sense_is_refused_with_its_prim(execute: Execute) -> None:
         execute(scene(still, actions=(Launch("go", "b", 0, np.zeros(3), np.zeros(3)),)))
 
 
-def test_two_coefficients_of_friction_are_refused(execute: Execute) -> None:
-    box = body("b", cube(0.05))
-    two = replace(box, geoms=(replace(box.geoms[0], friction=Friction(static=0.6, dynamic=0.4)),))
-    with pytest.raises(WmsError, match=r"/World/b.*static friction"):
-        execute(scene(two))
+@pytest.mark.parametrize("engine", ENGINES)
+def test_of_two_coefficients_of_friction_that_of_motion_counts_and_this_is_told(engine: str) -> None:
+    slope = turn((0, 1, 0), np.radians(27))
+    pair = Friction(static=0.6, dynamic=0.4)
+    box = body("b", cube(0.05), rotate(slope, np.array([0, 0, 0.05])), orientation=slope)  # type: ignore[arg-type]
+    both = [
+        replace(one, geoms=tuple(replace(geom, friction=pair) for geom in one.geoms))
+        for one in (floor(orientation=slope), box)
+    ]
+    play = scene(*both, duration=0.5)
+    trace = installed(engine).execute(play)
+    slid = float(np.linalg.norm(trace.position[-1, 1] - trace.position[0, 1]))
+    told = approximated(info(engine).lacks, play)
+    assert {str(note.place) for note in told} == {"/World/floor", "/World/b"}
+    assert slid == pytest.approx(9.81 * (np.sin(np.radians(27)) - 0.4 * np.cos(np.radians(27))) / 8, rel=0.02)
+    with pytest.raises(WmsError, match=r"friction 0\.6 at rest and 0\.4 in motion"):
+        require(info(engine).lacks, play, strict=True)
 
 
 def test_too_many_materials_for_sapien_are_refused_by_name() -> None:

@@ -15,13 +15,15 @@ from pxr import Usd, UsdUtils
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.api.drawing import Drawing, renderer_of
-from wmspec.diagnostics import StageError, WmsError, suggestion
+from wmspec.diagnostics import Diagnostic, StageError, WmsError, suggestion
 from wmspec.execute import archive
+from wmspec.execute.backends import info
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.places import FilePlace
 from wmspec.scene.appearance import shown_at
 from wmspec.scene.bounds import middle
 from wmspec.scene.camera import find
+from wmspec.scene.capability import approximated, require
 from wmspec.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
 from wmspec.usd import read
 from wmspec.usd.files import opened
@@ -74,7 +76,13 @@ class Episode:
     @property
     def movable(self) -> tuple[str, ...]:
         """The names of the bodies that can move."""
-        return tuple(body.name for body in self.scene.bodies if body.motion != "static")
+        links = {joint.path for joint in self.scene.joints}
+        return tuple(b.name for b in self.scene.bodies if b.motion != "static" and b.path not in links)
+
+    @property
+    def notes(self) -> tuple[Diagnostic, ...]:
+        """What was taken for something else, or executed only nearly as it is meant, as warnings with their prims."""
+        return tuple(dict.fromkeys((*self.scene.notes, *approximated(info(self.engine).lacks, self.scene))))
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -172,7 +180,7 @@ class Episode:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write trace and stage to an .npz file, which `load_episode` reads. Raises WmsError if that is impossible."""
-        archive.save(self.stage, self.trace, Path(path))
+        archive.save(self.stage, self.trace, Path(path), self.notes)
 
     def _drawn(self, camera: str, time: float, depth: bool, drawing: Drawing) -> Frame:
         find(self.scene, camera)
@@ -196,37 +204,44 @@ def open_stage(path: str | PathLike[str]) -> Usd.Stage:
         del quiet
 
 
-def run(stage: Usd.Stage | str | PathLike[str], engine: str, duration: float | None = None) -> Episode:
+def run(
+    stage: Usd.Stage | str | PathLike[str], engine: str, duration: float | None = None, *, strict: bool = False
+) -> Episode:
     """Execute a stage, or the stage in a file, in an engine; for a `duration` (s) other than its own, if it is given.
+
+    What only shows and cannot be drawn, and what can be executed nearly as it is meant, has a stand-in that the
+    episode's `notes` tell; if it is to be `strict`, that is refused.
 
     Raises:
         StageError: the stage holds what cannot be executed; its `diagnostics` are all of it.
         WmsError: it says nothing of how long it lasts, there is no such engine, or the engine gives up on it.
     """
     opened = open_stage(stage) if isinstance(stage, str | PathLike) else stage
-    if duration is None and read(opened).duration <= 0:
+    if duration is None and read(opened, strict=strict).duration <= 0:
         name = stage if isinstance(stage, str | PathLike) else opened.GetRootLayer().identifier
         remedy = "add for instance `--for 2s` (`duration=2`)"
         raise StageError("the stage does not say how long it lasts", FilePlace(str(name)), remedy)
-    return execute(opened, engine, duration)
+    return execute(opened, engine, duration, strict=strict)
 
 
-def execute(stage: Usd.Stage, engine: str, duration: float | None = None) -> Episode:
+def execute(stage: Usd.Stage, engine: str, duration: float | None = None, *, strict: bool = True) -> Episode:
     """The same for a stage that may well last a single moment."""
-    scene = read(stage)
+    scene = read(stage, strict=strict)
     if duration is not None:
         if duration * scene.rate < 0.99:  # the time told is rounded
             raise WmsError(
                 f"{1000 * duration:g}ms: shorter than one sample; ask for at least {1000 / scene.rate:.3g}ms"
             )
         scene = replace(scene, duration=round(duration * scene.rate) / scene.rate)
-    return Episode(stage, scene, executor(engine).trace(scene))
+    trace = executor(engine).trace(scene)
+    require(info(engine).lacks, scene, strict=strict)
+    return Episode(stage, scene, trace)
 
 
 def load_episode(path: str | PathLike[str]) -> Episode:
     """An episode that was saved, here or by `wmspec run -o`. Raises WmsError if the file is something else."""
     stage, trace = archive.load(Path(path))
-    scene = read(stage)
+    scene = read(stage, strict=False)
     here, place = [body.name for body in scene.bodies], FilePlace(str(path))
     if list(trace.bodies) != here:
         raise WmsError(f"its bodies are not those of its stage, {', '.join(here)[:200]}", place)

@@ -37,6 +37,7 @@ COMMANDS = (
     "report",
     "export",
     "recast",
+    "conform",
     "doctor",
 )
 

@@ -41,15 +41,30 @@ def _capabilities(as_json: bool) -> None:
     import json
 
     from wmspec.execute.backends import info, names
-    from wmspec.scene.capability import table
+    from wmspec.scene.capability import NEARLY, table
 
     engines = [info(name) for name in names()]
+
+    def _mark(why: str) -> str:
+        if why.startswith(NEARLY):
+            return click.style("~~", fg="yellow")
+        return click.style("--", fg="red") if why else click.style("ok", fg="green")
+
     rows = table({engine.name: engine.lacks for engine in engines})
     if as_json:
-        click.echo(json.dumps([{"capability": name, "lacking": _lacking(row)} for name, row in rows], indent=2))
+        nearly = [{e: why for e, why in row.items() if why.startswith(NEARLY)} for _, row in rows]
+        told = [
+            {
+                "capability": name,
+                "lacking": {e: why for e, why in _lacking(row).items() if e not in near},
+                "nearly": {e: why.removeprefix(NEARLY) for e, why in near.items()},
+            }
+            for (name, row), near in zip(rows, nearly, strict=True)
+        ]
+        click.echo(json.dumps(told, indent=2))
         return
     for name, row in rows:
-        marks = "  ".join(click.style("--", fg="red") if why else click.style("ok", fg="green") for why in row.values())
+        marks = "  ".join(map(_mark, row.values()))
         click.echo(f"{marks}  {name}")
         for reason in dict.fromkeys(_lacking(row).values()):
             click.echo(f"            {reason}")

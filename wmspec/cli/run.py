@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import instance_of, instance_option, json_option, seed_option
+from wmspec.cli.common import instance_of, instance_option, json_option, paint, seed_option, tell
 from wmspec.diagnostics import WmsError
 from wmspec.limits import SECONDS
 
@@ -38,9 +38,17 @@ STAGES = (".usd", ".usda", ".usdc", ".usdz")
     type=click.Path(path_type=Path),
     help="Write the trace to this .npz file; `wmspec render` draws it.",
 )
+@click.option("--strict", is_flag=True, help="Refuse stages of which anything would only be nearly as it is meant.")
 @json_option
 def run_command(
-    source: Path, backend: str, instance: int, seed: int, duration: str, output: Path | None, as_json: bool
+    source: Path,
+    backend: str,
+    instance: int,
+    seed: int,
+    duration: str,
+    output: Path | None,
+    strict: bool,
+    as_json: bool,
 ) -> None:
     """Execute an instance of a spec, or a USD stage, and print where everything ended and what touched."""
     from wmspec.api import run
@@ -51,7 +59,7 @@ def run_command(
         raise WmsError("one file holds the trace of one engine; choose one with --backend, or leave out --output")
     seconds = _seconds(duration) if duration else None
     if source.suffix.lower() in STAGES:
-        episodes = [run(source, engine, seconds) for engine in engines]
+        episodes = [run(source, engine, seconds, strict=strict) for engine in engines]
     else:
         one = instance_of(source, instance, seed)
         episodes = [one.run(engine, duration=seconds) for engine in engines]
@@ -60,6 +68,8 @@ def run_command(
     if as_json:
         click.echo(json.dumps([_summary(episode) for episode in episodes], indent=2))
         return
+    for note in dict.fromkeys(note for episode in episodes for note in episode.notes):
+        tell(note.render(paint()))
     for episode in episodes:
         _print(episode)
 
@@ -95,7 +105,17 @@ def _summary(episode: Episode) -> dict[str, Any]:
         first, second = (c.first, c.second) if c.first in bodies else (c.second, c.first)
         if first in bodies:
             contacts.append({"first": first, "second": second, "start": c.start, "stop": c.stop})
-    return {"engine": episode.engine, "duration": float(episode.time[-1]), "bodies": bodies, "contacts": contacts}
+    return {
+        "engine": episode.engine,
+        "duration": float(episode.time[-1]),
+        "bodies": bodies,
+        "contacts": contacts,
+        **_notes(episode),
+    }
+
+
+def _notes(episode: Episode) -> dict[str, Any]:
+    return {"notes": [note.record() for note in episode.notes]} if episode.notes else {}
 
 
 def _print(episode: Episode) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from pxr import Sdf, Usd
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas
-from wmspec.diagnostics import WmsError
+from wmspec.diagnostics import Diagnostic, WmsError
 from wmspec.foreign import is_name
 from wmspec.limits import TRACE, TooLarge
 from wmspec.places import FilePlace
@@ -20,8 +21,9 @@ from wmspec.scene.model import Contact, Trace
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
 
 
-def save(stage: Usd.Stage, trace: Trace, path: Path) -> None:
-    """Write a trace and the stage it is of. Raises WmsError if that is impossible."""
+def save(stage: Usd.Stage, trace: Trace, path: Path, notes: Sequence[Diagnostic] = ()) -> None:
+    """Write a trace, the stage it is of, and what was executed otherwise. Raises WmsError if that is impossible."""
+    more: dict[str, Any] = {"notes": np.array([str(note) for note in notes])} if notes else {}
     touched = [(c.first, c.second, c.start, c.stop) for c in trace.contacts]
     pairs, times = [t[:2] for t in touched], [t[2:] for t in touched]
     try:
@@ -34,6 +36,7 @@ def save(stage: Usd.Stage, trace: Trace, path: Path) -> None:
                 contacts=np.array(pairs, dtype=np.str_).reshape(-1, 2),
                 contact_times=np.array(times, dtype=np.float64).reshape(-1, 2),
                 **{name: getattr(trace, name) for name in ARRAYS},
+                **more,
             )
     except OSError as error:
         raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None

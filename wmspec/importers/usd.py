@@ -77,7 +77,7 @@ class _Usd:
             note(self.problems.diagnostics, self.shown, self.faults, self.folder)
             return Asset({whole.name: whole}, {})
         bodies, shapes = self._bodies()
-        held = joints.joints(self.census.joints, bodies, self.world, self.problems)
+        held = joints.joints(self.census.joints, bodies, self.world, self.problems).joints
         apart: tuple[tuple[str, str], ...] = ()
         with self.problems.gathered():
             groups = self.census.of("PhysicsCollisionGroup")

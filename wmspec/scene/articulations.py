@@ -16,7 +16,7 @@ from wmspec.places import PrimPlace
 from wmspec.scene.com_frame import mount
 from wmspec.scene.model import Body, Follow, Glide, Joint, Pose, Scene, Teleport
 from wmspec.scene.numbers import floats, numbers
-from wmspec.scene.transform import compose, identity, inverse, turned
+from wmspec.scene.transform import apply, compose, identity, inverse, turned
 
 WORLD = -1
 NEAR, ALIGNED = 1e-3, 1e-2  # m and rad: how well the two frames of a joint must fit at the start
@@ -47,25 +47,116 @@ class Link:
 Tree = tuple[Link, ...]
 
 
+@dataclass(frozen=True)
+class Tie:
+    """A joint that closes a loop of two bodies' trees: points of `first`, a body's number or -1 for the world, that
+    stay where those of `second` are. `above` and `below`: the points (m) in their centre-of-mass frames, one or more.
+    """
+
+    joint: int
+    first: int
+    second: int
+    above: tuple[tuple[float, ...], ...]
+    below: tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A body of a tree, its parent and the joint between them by their numbers; -1 for the world and for no joint."""
+
+    body: int
+    parent: int
+    joint: int
+
+
 def trees(scene: Scene) -> tuple[Tree, ...]:
     """The jointed bodies, parents before children, in the order of each tree's root among the bodies.
 
     A tree's root is what is jointed to the world, or else its first body. Raises StageError, with the joint's path, for
-    loops and for joints that do not fit.
+    joints that do not fit.
     """
-    index = {body.name: i for i, body in enumerate(scene.bodies)}
-    links = [_ends(joint, scene.bodies, index) for joint in scene.joints]
+    return tuple(tuple(_link(scene, branch) for branch in tree) for tree in spanning(scene))
+
+
+def spanning(scene: Scene) -> tuple[tuple[Branch, ...], ...]:
+    """How the bodies hang together in trees; which joints close loops of them, `closing` says."""
+    links = _links(scene)
+    kept = _kept(scene, links)
     seen: set[int] = set()
-    used: set[int] = set()
-    grown = [tuple(_grow(root, scene, links, seen, used)) for root in _roots(links) if root not in seen]
-    for j in sorted(set(range(len(links))) - used):
-        raise StageError(
-            "it closes a loop of joints, or holds bodies to the world a second time, "
-            "which the engines here don't solve",
-            PrimPlace(scene.joints[j].path),
-            "deactivate it",
-        )
+    grown = [tuple(_grow(root, links, kept, seen)) for root in _roots(links) if root not in seen]
     return tuple(sorted(grown, key=lambda tree: tree[0].body))
+
+
+def closing(scene: Scene) -> tuple[int, ...]:
+    """The numbers of the joints that close loops, or hold bodies to the world a second time."""
+    return tuple(sorted(set(range(len(scene.joints))) - _kept(scene, _links(scene))))
+
+
+def ties(scene: Scene) -> tuple[Tie, ...]:
+    """The loops, closed. Raises StageError where one has no joint that could close it, or where it does not fit."""
+    return tuple(_tie(scene, j) for j in closing(scene))
+
+
+_SPREAD = 0.1  # m: how far apart the points of a hinge or a fixed joint are that closes a loop
+_POINTS = {
+    "ball": ((0.0, 0.0, 0.0),),
+    "hinge": ((-_SPREAD, 0.0, 0.0), (_SPREAD, 0.0, 0.0)),
+    "fixed": ((-_SPREAD, 0.0, 0.0), (_SPREAD, 0.0, 0.0), (0.0, _SPREAD, 0.0)),
+}
+
+
+def _tie(scene: Scene, number: int) -> Tie:
+    joint = scene.joints[number]
+    if not closes(joint):
+        reason = "it closes a loop of joints, or holds bodies to the world a second time"
+        remedy = "close the loop by a fixed, revolute or spherical joint without limits and drive, or deactivate it"
+        raise StageError(reason, PrimPlace(joint.path), remedy)
+    bodies = {body.name: body for body in scene.bodies}
+    coordinate(joint, relative(bodies, joint.first, joint.second, joint.first_frame, joint.second_frame))
+    (first, above), (second, below) = (
+        _points(scene, name, frame, joint.kind)
+        for name, frame in ((joint.first, joint.first_frame), (joint.second, joint.second_frame))
+    )
+    return Tie(number, first, second, above, below)
+
+
+def _points(scene: Scene, name: str | None, frame: Pose, kind: str) -> tuple[int, tuple[tuple[float, ...], ...]]:
+    """A body's number and points of a joint in its centre-of-mass frame; of what stands still, in the world."""
+    body = next((i for i, body in enumerate(scene.bodies) if body.name == name), WORLD)
+    at = frame
+    if body != WORLD:
+        still = scene.bodies[body].motion != "dynamic"
+        at = compose(scene.bodies[body].pose if still else mount(scene.bodies[body]), frame)
+        body = WORLD if still else body
+    return body, tuple(floats(apply(at, np.array(point))) for point in _POINTS[kind])
+
+
+def closes(joint: Joint) -> bool:
+    """Whether points that stay together do what the joint does."""
+    return joint.kind in _POINTS and joint.drive is None and joint.limits is None
+
+
+def _links(scene: Scene) -> list[tuple[int, int]]:
+    index = {body.name: i for i, body in enumerate(scene.bodies)}
+    return [_ends(joint, scene.bodies, index) for joint in scene.joints]
+
+
+def _kept(scene: Scene, links: Sequence[tuple[int, int]]) -> frozenset[int]:
+    """The joints that make trees: of each loop all but one, which is one that points can stand for, if there is one."""
+    above = {end: end for ends in links for end in ends}
+
+    def top(end: int) -> int:
+        while above[end] != end:
+            end = above[end]
+        return end
+
+    kept = set()
+    for j in sorted(range(len(links)), key=lambda j: (closes(scene.joints[j]), j)):
+        first, second = map(top, links[j])
+        if first != second:
+            above[first] = second
+            kept.add(j)
+    return frozenset(kept)
 
 
 def jointed(scene: Scene) -> frozenset[str]:
@@ -96,29 +187,26 @@ def _roots(links: Sequence[tuple[int, int]]) -> list[int]:
     return [*anchored, *sorted({body for ends in links for body in ends} - {WORLD})]
 
 
-def _grow(root: int, scene: Scene, links: Sequence[tuple[int, int]], seen: set[int], used: set[int]) -> Iterator[Link]:
-    anchor = next((j for j, ends in enumerate(links) if set(ends) == {WORLD, root}), None)
+def _grow(root: int, links: Sequence[tuple[int, int]], kept: frozenset[int], seen: set[int]) -> Iterator[Branch]:
     seen.add(root)
-    if anchor is None:
-        yield Link(root, WORLD, -1, "free", numbers(identity()), numbers(identity()), 0.0, (), ())
-    else:
-        used.add(anchor)
-        yield _limb(scene, anchor, WORLD, root)
+    yield Branch(root, WORLD, next((j for j in sorted(kept) if set(links[j]) == {WORLD, root}), -1))
     waiting = [root]
     while waiting:
         parent = waiting.pop(0)
-        for j, ends in enumerate(links):
-            if j in used or parent not in ends:
+        for j in sorted(kept):
+            if parent not in links[j]:
                 continue
-            child = ends[0] if ends[1] == parent else ends[1]
+            child = links[j][0] if links[j][1] == parent else links[j][1]
             if child != WORLD and child not in seen:
                 seen.add(child)
-                used.add(j)
                 waiting.append(child)
-                yield _limb(scene, j, parent, child)
+                yield Branch(child, parent, j)
 
 
-def _limb(scene: Scene, number: int, parent: int, child: int) -> Link:
+def _link(scene: Scene, branch: Branch) -> Link:
+    number, parent, child = branch.joint, branch.parent, branch.body
+    if number < 0:
+        return Link(child, WORLD, -1, "free", numbers(identity()), numbers(identity()), 0.0, (), ())
     joint = scene.joints[number]
     below_first = scene.bodies[child].name != joint.second
     above, below = joint.first_frame, joint.second_frame

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from math import atan, degrees
 
 from wmspec.diagnostics import Diagnostic, Report, StageError
 from wmspec.places import PrimPlace
+from wmspec.scene.articulations import closing
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
 from wmspec.scene.model import Joint, Scene
@@ -34,25 +36,48 @@ class Lack:
 
     capability: Capability
     reason: str
+    #: Whether it is executed nearly so, as the reason says, instead of being refused.
+    nearly: bool = False
 
 
-def require(lacks: Iterable[Lack], scene: Scene) -> None:
-    """Raise StageError with the prim path of everything in a valid scene that an engine lacks."""
+def require(lacks: Iterable[Lack], scene: Scene, *, strict: bool = False) -> None:
+    """Raise StageError with the prim path of everything in a valid scene that an engine lacks.
+
+    If `strict`, what it does only nearly is lacking too.
+    """
     report = Report(StageError)
     for lack in lacks:
-        report.include(Diagnostic(what, PrimPlace(path), lack.reason) for path, what in lack.capability.asked(scene))
+        if strict or not lack.nearly:
+            report.include(
+                Diagnostic(what, PrimPlace(path), lack.reason) for path, what in lack.capability.asked(scene)
+            )
     report.stop_if_failed()
+
+
+def approximated(lacks: Iterable[Lack], scene: Scene) -> tuple[Diagnostic, ...]:
+    """What of a valid scene an engine executes only nearly as it is meant, as warnings."""
+    return tuple(
+        Diagnostic(f"{what}: {lack.reason}", PrimPlace(path), severity="warning")
+        for lack in lacks
+        if lack.nearly
+        for path, what in lack.capability.asked(scene)
+    )
+
+
+NEARLY = "nearly: "
+"""How the reason begins of what an engine does, though not exactly."""
 
 
 def table(engines: Mapping[str, Iterable[Lack]]) -> list[tuple[str, dict[str, str]]]:
     """What can be asked for, and for each engine why it lacks it, or nothing.
 
-    First what is known to be asked for, then what some engine says that it lacks, then what none is ever given.
+    First what is known to be asked for, then what some engine says that it lacks, then what none is ever given. What an
+    engine does nearly so begins with `NEARLY`.
     """
     rows: dict[str, dict[str, str]] = {capability.name: {} for capability in COMMON}
     for engine, lacks in engines.items():
         for lack in lacks:
-            rows.setdefault(lack.capability.name, {})[engine] = lack.reason
+            rows.setdefault(lack.capability.name, {})[engine] = f"{NEARLY if lack.nearly else ''}{lack.reason}"
     rows |= {name: dict.fromkeys(engines, why) for name, why in NEVER.items()}
     return [(name, {engine: reasons.get(engine, "") for engine in engines}) for name, reasons in rows.items()]
 
@@ -110,8 +135,28 @@ def _stiff(scene: Scene, rate: int) -> Where:
     yield from ((joint.path, _drive(joint)) for joint in too_stiff(scene, rate))
 
 
+def _hasty(scene: Scene, rate: int) -> Where:
+    joints = {joint.name: joint for joint in (*too_stiff(scene, rate), *too_damped(scene, rate))}
+    yield from ((joint.path, _drive(joint)) for joint in joints.values())
+
+
 def _damped(scene: Scene, rate: int) -> Where:
     yield from ((joint.path, _drive(joint)) for joint in too_damped(scene, rate))
+
+
+def _sticking(scene: Scene) -> Where:
+    for body in scene.bodies:
+        for f in dict.fromkeys(geom.friction for geom in colliders(body)):
+            if f.static != f.dynamic:
+                slopes = " and ".join(f"{degrees(atan(number)):.3g}" for number in (f.static, f.dynamic))
+                yield (
+                    body.path,
+                    f"friction {f.static:g} at rest and {f.dynamic:g} in motion (it slips from {slopes} degrees)",
+                )
+
+
+def _loops(scene: Scene) -> Where:
+    yield from ((scene.joints[j].path, "a joint that closes a loop") for j in closing(scene))
 
 
 def _drive(joint: Joint) -> str:
@@ -133,8 +178,10 @@ MOTIONS = Capability("static, dynamic and kinematic bodies, all actions on them"
 FILTERS = Capability("filtered pairs and collision groups", _filtered)
 JOINTS = Capability("fixed joints, hinges, sliders, ball joints; trees of them, held by the world or free", _jointed)
 DRIVES = Capability("limits of hinges and sliders, drives")
-COMMON = (PRIMITIVES, ROLLING_CYLINDERS, MESHES, MOTIONS, FILTERS, JOINTS, DRIVES)
+LOOPS = Capability("loops of joints, closed by a fixed joint, a hinge or a ball joint", _loops)
+COMMON = (PRIMITIVES, ROLLING_CYLINDERS, MESHES, MOTIONS, FILTERS, JOINTS, DRIVES, LOOPS)
 
+TWO_FRICTIONS = Capability("static friction other than the dynamic one", _sticking)
 BALL_LIMITS = Capability("ball joints with limits", _cones)
 TOUCHING_NEIGHBOURS = Capability("neighbours in a tree that touch each other", _touching_neighbours)
 SEVERAL_MATERIALS = Capability("several materials in a moving body", _materials)
@@ -143,6 +190,11 @@ SEVERAL_MATERIALS = Capability("several materials in a moving body", _materials)
 def stiff_drives(rate: int) -> Capability:
     """Drives that vibrate faster than `rate` steps per second can follow."""
     return Capability("drives however stiff", partial(_stiff, rate=rate))
+
+
+def fine_drives(rate: int) -> Capability:
+    """Drives that would need more than the usual `rate` of steps per second."""
+    return Capability("drives that need smaller steps", partial(_hasty, rate=rate))
 
 
 def damped_drives(rate: int) -> Capability:
@@ -161,10 +213,9 @@ def friction_above(most: float) -> Capability:
 
 
 NEVER = {
-    "joints that close a loop, that break, gears, mimics, tendons, distance joints": (
-        "the reader refuses them, as trees of joints are what all engines solve alike"
+    "joints that break, gears, mimics, tendons, distance joints": (
+        "the reader refuses them, as trees of joints, and loops of such, are what all engines solve alike"
     ),
-    "static friction other than the dynamic one": "engines have one coefficient; make them equal, or author one",
     "bodies with joints that start in motion": "give them an impulse or a drive instead of a velocity",
     "kinematic bodies with a velocity": "move them by a WmsAction that glides",
     "drives of ball joints": "use hinges",

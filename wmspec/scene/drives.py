@@ -25,6 +25,20 @@ def too_damped(scene: Scene, rate: int) -> Iterator[Joint]:
     return (joint for joint, drive, lightness in _driven(scene) if drive.damping * lightness > STIFFEST * rate)
 
 
+FINEST = 16
+"""How many times as many steps as usual are made for stiff drives at most."""
+
+
+def enough(scene: Scene, rate: int, *, damped: bool = True) -> int:
+    """The least of 1, 2, 4 .. `FINEST` times `rate` steps a second that the drives need; unless they can be `damped`
+    however much, their damping counts too.
+    """
+    for finer in (1, 2, 4, 8):
+        if not any(too_stiff(scene, finer * rate)) and not (damped and any(too_damped(scene, finer * rate))):
+            return finer * rate
+    return FINEST * rate
+
+
 def _driven(scene: Scene) -> Iterator[tuple[Joint, Drive, float]]:
     """The joints with drives, and the acceleration that a force gives to them."""
     for tree in trees(scene) if any(joint.drive for joint in scene.joints) else ():

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmspec.scene.articulations import Tree, trees
+from wmspec.scene.articulations import Tie, Tree, ties, trees
 from wmspec.scene.com_frame import com_frame, placed
 from wmspec.scene.contact import apart, colliders
 from wmspec.scene.episode import Episode, Vector
@@ -47,18 +47,20 @@ class Rigid:
 
 @dataclass(frozen=True)
 class Assembly:
-    """All bodies in order, trees of those that have joints, and pairs of numbers that pass through each other."""
+    """All bodies in order, trees of those with joints, pairs of numbers that pass through each other, and loops."""
 
     bodies: tuple[Rigid, ...]
     trees: tuple[Tree, ...]
     apart: tuple[tuple[int, int], ...]
     gravity: tuple[float, ...]
     step: float
+    ties: tuple[Tie, ...] = ()
 
 
 def assembly(scene: Scene, episode: Episode) -> Assembly:
     """What a world is built of. Raises WmsError for joints that no engine can have."""
-    return Assembly(rigids(scene), trees(scene), tuple(sorted(apart(scene))), episode.gravity, episode.step)
+    passing = tuple(sorted(apart(scene)))
+    return Assembly(rigids(scene), trees(scene), passing, episode.gravity, episode.step, ties(scene))
 
 
 def rigids(scene: Scene) -> tuple[Rigid, ...]:

@@ -97,13 +97,5 @@ def _geom(geom: Geom) -> Iterator[Diagnostic]:
     f = geom.friction
     if not (0 <= f.dynamic < np.inf and 0 <= f.static < np.inf):
         yield Diagnostic(f"its friction is {f.static} (static), {f.dynamic} (dynamic), expected numbers from 0 up")
-    if f.static != f.dynamic and geom.collides:
-        yield (
-            Diagnostic(
-                f"its static friction {f.static:g} differs from its dynamic friction {f.dynamic:g}, "
-                "but the engines have one coefficient",
-                help="make them equal",
-            )
-        )
     if not 0 <= f.restitution <= 1:
         yield Diagnostic(f"its restitution is {f.restitution}, expected a number from 0 to 1")

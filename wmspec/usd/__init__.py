@@ -10,11 +10,14 @@ if TYPE_CHECKING:  # who needs a name of this package alone, such as the version
     from wmspec.scene.model import Scene
 
 
-def read(stage: Usd.Stage) -> Scene:
+def read(stage: Usd.Stage, *, strict: bool = True) -> Scene:
     """Read a stage: ours, or anyone's standard UsdPhysics.
 
     A stage without a WmsEpisode lasts 0 s: `dataclasses.replace(scene, duration=...)`. One without cameras gets one
     named 'overview', one without lights the default light.
+
+    Unless it is `strict`, what only shows and cannot be drawn, and what can be executed nearly as it is meant, has a
+    stand-in, which the scene's `notes` tell.
 
     Raises:
         StageError: with everything on the stage that is wrong or not supported, each with its prim and remedy.
@@ -23,10 +26,11 @@ def read(stage: Usd.Stage) -> Scene:
 
     from wmspec.diagnostics import StageError
     from wmspec.usd.files import text_of
+    from wmspec.usd.notes import Notes
     from wmspec.usd.scene import scene
 
     try:
-        return scene(stage)
+        return scene(stage, Notes(strict=strict))
     except TypeError as error:  # of pxr: an attribute with the name of one of a schema has a value of another type
         reason = str(error).splitlines()[0][:200]
         raise StageError(f"an attribute has a value of another type than its schema says ({reason})") from error

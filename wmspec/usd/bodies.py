@@ -14,23 +14,24 @@ from wmspec.usd.colliders import DOWN, collider
 from wmspec.usd.frames import World, split, vector
 from wmspec.usd.geoms import Materials, geoms
 from wmspec.usd.masses import body_inertia
+from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import Names, refuse, value
 from wmspec.usd.shapes import Placed, placed
 from wmspec.usd.walk import Owner
 
 
-def bodies(owners: Sequence[Owner], world: World, problems: Report) -> tuple[Body, ...]:
+def bodies(owners: Sequence[Owner], world: World, problems: Report, notes: Notes = STRICT) -> tuple[Body, ...]:
     """The bodies, in the stage's order; what is wrong with them goes to `problems`."""
-    materials = Materials(piece for owner in owners for piece in owner.pieces)
+    materials = Materials((piece for owner in owners for piece in owner.pieces), notes=notes)
     names, read = Names(), []
     for owner in owners:
         name = names.give(owner.prim.GetName(), str(owner.prim.GetPath()))
         with problems.gathered():
-            read.append(_body(owner, name, world, materials))
+            read.append(_body(owner, name, world, materials, notes))
     return tuple(read)
 
 
-def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
+def _body(owner: Owner, name: str, world: World, materials: Materials, notes: Notes) -> Body:
     prim, path = owner.prim, str(owner.prim.GetPath())
     place = split(world.matrix(prim), prim)
     inverse = place.rigid.GetInverse()
@@ -40,14 +41,15 @@ def _body(owner: Owner, name: str, world: World, materials: Materials) -> Body:
     colliders: list[tuple[Placed, float]] = []
     for piece in owner.pieces:
         with problems.gathered():
-            here = placed(piece.prim, split(world.matrix(piece.prim) * inverse, piece.prim))
+            here = placed(piece.prim, split(world.matrix(piece.prim) * inverse, piece.prim), notes)
             below = str(piece.prim.GetPath()).removeprefix(path)
-            touched = collider(here, owner.motion, down) if piece.collides else ()
+            touched = collider(here, owner.motion, down, notes) if piece.collides else ()
             pieces += geoms(piece, here, touched, names.give(below or prim.GetName()), names, materials)
             if piece.collides:
                 colliders.append((here, materials.density(piece.prim)))
     problems.stop_if_failed()
-    inertia = body_inertia(prim, place, colliders, world) if owner.motion == "dynamic" else None
+    seen = [(geom.shape, geom.pose) for geom in pieces]
+    inertia = body_inertia(prim, place, colliders, world, seen, notes) if owner.motion == "dynamic" else None
     return body(owner, name, place.pose, tuple(pieces), inertia, world)
 
 

@@ -12,6 +12,7 @@ from wmspec.scene.camera import look_at
 from wmspec.scene.model import Body, Camera, Light
 from wmspec.scene.transform import apply, compose, inverse
 from wmspec.usd.frames import World, split, vector
+from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import refuse, value
 from wmspec.usd.shader_inputs import srgb
 
@@ -59,7 +60,7 @@ def overview(bodies: Sequence[Body]) -> Camera:
 
 
 def daylight(
-    suns: Sequence[Usd.Prim], skies: Sequence[Usd.Prim], world: World
+    suns: Sequence[Usd.Prim], skies: Sequence[Usd.Prim], world: World, notes: Notes = STRICT
 ) -> tuple[Light, tuple[float, float, float]]:
     """The sun, and the colour (sRGB) of the background.
 
@@ -70,16 +71,18 @@ def daylight(
         StageError: if there are several of a kind, or the sky is a picture.
     """
     for extra in (*suns[1:], *skies[1:]):
-        refuse(extra, "only one DistantLight and one DomeLight are supported", "deactivate the others")
+        reason = "only one DistantLight and one DomeLight are supported"
+        notes.instead(extra, reason, "the first one shines", "deactivate the others")
     direction = vector(split(world.matrix(suns[0]), suns[0]).rigid.TransformDir(Gf.Vec3d(0, 0, -1))) if suns else _SUN
-    background = _background(skies[0]) if skies else BACKGROUND
+    background = _background(skies[0], notes) if skies else BACKGROUND
     diffuse, ambient = (float(value(p[0], "inputs:intensity", 1.0)) if p else 0.0 for p in (suns, skies))
     if suns and skies and math.isclose(diffuse + ambient, 1.0, abs_tol=1e-4):
         return Light(direction, diffuse, ambient), background
     return Light(direction), background
 
 
-def _background(sky: Usd.Prim) -> tuple[float, float, float]:
+def _background(sky: Usd.Prim, notes: Notes) -> tuple[float, float, float]:
     if (picture := value(sky, "inputs:texture:file")) and picture.path:
-        refuse(sky, "a sky with a picture is not supported", "remove inputs:texture:file and author inputs:color")
+        remedy = "remove inputs:texture:file and author inputs:color"
+        notes.instead(sky, "a sky with a picture is not supported", "it has its colour", remedy)
     return srgb(value(sky, "inputs:color", Gf.Vec3f(1)))

@@ -7,11 +7,12 @@ from pxr import Usd
 
 from wmspec import space
 from wmspec.diagnostics import WmsError
-from wmspec.scene.decompose import pieces
+from wmspec.scene.decompose import CONCAVITY, pieces
 from wmspec.scene.model import Array, Motion, Pose
 from wmspec.scene.transform import apply, compose, conjugate, rotate
 from wmspec.shapes import Box, Mesh, Shape, Sphere
 from wmspec.usd import meshes
+from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import refuse, value
 from wmspec.usd.shapes import Placed
 from wmspec.usd.thin_shells import sheets
@@ -24,7 +25,7 @@ _REMEDY = "set physics:approximation to convexDecomposition or convexHull"
 DOWN = np.array([0.0, 0.0, -1.0])
 
 
-def touched(prim: Usd.Prim, mesh: Mesh, motion: Motion) -> str:
+def touched(prim: Usd.Prim, mesh: Mesh, motion: Motion, notes: Notes = STRICT) -> str:
     """How a mesh is touched: the approximation that it gets in the end, `none` being the surface that it is.
 
     Raises:
@@ -43,11 +44,15 @@ def touched(prim: Usd.Prim, mesh: Mesh, motion: Motion) -> str:
     if motion == "dynamic" and flat:
         refuse(prim, "a dynamic mesh that collides has no volume", "use a Cube, a Plane or a mesh that is not flat")
     if motion == "dynamic":
-        refuse(prim, "a dynamic mesh that is not convex can't collide as it is", _REMEDY)
+        reason = "a dynamic mesh that is not convex can't collide as it is"
+        notes.instead(
+            prim, reason, f"it collides as convex pieces, up to {100 * CONCAVITY:g} % of its size off", _REMEDY
+        )
+        return "convexDecomposition"
     return "none"
 
 
-def collider(here: Placed, motion: Motion, down: Array = DOWN) -> tuple[tuple[Shape, Pose], ...]:
+def collider(here: Placed, motion: Motion, down: Array = DOWN, notes: Notes = STRICT) -> tuple[tuple[Shape, Pose], ...]:
     """The shapes that collide for a geometry, in the body's frame, where `down` (3,) is the way down.
 
     Raises:
@@ -56,7 +61,7 @@ def collider(here: Placed, motion: Motion, down: Array = DOWN) -> tuple[tuple[Sh
     prim, mesh = here.prim, here.shape
     if not isinstance(mesh, Mesh):
         return tuple((piece, _placed(here.pose, at)) for piece, at in mesh.pieces())
-    match touched(prim, mesh, motion):
+    match touched(prim, mesh, motion, notes):
         case "boundingSphere" | "boundingCube" as way:
             return (_bounds(mesh, here.pose, way),)
         case "convexHull":

@@ -14,6 +14,7 @@ from pxr import Gf, Usd
 from wmspec.foreign import is_name
 from wmspec.scene.model import Array, Camera, Observation
 from wmspec.usd.frames import World
+from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import refuse, seconds, target, value
 from wmspec.usd.schema import FORMAT_VERSION
 
@@ -21,23 +22,33 @@ EARTH = 9.81
 """Standard gravity as UsdPhysics rounds it, m/s²: what a negative physics:gravityMagnitude means."""
 
 
-def gravity(scenes: Sequence[Usd.Prim], world: World) -> Array:
+def gravity(scenes: Sequence[Usd.Prim], world: World, notes: Notes = STRICT) -> Array:
     """The acceleration of free fall (3,), m/s².
 
     Raises:
         StageError: if there are several physics scenes, or gravity is endless.
     """
-    for extra in scenes[1:]:
-        refuse(extra, "only one PhysicsScene is supported", "deactivate the others")
-    down = np.array((0.0, 0.0, -1.0))
     if not scenes:
-        return EARTH * down
-    magnitude = float(value(scenes[0], "physics:gravityMagnitude", -math.inf))
+        return EARTH * _DOWN
+    here = _gravity(scenes[0], world)
+    for extra in scenes[1:]:
+        reason, remedy = "only one PhysicsScene is supported", "deactivate the others"
+        if not np.allclose(_gravity(extra, world), here):
+            refuse(extra, reason, remedy)
+        notes.instead(extra, reason, "all bodies are in the first one, which has the same gravity", remedy)
+    return here
+
+
+_DOWN = np.array((0.0, 0.0, -1.0))
+
+
+def _gravity(scene: Usd.Prim, world: World) -> Array:
+    magnitude = float(value(scene, "physics:gravityMagnitude", -math.inf))
     if magnitude == math.inf:
-        refuse(scenes[0], "physics:gravityMagnitude = inf", "author a finite number, or a negative one for the Earth's")
-    direction = Gf.Vec3d(value(scenes[0], "physics:gravityDirection", Gf.Vec3f(0)))
+        refuse(scene, "physics:gravityMagnitude = inf", "author a finite number, or a negative one for the Earth's")
+    direction = Gf.Vec3d(value(scene, "physics:gravityDirection", Gf.Vec3f(0)))
     size = EARTH if magnitude < 0 else magnitude * world.meters
-    return size * (world.direction(direction.GetNormalized()) if direction.GetLength() > 0 else down)
+    return size * (world.direction(direction.GetNormalized()) if direction.GetLength() > 0 else _DOWN)
 
 
 def timing(episodes: Sequence[Usd.Prim]) -> tuple[str, float, int]:

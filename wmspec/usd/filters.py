@@ -8,6 +8,7 @@ from itertools import combinations, product
 from pxr import Sdf, Usd, UsdPhysics
 
 from wmspec.scene.model import Body, Joint
+from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import applied, present, refuse, value
 from wmspec.usd.walk import Owner
 
@@ -22,6 +23,7 @@ def filtered(
     owners: Mapping[str, Owner],
     bodies: Mapping[str, Body],
     joints: Mapping[str, Joint],
+    notes: Notes = STRICT,
 ) -> tuple[Pair, ...]:
     """The pairs of names of bodies that pass through each other, sorted; `prims` have filtered pairs or are roots of
 
@@ -31,7 +33,7 @@ def filtered(
         StageError: where only some colliders of two bodies would, or what is named is not on the stage.
     """
     colliders = {path: [p.prim.GetPath() for p in owner.pieces if p.collides] for path, owner in owners.items()}
-    blocked = {*_listed(prims, colliders), *_grouped(stage, groups, colliders)}
+    blocked = {*_listed(prims, colliders, notes), *_grouped(stage, groups, colliders, notes)}
     passing = {pair for prim in prims for pair in _alone(prim, bodies, joints)}
     owner_of = {str(collider): path for path, all_ in colliders.items() for collider in all_}
     for a, b in {(owner_of[a], owner_of[b]) for a, b in blocked}:
@@ -46,18 +48,18 @@ def filtered(
     return tuple(sorted({(a, b) if order[a] < order[b] else (b, a) for a, b in passing}))
 
 
-def _listed(prims: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path]]) -> Iterator[Pair]:
+def _listed(prims: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path]], notes: Notes) -> Iterator[Pair]:
     """The pairs of colliders at or below the two prims of every filtered pair."""
     everything = [path for all_ in colliders.values() for path in all_]
     for prim in prims:
-        for target in present(prim, "physics:filteredPairs"):
+        for target in present(prim, "physics:filteredPairs", notes):
             mine = [path for path in everything if path.HasPrefix(prim.GetPath())]
             theirs = [path for path in everything if path.HasPrefix(Sdf.Path(target))]
             yield from ((str(a), str(b)) for a, b in product(mine, theirs))
 
 
 def _grouped(
-    stage: Usd.Stage, groups: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path]]
+    stage: Usd.Stage, groups: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path]], notes: Notes
 ) -> Iterator[Pair]:
     """The pairs of colliders whose collision groups don't meet."""
     if not groups:
@@ -66,9 +68,9 @@ def _grouped(
     everything = [path for all_ in colliders.values() for path in all_]
     members = {}
     for prim in groups:
-        present(prim, "physics:filteredGroups")
+        present(prim, "physics:filteredGroups", notes)
         for which in ("includes", "excludes"):
-            present(prim, f"collection:colliders:{which}")
+            present(prim, f"collection:colliders:{which}", notes)
         query = UsdPhysics.CollisionGroup(prim).GetCollidersCollectionAPI().ComputeMembershipQuery()
         members[prim.GetPath()] = [path for path in everything if query.IsPathIncluded(path)]
     for a, b in product(members, repeat=2):

@@ -6,10 +6,12 @@ from collections.abc import Iterable, Sequence
 
 from pxr import Sdf, Usd, UsdShade
 
+from wmspec.diagnostics import StageError
 from wmspec.scene.model import Friction, Geom, Pose, Surface
 from wmspec.shapes import Shape
 from wmspec.usd import materials, meshes
-from wmspec.usd.prims import Names, applied, refuse
+from wmspec.usd.notes import STRICT, Notes
+from wmspec.usd.prims import Names, applied
 from wmspec.usd.shapes import Placed
 from wmspec.usd.walk import Piece
 
@@ -20,7 +22,8 @@ class Materials:
     Roughness and metalness that are pictures are refused, or else, if they may be `pictured`, not honoured.
     """
 
-    def __init__(self, pieces: Iterable[Piece], *, pictured: bool = False) -> None:
+    def __init__(self, pieces: Iterable[Piece], *, pictured: bool = False, notes: Notes = STRICT) -> None:
+        self._notes = notes
         prims = [p for piece in pieces for p in (piece.prim, *_subsets(piece.prim))]
         paths = [prim.GetPath() for prim in prims]
         self._look = dict(zip(paths, materials.bound(prims, "preview"), strict=True))
@@ -36,8 +39,15 @@ class Materials:
         coordinates = meshes.coordinates(of) if of.GetTypeName() == "Mesh" else ""
         key = ((material or prim).GetPath(), coordinates)
         if key not in self._surfaces:
-            self._surfaces[key] = materials.surface(prim, material, coordinates or "st", pictured=self._pictured)
+            self._surfaces[key] = self._shown(prim, material, coordinates or "st")
         return self._surfaces[key]
+
+    def _shown(self, prim: Usd.Prim, material: Usd.Prim | None, st: str) -> Surface | None:
+        try:
+            return materials.surface(prim, material, st, pictured=self._pictured)
+        except StageError as error:
+            self._notes.rather(error, "it has a plain colour")
+            return materials.surface(prim, None)
 
     def friction(self, prim: Usd.Prim) -> Friction:
         """How the geometry rubs."""
@@ -59,7 +69,8 @@ class Materials:
                 continue
             if (self.friction(subset), self.density(subset)) != (self.friction(prim), self.density(prim)):
                 reason = f"its physics material {own.GetPath()} is not that of its mesh, which collides as a whole"
-                refuse(subset, reason, "bind one physics material to the mesh, or make two meshes of it")
+                remedy = "bind one physics material to the mesh, or make two meshes of it"
+                self._notes.instead(subset, reason, "all of it has that of the mesh", remedy)
 
 
 def geoms(

@@ -17,41 +17,57 @@ from pxr import Gf, Usd
 from wmspec.diagnostics import WmsError
 from wmspec.scene.decompose import whole
 from wmspec.scene.inertia import inertia, principal
-from wmspec.scene.model import Array, Inertia
+from wmspec.scene.model import Array, Inertia, Motion, Pose
 from wmspec.scene.transform import multiply, rotation
-from wmspec.shapes import Mesh
+from wmspec.shapes import Mesh, Shape, Sphere
 from wmspec.usd.colliders import as_hull, collider
 from wmspec.usd.frames import Place, World, quaternion, vector
+from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import refuse, value
 from wmspec.usd.shapes import Placed
+
+LONE, LONE_RADIUS = 1.0, 0.1
+"""The mass (kg) and, as of a ball, the radius (m) of a body that says neither and has no colliders: as PhysX has it."""
 
 WATER = 1000.0
 """The density (kg/m³) of what has none authored: UsdPhysics, PhysicsMassAPI, physics:density."""
 
 
-def body_inertia(prim: Usd.Prim, place: Place, colliders: Sequence[tuple[Placed, float]], world: World) -> Inertia:
+def body_inertia(
+    prim: Usd.Prim,
+    place: Place,
+    colliders: Sequence[tuple[Placed, float]],
+    world: World,
+    seen: Sequence[tuple[Shape, Pose]] = (),
+    notes: Notes = STRICT,
+) -> Inertia:
     """The mass properties of the dynamic body `prim`, in its own frame; `colliders` with their materials' densities.
+
+    `seen`: what is drawn of it and where, which tells how the mass of a body without colliders is spread.
 
     Raises:
         StageError: if they are not positive or can't be computed.
     """
     mass = _amount(prim, "mass") * world.kilograms
     if not colliders:
-        return _authored_alone(prim, place, mass, world)
+        return _authored_alone(prim, place, mass, world, seen, notes)
     common = _amount(prim, "density")
-    parts = [_collider_inertia(c, common or own, world) for c, own in colliders]
+    parts = [_collider_inertia(c, common or own, world, notes) for c, own in colliders]
     total = parts[0] if len(parts) == 1 else _merge(parts)
     if mass:
         total = replace(total, mass=mass, moments=total.moments * (mass / total.mass))
     return _override(prim, Place(Gf.Matrix4d(1.0), place.stretch), total, world)
 
 
-def _collider_inertia(c: Placed, density: float, world: World) -> Inertia:
+def _collider_inertia(c: Placed, density: float, world: World, notes: Notes) -> Inertia:
     mass = _amount(c.prim, "mass") * world.kilograms
     per_volume = (_amount(c.prim, "density") or density) * world.kilograms / world.meters**3
     try:
         if isinstance(c.shape, Mesh) and not as_hull(c.prim, c.shape):
-            size, unit = whole(c.shape, c.pose, lambda: [s for s, _ in collider(c, "static") if isinstance(s, Mesh)])
+            way: Motion = "static" if notes.strict else "dynamic"
+            size, unit = whole(
+                c.shape, c.pose, lambda: [s for s, _ in collider(c, way, notes=notes) if isinstance(s, Mesh)]
+            )
             mass = mass or (per_volume or WATER) * size
             own = replace(unit, mass=mass, moments=unit.moments * mass)
         else:
@@ -73,12 +89,26 @@ def _override(prim: Usd.Prim, place: Place, computed: Inertia, world: World) -> 
     return Inertia(computed.mass, center, axes, about)
 
 
-def _authored_alone(prim: Usd.Prim, place: Place, mass: float, world: World) -> Inertia:
+def _authored_alone(
+    prim: Usd.Prim, place: Place, mass: float, world: World, seen: Sequence[tuple[Shape, Pose]], notes: Notes
+) -> Inertia:
     moments = _moments(prim, world)
     if not mass or moments is None:
-        refuse(prim, "a dynamic body without colliders has no mass", "give it a collider, or mass and diagonalInertia")
+        taken = f"it has {mass or LONE:g} kg" + ("" if moments is not None else _spread(seen))
+        remedy = "give it a collider, or mass and diagonalInertia"
+        notes.instead(prim, "a dynamic body without colliders has no mass", taken, remedy)
+        mass = mass or LONE
+    if moments is None:
+        parts = [(shape, pose, mass * shape.volume / sum(s.volume for s, _ in seen)) for shape, pose in seen]
+        ball = Pose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+        spread = inertia(parts or [(Sphere(LONE_RADIUS), ball, mass)])
+        return _override(prim, Place(Gf.Matrix4d(1.0), place.stretch), spread, world)
     center = _center(prim, Place(Gf.Matrix4d(1.0), place.stretch))
     return Inertia(mass, np.zeros(3) if center is None else center, _axes(prim), moments)
+
+
+def _spread(seen: Sequence[tuple[Shape, Pose]]) -> str:
+    return ", spread as what is drawn of it" if seen else f", spread as in a ball of {LONE_RADIUS:g} m"
 
 
 def _amount(prim: Usd.Prim, name: str) -> float:

@@ -13,6 +13,7 @@ from pxr import Gf, Sdf, Usd, Vt
 from wmspec.diagnostics import StageError
 from wmspec.places import PrimPlace
 from wmspec.scene.model import Array
+from wmspec.usd.notes import STRICT, Notes
 
 NOW = Usd.TimeCode.EarliestTime()
 """A value without time samples, or the only sample of one: anything else is refused as animated."""
@@ -110,13 +111,13 @@ def targets(prim: Usd.Prim, name: str) -> list[str]:
     return [str(path) for path in relationship.GetForwardedTargets()] if relationship else []
 
 
-def present(prim: Usd.Prim, name: str) -> list[str]:
-    """The targets of the relationship, all of which must be on the stage."""
+def present(prim: Usd.Prim, name: str, notes: Notes = STRICT) -> list[str]:
+    """The targets of the relationship that are on the stage, which all must be."""
     paths = targets(prim, name)
-    for path in paths:
-        if not prim.GetStage().GetPrimAtPath(Sdf.Path(path).GetPrimPath()):
-            refuse(prim, f"{name} -> {path} is not on the stage", "target a prim that exists")
-    return paths
+    lost = [path for path in paths if not prim.GetStage().GetPrimAtPath(Sdf.Path(path).GetPrimPath())]
+    for path in lost:
+        notes.instead(prim, f"{name} -> {path} is not on the stage", "left out", "target a prim that exists")
+    return [path for path in paths if path not in lost]
 
 
 def applied(prim: Usd.Prim) -> list[str]:

@@ -2,44 +2,49 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import PurePath
 
 from pxr import Usd
 
 from wmspec.diagnostics import Report, StageError
+from wmspec.scene.loops import opened
 from wmspec.scene.model import Action, Body, Camera, Joint, Observation, Scene
+from wmspec.scene.starts import settled
 from wmspec.usd import actions, episode, joints, reach
 from wmspec.usd.bodies import bodies
 from wmspec.usd.cameras import camera, daylight, overview
 from wmspec.usd.filters import filtered
 from wmspec.usd.frames import World
+from wmspec.usd.notes import Notes
 from wmspec.usd.prims import Names, targets, value
 from wmspec.usd.unsupported import incomplete
 from wmspec.usd.walk import Census, Walk
 
 
-def scene(stage: Usd.Stage) -> Scene:
-    """The scene of a stage, as `wmspec.usd.read` says."""
+def scene(stage: Usd.Stage, notes: Notes) -> Scene:
+    """The scene of a stage, as `wmspec.usd.read` says; what is taken for something else goes to `notes`."""
     problems = Report(StageError)
     incomplete(stage, problems)
-    census, world = Walk(stage, problems).census, World(stage, problems)
-    everything = bodies(list(census.owners.values()), world, problems)
+    census, world = Walk(stage, problems, notes=notes).census, World(stage, problems)
+    everything = bodies(list(census.owners.values()), world, problems, notes)
     known = {body.path: body for body in everything}
-    cameras = _cameras(census, known, world, problems)
-    held = joints.joints(census.joints, known, world, problems)
+    cameras = _cameras(census, known, world, problems, notes)
+    chained = joints.joints(census.joints, known, world, problems, notes)
+    held, everything = chained.joints, (*everything, *chained.between)
     apart: tuple[tuple[str, str], ...] = ()
     with problems.gathered():
-        apart = filtered(stage, census.filters, census.of("PhysicsCollisionGroup"), census.owners, known, held)
+        apart = filtered(stage, census.filters, census.of("PhysicsCollisionGroup"), census.owners, known, held, notes)
     actions_done = _actions(census, everything, held, world, problems)
     observations = _observations(census, cameras, problems)
     with problems.gathered():
-        gravity = episode.gravity(census.of("PhysicsScene"), world)
+        gravity = episode.gravity(census.of("PhysicsScene"), world, notes)
     with problems.gathered():
         task, duration, rate = episode.timing(census.of("WmsEpisode"))
     with problems.gathered():
-        light, background = daylight(census.of("DistantLight"), census.of("DomeLight"), world)
+        light, background = daylight(census.of("DistantLight"), census.of("DomeLight"), world, notes)
     problems.stop_if_failed()
-    return Scene(
+    read = Scene(
         name=task or PurePath(stage.GetRootLayer().GetDisplayName()).stem,
         gravity=gravity,
         bodies=everything,
@@ -53,16 +58,24 @@ def scene(stage: Usd.Stage) -> Scene:
         joints=tuple(held.values()),
         filtered=apart,
     )
+    if notes.strict:
+        return read
+    read, moved = settled(read)
+    read = opened(read)
+    return replace(read, notes=(*notes.diagnostics, *moved))
 
 
-def _cameras(census: Census, known: dict[str, Body], world: World, problems: Report) -> dict[str, Camera]:
+def _cameras(census: Census, known: dict[str, Body], world: World, problems: Report, notes: Notes) -> dict[str, Camera]:
     names, cameras = Names(), {}
     for prim in census.of("Camera"):
         name = names.give(prim.GetName(), str(prim.GetPath()))
         with problems.gathered():
             above = (known.get(str(path)) for path in prim.GetPath().GetAncestorsRange())
             body = next((body for body in above if body is not None and body.motion != "static"), None)
-            cameras[str(prim.GetPath())] = camera(prim, name, body, world)
+            try:
+                cameras[str(prim.GetPath())] = camera(prim, name, body, world)
+            except StageError as error:
+                notes.rather(error, "left out")
     return cameras
 
 

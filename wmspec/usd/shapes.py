@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Usd
 
+from wmspec.diagnostics import StageError
+from wmspec.places import PrimPlace
 from wmspec.scene.model import Pose
-from wmspec.shapes import SHAPES, Shape
+from wmspec.shapes import SHAPES, Mesh, Shape
 from wmspec.shapes.facets import tessellate
 from wmspec.shapes.polygons import NAME
 from wmspec.space import Vector
 from wmspec.usd.frames import Place, quaternion, vector
 from wmspec.usd.meshes import mesh
+from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import refuse, value
 
 _SAME = 1e-6
@@ -50,7 +53,7 @@ def _axis(prim: Usd.Prim) -> str:
     return axis
 
 
-def placed(prim: Usd.Prim, place: Place) -> Placed:
+def placed(prim: Usd.Prim, place: Place, notes: Notes = STRICT) -> Placed:
     """The shape of a prim, in metres.
 
     Raises:
@@ -58,12 +61,34 @@ def placed(prim: Usd.Prim, place: Place) -> Placed:
     """
     if prim.GetTypeName() == "Mesh":
         return Placed(prim, place, _mesh(prim, place), place.pose)
-    scale = _scale(prim, place)
-    shape, offset = PRIMS[prim.GetTypeName()].read(_Prim(prim, scale))
+    try:
+        scale = _scale(prim, place)
+        shape, offset = PRIMS[prim.GetTypeName()].read(_Prim(prim, scale))
+    except Deformed as error:
+        return Placed(prim, place, _deformed(prim, place, error, notes), place.pose)
     axis = _axis(prim)
     turn = place.rigid.ExtractRotationQuat() * _TURNS[axis, 1 if scale[_AXES[axis]] > 0 else -1]
     shift = place.rigid.ExtractTranslation() + turn.Transform(Gf.Vec3d(0, 0, offset))
     return Placed(prim, place, shape, Pose(vector(shift), quaternion(turn)))
+
+
+class Deformed(StageError):
+    """A shape that its transform makes into something that has no name."""
+
+
+def _deformed(prim: Usd.Prim, place: Place, error: Deformed, notes: Notes) -> Mesh:
+    """The mesh of what a transform makes of a shape."""
+    axis = _axis(prim)
+    plain, offset = PRIMS[prim.GetTypeName()].read(_Prim(prim, (1.0, 1.0, 1.0)))
+    smooth = tessellate(plain)
+    turn = Gf.Matrix4d().SetRotate(_TURNS[axis, 1]) * place.stretch
+    linear = np.array(turn, np.float64)[:3, :3]
+    points = (smooth.points + np.array([0.0, 0.0, offset])) @ linear
+    faces = smooth.faces if np.linalg.det(linear) > 0 else smooth.faces[:, ::-1]
+    made = Mesh(points, faces)
+    less = 1 - made.volume / (plain.volume * abs(np.linalg.det(linear)))
+    notes.rather(error, f"it is a mesh of {len(faces)} faces, which has {100 * less:.1f} % less volume")
+    return made
 
 
 @dataclass(frozen=True)
@@ -102,7 +127,7 @@ class _Prim:
         across = [abs(self.scale[i]) for i in range(3) if i != along]
         if not math.isclose(*across, rel_tol=_SAME):
             remedy = "scale it equally across its axis, or use a Mesh"
-            refuse(self.prim, "its scale makes its round section elliptic", remedy)
+            raise Deformed("its scale makes its round section elliptic", PrimPlace(str(self.prim.GetPath())), remedy)
         return across[0], abs(self.scale[along])
 
     def uniform(self) -> float:
@@ -110,7 +135,7 @@ class _Prim:
         across, along = self.around()
         if not math.isclose(across, along, rel_tol=_SAME):
             remedy = "scale it equally along all axes, or use a Mesh"
-            refuse(self.prim, "its scale makes its round surface elliptic", remedy)
+            raise Deformed("its scale makes its round surface elliptic", PrimPlace(str(self.prim.GetPath())), remedy)
         return across
 
 
@@ -119,7 +144,8 @@ def _scale(prim: Usd.Prim, place: Place) -> Vector:
     rows = [place.stretch.GetRow3(i) for i in range(3)]
     sheared = any(abs(rows[i][j]) > _SAME * abs(rows[i][i]) for i in range(3) for j in range(3) if i != j)
     if sheared:
-        refuse(prim, "its transform shears it", "scale along the prim's own axes only, or use a Mesh")
+        remedy = "scale along the prim's own axes only, or use a Mesh"
+        raise Deformed("its transform shears it", PrimPlace(str(prim.GetPath())), remedy)
     x, y, z = (float(f"{rows[i][i]:.12g}") for i in range(3))
     return x, y, z
 

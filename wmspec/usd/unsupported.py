@@ -9,7 +9,8 @@ from pxr import Usd, UsdGeom
 from wmspec.diagnostics import Report
 from wmspec.usd.files import text_of
 from wmspec.usd.frames import operations
-from wmspec.usd.prims import present, refuse
+from wmspec.usd.notes import STRICT, Notes
+from wmspec.usd.prims import applied, present, refuse
 
 _GEAR = ("gears, tendons and joints that mimic others are not supported", "remove it")
 _SOFT = ("particles and deformable bodies are not supported", "deactivate the prim")
@@ -17,14 +18,19 @@ _SHAPE = ("this kind of geometry is not supported", "use a Cube, Sphere, Cylinde
 _VEHICLE = ("vehicles are not supported", "deactivate the prim")
 _LAMP = ("only a DistantLight and a DomeLight are supported", "deactivate the light")
 
-TYPES = {
-    **{f"PhysxPhysics{kind}Joint": _GEAR for kind in ("Gear", "RackAndPinion")},
+SEEN = {
     **dict.fromkeys(("Points", "BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "TetMesh"), _SHAPE),
     **{f"{kind}Light": _LAMP for kind in ("Sphere", "Rect", "Disk", "Cylinder", "Geometry", "Portal", "Plugin")},
     "DomeLight_1": ("DomeLight_1 is not supported", "use a DomeLight"),
     "PointInstancer": ("point instancers are not supported", "author each instance as a prim of its own"),
     "SkelRoot": ("skeletons are not supported", "deactivate the prim"),
     "Volume": _SHAPE,
+}
+"""Type of prim -> reason and remedy, of what can be left out of pictures, as long as physics has no part in it."""
+
+TYPES = {
+    **SEEN,
+    **{f"PhysxPhysics{kind}Joint": _GEAR for kind in ("Gear", "RackAndPinion")},
     "PhysxParticleSystem": _SOFT,
     "PhysxParticleInstancer": _SOFT,
 }
@@ -60,19 +66,28 @@ def incomplete(stage: Usd.Stage, problems: Report) -> None:
             refuse(prim, " ".join(text_of(error).split()).rstrip("."), "mend the path, or remove what is not there")
 
 
-def examine(prim: Usd.Prim, apis: Sequence[str]) -> None:
+def examine(prim: Usd.Prim, apis: Sequence[str], notes: Notes = STRICT) -> None:
     """Refuse a prim, with its applied schemas, that asks for something the engines are not given or that is not there.
 
     Raises:
         StageError: naming the prim, the reason and the remedy.
     """
-    if row := TYPES.get(prim.GetTypeName()):
+    kind = str(prim.GetTypeName())
+    if kind in SEEN and not _physical(prim):
+        reason, remedy = SEEN[kind]
+        notes.instead(prim, reason, "left out of pictures", remedy)
+    elif row := TYPES.get(kind):
         refuse(prim, *row)
     for api in apis:
         if api.startswith(_STARTS):
             refuse(prim, *next(row for start, row in APIS.items() if api.startswith(start)))
     for binding in _BINDINGS:
-        present(prim, binding)
+        present(prim, binding, notes)
     operations(prim)
     if (place := UsdGeom.Xformable(prim)) and place.TransformMightBeTimeVarying():
         refuse(prim, "its transform is animated", "author one transform without time samples; move it by a WmsAction")
+
+
+def _physical(prim: Usd.Prim) -> bool:
+    """Whether the prim, or one below it, is more than something to see."""
+    return any(api.startswith(("Physics", "Physx", "Newton")) for each in Usd.PrimRange(prim) for api in applied(each))

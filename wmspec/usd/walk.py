@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pxr import Kind, Usd, UsdGeom
 
 from wmspec.diagnostics import Report
 from wmspec.scene.model import Motion
+from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import applied, refuse, value
 from wmspec.usd.shapes import GEOMETRIES
-from wmspec.usd.unsupported import TYPES, examine
+from wmspec.usd.unsupported import SEEN, TYPES, examine
 
 _CLOSED = frozenset({"Material", "Shader", "NodeGraph"})
 _FILTERS = frozenset({"PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI"})
+_END = ("physics:body0", "physics:body1")
 _DRAWN = ("default", "render")
 
 
@@ -57,6 +59,7 @@ class _Above:
     owner: Owner | None = None
     visible: bool = True
     purpose: str = "default"
+    collides: bool = False
 
 
 class Walk:
@@ -65,8 +68,11 @@ class Walk:
     Prims of the types that are `aside`, and all below them, are passed by.
     """
 
-    def __init__(self, stage: Usd.Stage, problems: Report, aside: frozenset[str] = frozenset()) -> None:
+    def __init__(
+        self, stage: Usd.Stage, problems: Report, aside: frozenset[str] = frozenset(), notes: Notes = STRICT
+    ) -> None:
         self.census = Census()
+        self._notes = notes
         self._closed = _CLOSED | aside
         self._problems = problems
         self._predicate = Usd.TraverseInstanceProxies()
@@ -81,7 +87,7 @@ class Walk:
             return
         apis = applied(prim)
         with self._problems.gathered():
-            examine(prim, apis)
+            examine(prim, apis, self._notes)
             if not _FILTERS.isdisjoint(apis):
                 self.census.filters.append(prim)
             if sight := UsdGeom.Imageable(prim):
@@ -90,19 +96,29 @@ class Walk:
                 self._geometry(prim, apis, above)
             elif kind.startswith("Physics") and kind.endswith("Joint"):
                 self.census.joints.append(prim)
+            elif kind.endswith("Joint") and (prim.HasRelationship(_END[0]) or prim.HasRelationship(_END[1])):
+                refuse(prim, f"joints of type {kind} are unknown", "use a joint of UsdPhysics, or deactivate it")
             elif "PhysicsCollisionAPI" in apis:
-                refuse(prim, f"a collider of type '{kind}' has no shape", "apply PhysicsCollisionAPI to its geometries")
+                above = self._group(prim, kind, above)
             else:
                 self.census.others.setdefault(kind, []).append(prim)
-        if kind not in TYPES:
+        if kind not in TYPES or (kind in SEEN and not self._notes.strict):
             for child in prim.GetFilteredChildren(self._predicate):
                 self._visit(child, above)
+
+    def _group(self, prim: Usd.Prim, kind: str, above: _Above) -> _Above:
+        """What is a collider without being a geometry makes those below it colliders."""
+        remedy = "apply PhysicsCollisionAPI to its geometries"
+        self._notes.instead(
+            prim, f"a collider of type '{kind}' has no shape", "the geometries below it collide", remedy
+        )
+        return replace(above, collides=bool(value(prim, "physics:collisionEnabled", True)))
 
     def _inherit(self, prim: Usd.Prim, sight: UsdGeom.Imageable, apis: Sequence[str], above: _Above) -> _Above:
         visible = above.visible and value(prim, "visibility") != "invisible"
         purpose = sight.GetPurposeAttr()
         own = purpose.Get() if purpose.HasAuthoredValue() else above.purpose
-        return _Above(self._owner(prim, apis, above.owner), visible, own)
+        return _Above(self._owner(prim, apis, above.owner), visible, own, above.collides)
 
     def _owner(self, prim: Usd.Prim, apis: Sequence[str], owner: Owner | None) -> Owner | None:
         """The body that the prim belongs to: itself, an ancestor, or none yet."""
@@ -114,12 +130,16 @@ class Walk:
         return owner
 
     def _geometry(self, prim: Usd.Prim, apis: Sequence[str], above: _Above) -> None:
-        collides = "PhysicsCollisionAPI" in apis and bool(value(prim, "physics:collisionEnabled", True))
+        collides = above.collides
+        if "PhysicsCollisionAPI" in apis:
+            collides = bool(value(prim, "physics:collisionEnabled", True))
         visible = above.visible and above.purpose in _DRAWN
         if not collides and not visible:
             return
         if prim.GetTypeName() == "Plane" and not collides:
-            refuse(prim, "a plane that nothing touches is not supported", "use a Cube or a Mesh")
+            remedy = "use a Cube or a Mesh"
+            self._notes.instead(prim, "a plane that nothing touches is not supported", "left out of pictures", remedy)
+            return
         owner = above.owner or Owner(prim, "static")
         owner = self.census.owners.setdefault(str(owner.prim.GetPath()), owner)
         owner.pieces.append(Piece(prim, collides, visible))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wmspec.diagnostics import Diagnostic
 from wmspec.scene.model.actions import Action
 from wmspec.scene.model.bodies import Body, Joint
 from wmspec.scene.model.cameras import Camera, Light, Observation
@@ -18,6 +19,7 @@ class Scene:
 
     `bodies` keep the stage's order, which is part of the result: engines are only bit-identical for a fixed order.
     `filtered`: pairs of names of bodies, each in the order of `bodies`, sorted, that pass through each other.
+    `notes`: what of the stage was taken for something else, as warnings.
     """
 
     name: str
@@ -32,6 +34,7 @@ class Scene:
     rate: int = 240
     joints: tuple[Joint, ...] = ()
     filtered: tuple[tuple[str, str], ...] = ()
+    notes: tuple[Diagnostic, ...] = ()
 
 
 @dataclass(frozen=True)

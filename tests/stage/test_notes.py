@@ -1,0 +1,207 @@
+"""What only shows, or can be executed nearly as it is meant, has a stand-in that is told; the strict refuse it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from numpy.testing import assert_allclose
+from pxr import Usd
+
+import wmspec
+from tests.engines import ENGINES, installed
+from tests.stage.stages import assert_same, stage
+from wmspec.cli import main
+from wmspec.diagnostics import StageError
+from wmspec.scene.articulations import closing, ties, trees
+from wmspec.scene.model import Scene
+from wmspec.usd import read
+
+SHAPE = """
+def Xform "thing" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]) {{
+    float physics:mass = 2
+    double3 xformOp:translate = (0, 0, 1)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    {inside}
+}}
+{more}
+"""
+BALL = 'def Sphere "ball" (prepend apiSchemas = ["PhysicsCollisionAPI"]) { double radius = 0.1 %s }'
+SQUASHED = """double3 xformOp:scale = (1, 2, 3)
+    uniform token[] xformOpOrder = ["xformOp:scale"]"""
+GROUP = 'def Xform "group" (prepend apiSchemas = ["PhysicsCollisionAPI"]) { def Sphere "ball" { double radius = 0.1 } }'
+
+CASES = {
+    "a lamp": (BALL % "", 'def SphereLight "lamp" {}', "left out of pictures"),
+    "curves": (BALL % "", 'def BasisCurves "hair" {}', "left out of pictures"),
+    "a camera": (BALL % "", 'def Camera "top" { token projection = "orthographic" }', "left out"),
+    "a material": (BALL % "rel material:binding = </nowhere>", "", "left out"),
+    "an ellipsoid": (BALL % SQUASHED, "", "less volume"),
+    "a group": (GROUP, "", "the geometries below it collide"),
+    "no collider": ("", "", "spread as in a ball of 0.1 m"),
+    "two suns": (BALL % "", 'def DistantLight "a" {}\ndef DistantLight "b" {}', "the first one shines"),
+    "two scenes": (BALL % "", 'def PhysicsScene "a" {}\ndef PhysicsScene "b" {}', "which has the same gravity"),
+}
+
+
+def made(name: str) -> Usd.Stage:
+    inside, more, _ = CASES[name]
+    return stage(SHAPE.format(inside=inside, more=more))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_stand_in_is_told_once_and_refused_by_the_strict(name: str) -> None:
+    (note,) = read(made(name), strict=False).notes
+    assert note.severity == "warning"
+    assert note.place is not None
+    assert note.help
+    assert CASES[name][2] in note.message
+    with pytest.raises(StageError):
+        read(made(name))
+
+
+def test_what_needs_no_stand_in_is_read_alike() -> None:
+    plain = stage(SHAPE.format(inside=BALL % "", more=""))
+    assert_same(read(plain, strict=False), read(plain))
+
+
+def test_an_ellipsoid_weighs_what_it_does() -> None:
+    (body,) = read(made("an ellipsoid"), strict=False).bodies
+    assert body.inertia is not None
+    assert_allclose(body.inertia.moments, 2 / 5 * 0.01 * np.array([13, 10, 5]), rtol=0.02)
+
+
+LINKED = """
+def Xform "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]) {
+    float physics:mass = 1
+    float3 physics:diagonalInertia = (0.1, 0.1, 0.1)
+    double3 xformOp:translate = (0, 0, -1)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+"""
+JOINT = """
+def PhysicsJoint "joint" (prepend apiSchemas = [%s]) {
+    rel physics:body1 = </World/a>
+    point3f physics:localPos1 = (0, 0, 1)
+    %s
+}
+"""
+
+
+def locked(*ways: str) -> str:
+    apis = ", ".join(f'"PhysicsLimitAPI:{way}"' for way in ways)
+    numbers = "\n".join(f"float limit:{way}:physics:low = 1\nfloat limit:{way}:physics:high = -1" for way in ways)
+    return JOINT % (apis, numbers)
+
+
+UNIVERSAL = LINKED + locked("transX", "transY", "transZ", "rotZ")
+
+
+def test_a_joint_of_two_axes_is_a_chain_of_two_joints() -> None:
+    scene = read(stage(UNIVERSAL), strict=False)
+    assert [joint.kind for joint in scene.joints] == ["hinge", "hinge"]
+    _, between = scene.bodies
+    assert between.inertia is not None
+    assert between.inertia.mass == pytest.approx(1e-5)
+    assert "chain of 2 joints" in scene.notes[0].message
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_pendulum_on_a_universal_joint_swings_as_one_on_a_hinge(engine: str) -> None:
+    installed(engine)
+    pushed = UNIVERSAL.replace("(0, 0, -1)", "(0.19866933079506122, 0, -0.9800665778412416)", 1)
+    pushed = pushed.replace('["xformOp:translate"]', '["xformOp:translate", "xformOp:rotateY"]', 1)
+    pushed = pushed.replace("double3 xformOp", "float xformOp:rotateY = -11.459155902616466\n    double3 xformOp", 1)
+    run = wmspec.run(stage(pushed), engine, 1.0)
+    assert run.movable == ("a",)
+    x = run["a"].position[:, 0]
+    half = float(np.interp(0, -x[:240], run.time[:240]))  # a quarter of 2 pi sqrt(1.1/9.81), and 0.25 % for 0.2 rad
+    assert half == pytest.approx(np.pi / 2 * np.sqrt(1.1 / 9.81) * 1.0025, rel=2e-3)
+
+
+APART = (
+    LINKED
+    + """
+def PhysicsRevoluteJoint "joint" {
+    rel physics:body1 = </World/a>
+    uniform token physics:axis = "Y"
+    point3f physics:localPos0 = (0, 0, 0.5)
+    point3f physics:localPos1 = (0, 0, 1)
+    float physics:lowerLimit = 10
+    float physics:upperLimit = 20
+}
+"""
+)
+
+
+def test_what_starts_apart_or_beyond_a_limit_is_put_where_its_joint_holds_it() -> None:
+    scene = read(stage(APART), strict=False)
+    ten = np.radians(10)
+    assert_allclose(scene.bodies[0].pose.position, [-np.sin(ten), 0, 0.5 - np.cos(ten)], atol=1e-9)
+    assert "500 mm and 0.175 rad" in scene.notes[0].message
+    assert trees(scene)[0][0].start == pytest.approx(ten)
+
+
+def ring(kinds: tuple[str, ...], limit: str = "") -> Scene:
+    """Bodies at the corners of a square, each jointed to the next."""
+    places = [(0, 0, 1), (1, 0, 1), (1, 0, 2), (0, 0, 2)]
+    text = ""
+    for i, (x, y, z) in enumerate(places):
+        text += LINKED.replace('"a"', f'"b{i}"').replace("(0, 0, -1)", f"({x}, {y}, {z})")
+    for i, kind in enumerate(kinds):
+        other = (i + 1) % 4
+        local = tuple(p - q for p, q in zip(places[i], places[other], strict=True))
+        text += f"""def Physics{kind}Joint "j{i}" {{
+            rel physics:body0 = </World/b{i}>
+            rel physics:body1 = </World/b{other}>
+            uniform token physics:axis = "Y"
+            point3f physics:localPos1 = {local}
+            {limit}
+        }}
+        """
+    return read(stage(text), strict=False)
+
+
+def test_a_loop_is_closed_by_points_where_a_joint_is_no_more_than_that() -> None:
+    scene = ring(("Revolute", "Prismatic", "Revolute", "Revolute"))
+    (tie,) = ties(scene)
+    assert scene.joints[tie.joint].kind == "hinge"
+    assert len(tie.above) == 2
+
+
+def test_else_a_body_is_split_and_weighs_the_same() -> None:
+    limits = "float physics:lowerLimit = -45\nfloat physics:upperLimit = 45"
+    scene = ring(("Revolute",) * 4, limits)
+    assert len(scene.bodies) == 5
+    assert sum(body.inertia.mass for body in scene.bodies if body.inertia) == pytest.approx(4)
+    (number,) = closing(scene)
+    assert scene.joints[number].kind == "fixed"
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_loop_falls_as_one(engine: str) -> None:
+    from dataclasses import replace
+
+    for limit in ("", "float physics:lowerLimit = -45\nfloat physics:upperLimit = 45"):
+        scene = replace(ring(("Revolute",) * 4, limit), duration=0.5)
+        trace = installed(engine).execute(scene)
+        fallen = trace.position[-1, :4] - trace.position[0, :4]
+        assert_allclose(fallen, [(0, 0, -9.81 / 8)] * 4, atol=1e-4)
+
+
+def test_run_tells_it_on_the_terminal_in_json_and_in_the_trace(tmp_path: Path) -> None:
+    installed("mujoco")
+    path, trace = tmp_path / "stage.usda", tmp_path / "trace.npz"
+    made("a lamp").Export(str(path))
+    command = ["run", str(path), "-b", "mujoco", "--for", "100ms"]
+    told = CliRunner().invoke(main, [*command, "-o", str(trace)])
+    assert told.exit_code == 0
+    assert "warning: /World/lamp: only a DistantLight" in told.output
+    with np.load(trace) as arrays:
+        assert "left out of pictures" in str(arrays["notes"][0])
+    (row,) = json.loads(CliRunner().invoke(main, [*command, "--json"]).stdout)
+    assert row["notes"][0]["prim"] == "/World/lamp"
+    assert CliRunner().invoke(main, [*command, "--strict"]).exit_code == 2

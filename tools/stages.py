@@ -1,0 +1,195 @@
+"""Public stages of others: fetched by repository, commit and path, run in every engine, and told in docs/anyone.md.
+
+python -m tools.stages fetch FOLDER [--mirror M]   M/OWNER/NAME: repositories that are there, in place of the network
+python -m tools.stages robots FOLDER [--bin BIN]   with the converters that are in BIN, of an environment of their own
+python -m tools.stages run FOLDER                  a second in each engine; a stage that was run is not run again
+python -m tools.stages table FOLDER                rewrites the page from what ran
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tomllib
+from importlib.util import find_spec
+from itertools import combinations
+from multiprocessing import get_context
+from pathlib import Path
+from queue import Empty
+from typing import Any
+
+import wmspec
+from tests.engines import ENGINES
+from tools.reference import table
+from wmspec.diagnostics import WmsError
+
+ROOT = Path(__file__).parent.parent
+LIST, PAGE = ROOT / "tools/stages.toml", ROOT / "docs/anyone.md"
+START, STOP = "<!-- stages -->\n", "<!-- /stages -->\n"
+SECONDS, PATIENCE = 1.0, 180  # how long each stage lasts, and how long (s) an engine may take for it
+AGREE = 0.005  # m: what is nearer than this after that second counts as the same
+SOFT = ("Deformable", "Particle", "Tendon", "Mimic", "Gear", "Vehicle")
+
+
+def fetch(folder: Path, mirror: Path | None) -> None:
+    """Lay the listed paths of each repository, at its commit, into a folder of its name."""
+    for entry in tomllib.loads(LIST.read_text())["repository"]:
+        target = folder / entry["name"].replace("/", "+")
+        target.mkdir(parents=True, exist_ok=True)
+        source = folder / f".{target.name}.git"
+        if mirror is not None:
+            source = mirror / entry["name"]
+        elif not source.exists():
+            url = f"https://github.com/{entry['name']}"
+            git("clone", "--quiet", "--bare", "--filter=blob:none", url, str(source))
+        archive = subprocess.run(
+            ["git", "-C", str(source), "archive", entry["commit"], *entry["paths"]], check=True, capture_output=True
+        )
+        subprocess.run(["tar", "-x", "-C", str(target)], input=archive.stdout, check=True)
+
+
+def git(*arguments: str) -> None:
+    """Run git."""
+    subprocess.run(["git", *arguments], check=True)
+
+
+def robots(folder: Path, bin_: Path) -> None:
+    """Convert the robots of PyBullet's wheel; a converter that gives up on one says so and goes on."""
+    listed = tomllib.loads(LIST.read_text())["robots"]
+    spec = find_spec("pybullet_data")
+    assert spec is not None
+    assert spec.submodule_search_locations
+    data = Path(spec.submodule_search_locations[0])
+    for kind, ending, program in (("urdf", "urdf", "urdf_usd_converter"), ("mjcf", "xml", "mujoco_usd_converter")):
+        for name in listed[kind]:
+            target = folder / "robots" / f"{kind}_{name.replace('/', '_')}"
+            if not target.exists():
+                subprocess.run([str(bin_ / program), str(data / f"{name}.{ending}"), str(target)], check=False)
+
+
+def stages(folder: Path) -> list[Path]:
+    """The stages, without what is only a part of others."""
+    entries = tomllib.loads(LIST.read_text())["repository"]
+    found = []
+    for entry in entries:
+        below = sorted((folder / entry["name"].replace("/", "+")).rglob("*.usd*"))
+        found += [path for path in below if path.name not in entry.get("parts", ()) and "_gpu" not in path.stem]
+    return found + sorted((folder / "robots").glob("*/*.usda"))
+
+
+def outcome(path: Path, engine: str) -> dict[str, Any]:
+    """How a stage does in an engine, in a process of its own, which may die of it."""
+    context = get_context("fork")
+    told: Any = context.Queue()
+    worker = context.Process(target=_tried, args=(path, engine, told))
+    worker.start()
+    try:
+        result: dict[str, Any] = told.get(timeout=PATIENCE)
+    except Empty:
+        result = {"refused": f"it takes longer than {PATIENCE} s, or the engine died of it"}
+    worker.kill()
+    worker.join()
+    return result
+
+
+def _tried(path: Path, engine: str, told: Any) -> None:
+    try:
+        episode = wmspec.run(path, engine, SECONDS)
+        ends = {name: episode[name].middle[-1].tolist() for name in episode.movable}
+        told.put({"bodies": ends, "notes": [str(note) for note in episode.notes]})
+    except WmsError as error:
+        told.put({"refused": str(error)})
+
+
+def run(folder: Path) -> None:
+    """Run every stage in every engine; results are kept beside the stages, one file a stage."""
+    wmspec.run  # noqa: B018  imports what it needs, once for all processes
+    for path in stages(folder):
+        kept = folder / "results" / f"{'+'.join(path.relative_to(folder).with_suffix('').parts)}.json"
+        if kept.exists():
+            continue
+        kept.parent.mkdir(exist_ok=True)
+        result = {engine: outcome(path, engine) for engine in ENGINES}
+        kept.write_text(json.dumps(result))
+        print(path.name, *("refused" if "refused" in one else "ran" for one in result.values()), flush=True)
+
+
+def spread(results: dict[str, Any]) -> float | None:
+    """How far apart (m) the engines' ends of a body are at most; None if fewer than two ran."""
+    ran = [one["bodies"] for one in results.values() if "bodies" in one]
+    pairs = [(a[name], b[name]) for a, b in combinations(ran, 2) for name in a]
+    if len(ran) < 2:
+        return None
+    return max((sum((x - y) ** 2 for x, y in zip(p, q, strict=True)) ** 0.5 for p, q in pairs), default=0.0)
+
+
+def rigid(path: Path) -> bool:
+    """Whether a stage holds rigid bodies and nothing that is soft, or a tendon, gear or vehicle."""
+    from pxr import Usd
+
+    apis = [
+        api for prim in Usd.Stage.Open(str(path)).Traverse() for api in prim.GetPrimTypeInfo().GetAppliedAPISchemas()
+    ]
+    types = {str(prim.GetTypeName()) for prim in Usd.Stage.Open(str(path)).Traverse()}
+    soft = any(word in name for word in SOFT for name in (*apis, *types)) or {"Points", "TetMesh"} & types
+    return "PhysicsRigidBodyAPI" in apis and not soft
+
+
+def rows(folder: Path) -> tuple[list[tuple[str, ...]], dict[str, int]]:
+    """The rows of the table, and how many stages there are of a kind."""
+    made, counts = [], dict.fromkeys(("all", "rigid", "two", "three", "agree"), 0)
+    for path in stages(folder):
+        kept = folder / "results" / f"{'+'.join(path.relative_to(folder).with_suffix('').parts)}.json"
+        results = json.loads(kept.read_text())
+        ran = [engine for engine in ENGINES if "bodies" in results[engine]]
+        apart, solid = spread(results), rigid(path)
+        counts["all"] += 1
+        counts["rigid"] += solid
+        counts["two"] += solid and len(ran) >= 2
+        counts["three"] += solid and len(ran) == len(ENGINES)
+        counts["agree"] += solid and apart is not None and apart < AGREE
+        notes = sum(len(results[engine].get("notes", ())) for engine in ran[:1])
+        why = dict.fromkeys(results[e]["refused"].splitlines()[0][:150] for e in ENGINES if e not in ran)
+        marks = ["✓" if engine in ran else "—" for engine in ENGINES]
+        shown = "" if apart is None else f"{1e3 * apart:.1f}"
+        name = f"`{path.parent.name}/{path.stem}`" if path.parent.parent.name == "robots" else f"`{path.stem}`"
+        made.append((name, "" if solid else "no", *marks, str(notes or ""), shown, "; ".join(why).replace("|", "\\|")))
+    return made, counts
+
+
+def page(folder: Path) -> str:
+    """The page with its table as it should be."""
+    made, n = rows(folder)
+    head = ("stage", "rigid only", *ENGINES, "warnings", "apart, mm", "refused because")
+    told = (
+        f"{n['all']} stages, of which {n['rigid']} hold rigid bodies only. Of these {n['two']} run in at least two "
+        f"engines ({100 * n['two'] / n['rigid']:.0f} %), {n['three']} in all three; of {n['agree']} no body ends "
+        f"more than {1e3 * AGREE:g} mm apart."
+    )
+    before, start, rest = PAGE.read_text().partition(START)
+    return before + start + "\n".join(["", told, "", *table(head, iter(made)), "", ""]) + STOP + rest.partition(STOP)[2]
+
+
+def main() -> None:
+    """Do what is asked."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=("fetch", "robots", "run", "table"))
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--mirror", type=Path)
+    parser.add_argument("--bin", type=Path, default=Path(sys.executable).parent)
+    asked = parser.parse_args()
+    match asked.what:
+        case "fetch":
+            fetch(asked.folder, asked.mirror)
+        case "robots":
+            robots(asked.folder, asked.bin)
+        case "run":
+            run(asked.folder)
+        case _:
+            PAGE.write_text(page(asked.folder))
+
+
+if __name__ == "__main__":
+    main()

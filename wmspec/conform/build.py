@@ -1,0 +1,163 @@
+"""Stages as text: plain UsdPhysics, one prim for a body with its one geometry below it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import degrees
+
+from wmspec.space import Vector
+
+G = 9.81
+ORIGIN: Vector = (0.0, 0.0, 0.0)
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+
+
+def stage(
+    *prims: str, friction: float | tuple[float, float] = 0.5, restitution: float = 0.0, gravity: float = G
+) -> str:
+    """A stage of prims that are all of one material: then every rule of mixing materials gives the same."""
+    static, dynamic = friction if isinstance(friction, tuple) else (friction, friction)
+    return f"""#usda 1.0
+(
+    defaultPrim = "World"
+    metersPerUnit = 1
+    kilogramsPerUnit = 1
+    upAxis = "Z"
+)
+
+def Xform "World"
+{{
+    def PhysicsScene "physics"
+    {{
+        vector3f physics:gravityDirection = (0, 0, -1)
+        float physics:gravityMagnitude = {gravity}
+    }}
+
+    def Material "material" (prepend apiSchemas = ["PhysicsMaterialAPI"])
+    {{
+        float physics:staticFriction = {static}
+        float physics:dynamicFriction = {dynamic}
+        float physics:restitution = {restitution}
+    }}
+
+{"".join(prims)}}}
+"""
+
+
+def body(
+    name: str,
+    shape: str,
+    at: Vector = ORIGIN,
+    turn: Sequence[float] = UPRIGHT,
+    *,
+    mass: float | None = 1.0,
+    velocity: Vector = ORIGIN,
+    spin: Vector = ORIGIN,
+    moments: Vector | None = None,
+    more: str = "",
+    apis: Sequence[str] = (),
+) -> str:
+    """A rigid body of a `shape`; one without a mass never moves. `spin` in rad/s."""
+    moving = mass is not None
+    schemas = [*(["PhysicsRigidBodyAPI", "PhysicsMassAPI"] if moving else []), *apis]
+    own = (
+        f"""        vector3f physics:velocity = {velocity}
+        vector3f physics:angularVelocity = {tuple(degrees(w) for w in spin)}
+        float physics:mass = {mass}
+"""
+        if moving
+        else ""
+    )
+    if moments:
+        own += (
+            f"        float3 physics:diagonalInertia = {moments}\n        quatf physics:principalAxes = (1, 0, 0, 0)\n"
+        )
+    listed = ", ".join(f'"{api}"' for api in schemas)
+    head = f" (prepend apiSchemas = [{listed}])" if schemas else ""
+    return f"""    def Xform "{name}"{head}
+    {{
+{own}{more}        double3 xformOp:translate = {at}
+        quatd xformOp:orient = {tuple(turn)}
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:orient"]
+
+        def {shape}
+    }}
+
+"""
+
+
+_TOUCHED = '(prepend apiSchemas = ["PhysicsCollisionAPI", "MaterialBindingAPI"])'
+_BOUND = "rel material:binding:physics = </World/material>"
+
+
+def box(x: float, y: float, z: float) -> str:
+    """A box of these edges."""
+    return f"""Cube "shape" {_TOUCHED}
+        {{
+            {_BOUND}
+            double size = 1
+            float3[] extent = [(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)]
+            double3 xformOp:scale = {(x, y, z)}
+            uniform token[] xformOpOrder = ["xformOp:scale"]
+        }}"""
+
+
+def ball(radius: float) -> str:
+    """A ball."""
+    return f"""Sphere "shape" {_TOUCHED}
+        {{
+            {_BOUND}
+            double radius = {radius}
+            float3[] extent = [({-radius}, {-radius}, {-radius}), ({radius}, {radius}, {radius})]
+        }}"""
+
+
+def cylinder(radius: float, height: float, axis: str = "Z") -> str:
+    """A cylinder along an axis."""
+    half = [radius] * 3
+    half["XYZ".index(axis)] = height / 2
+    x, y, z = half
+    return f"""Cylinder "shape" {_TOUCHED}
+        {{
+            {_BOUND}
+            double radius = {radius}
+            double height = {height}
+            uniform token axis = "{axis}"
+            float3[] extent = [({-x}, {-y}, {-z}), ({x}, {y}, {z})]
+        }}"""
+
+
+def floor(turn: Sequence[float] = UPRIGHT) -> str:
+    """A slab of 1 m whose top goes through the origin."""
+    from wmspec.scene.transform import rotate
+
+    x, y, z = rotate([*turn], [0.0, 0.0, -0.5]).tolist()  # type: ignore[arg-type]
+    return body("floor", box(40.0, 40.0, 1.0), (x, y, z), turn, mass=None)
+
+
+def joint(
+    kind: str,
+    name: str,
+    first: str,
+    second: str,
+    above: Vector = ORIGIN,
+    below: Vector = ORIGIN,
+    axis: str = "X",
+    *,
+    limits: tuple[float, float] | None = None,
+    drive: str = "",
+) -> str:
+    """A joint between two bodies, or a body and the world (an empty name), by its places in them; limits are as in USD.
+
+    `drive`: the attributes of its drive after `drive:NAME:physics:`, each on a line.
+    """
+    way = "angular" if kind == "Revolute" else "linear"
+    schemas = f' (prepend apiSchemas = ["PhysicsDriveAPI:{way}"])' if drive else ""
+    lines = [f"rel physics:body{i} = </World/{name}>" for i, name in enumerate((first, second)) if name]
+    lines += [f"point3f physics:localPos0 = {above}", f"point3f physics:localPos1 = {below}"]
+    lines += ["quatf physics:localRot0 = (1, 0, 0, 0)", "quatf physics:localRot1 = (1, 0, 0, 0)"]
+    lines += [f'uniform token physics:axis = "{axis}"'] if kind in ("Revolute", "Prismatic") else []
+    lines += [f"float physics:{end}Limit = {v}" for end, v in zip(("lower", "upper"), limits or (), strict=False)]
+    lines += [f"float drive:{way}:physics:{line}" for line in drive.splitlines()]
+    told = "\n".join(f"        {line}" for line in lines)
+    return f'    def Physics{kind}Joint "{name}"{schemas}\n    {{\n{told}\n    }}\n\n'

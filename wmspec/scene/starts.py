@@ -1,0 +1,87 @@
+"""Where jointed bodies begin: a joint that is drawn apart, or outside its limits, is put where it holds them.
+
+What hangs on a body that is moved goes with it, as the joints' own tools do it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import atan2
+
+import numpy as np
+
+from wmspec.diagnostics import Diagnostic, StageError
+from wmspec.places import PrimPlace
+from wmspec.scene.articulations import WORLD, Branch, coordinate, relative, spanning
+from wmspec.scene.model import Body, Joint, Pose, Scene
+from wmspec.scene.transform import compose, identity, inverse, turned, turning
+
+
+def settled(scene: Scene) -> tuple[Scene, tuple[Diagnostic, ...]]:
+    """The scene with its jointed bodies where their joints hold them, and what was moved for that, as warnings."""
+    bodies, told = list(scene.bodies), []
+    for tree in spanning(scene):
+        for branch in tree:
+            if branch.joint < 0:
+                continue
+            moved = _moved(scene.joints[branch.joint], bodies, branch)
+            if moved is None:
+                continue
+            step, gap, turn = moved
+            for i in _below(tree, branch.body):
+                bodies[i] = replace(bodies[i], pose=compose(step, bodies[i].pose))
+            reason = f"it starts {1e3 * gap:.3g} mm and {turn:.3g} rad from where its joint and its limits let it be"
+            place = PrimPlace(scene.joints[branch.joint].path)
+            told.append(Diagnostic(f"{reason}: {bodies[branch.body].path} is moved there", place, severity="warning"))
+    return replace(scene, bodies=tuple(bodies)), tuple(told)
+
+
+def _moved(joint: Joint, bodies: list[Body], branch: Branch) -> tuple[Pose, float, float] | None:
+    """How a body is to be moved in the world, by how much (m, rad); None if it may stay."""
+    named = {body.name: body for body in bodies}
+    between = relative(named, joint.first, joint.second, joint.first_frame, joint.second_frame)
+    try:
+        coordinate(joint, between)
+    except StageError:
+        wanted = _nearest(joint, between)
+    else:
+        return None
+    here = bodies[branch.body].pose
+    if bodies[branch.body].name == joint.second:
+        first = named[joint.first].pose if joint.first is not None else identity()
+        there = compose(compose(compose(first, joint.first_frame), wanted), inverse(joint.second_frame))
+    else:
+        second = compose(named[joint.second].pose, joint.second_frame)
+        there = compose(compose(second, inverse(wanted)), inverse(joint.first_frame))
+    off = compose(inverse(between), wanted)
+    size = float(np.linalg.norm(off.position)), float(np.linalg.norm(turned(off.orientation)))
+    return compose(there, inverse(here)), *size
+
+
+def _nearest(joint: Joint, between: Pose) -> Pose:
+    """The nearest that the joint allows to where its second frame is in its first."""
+    low, high = joint.limits if joint.limits and joint.kind != "ball" else (-np.inf, np.inf)
+    x, still = np.array([1.0, 0.0, 0.0]), identity()
+    match joint.kind:
+        case "slider":
+            return Pose(x * min(max(between.position[0], low), high), still.orientation)
+        case "hinge":
+            q = between.orientation
+            angle = (2 * atan2(q[1], q[0]) + np.pi) % (2 * np.pi) - np.pi
+            options = [angle + 2 * np.pi * k for k in (0, -1, 1)]
+            best = min(options, key=lambda a: abs(a - min(max(a, low), high)))
+            return Pose(still.position, turning(x * min(max(best, low), high)))
+        case "ball":
+            return Pose(still.position, between.orientation)
+        case _:
+            return still
+
+
+def _below(tree: tuple[Branch, ...], body: int) -> Iterator[int]:
+    hanging = {body}
+    yield body
+    for branch in tree:
+        if branch.parent in hanging and branch.parent != WORLD:
+            hanging.add(branch.body)
+            yield branch.body
