@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 PYTHON ?=
 BIN := .venv/bin
-DEMO := specs/perception/motion/speed_tabletop.wms specs/prediction/mechanistic/collide.wms
+DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
 .PHONY: sbom help setup browser inspect demo quick test test-all check format docs oracles agreement clean
 

@@ -40,7 +40,7 @@ from wmspec.study.store import Store
 from wmspec.write.reader import DatasetReader
 
 ROOT = Path(__file__).parent.parent
-SPEC = ROOT / "specs/perception/motion/speed_tabletop.wms"
+SPEC = ROOT / "tests/endtoend/specs/speed_tabletop.wms"
 INSTANCES = 80
 #: Seconds.
 SOON = 1.5

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from wmspec.ask.trajectory import form
 from wmspec.layout.paths import named, turned, walked
 
-FORMS = ("straight", "arc", "zigzag", "circle", "back_and_forth")
+FORMS = ("straight", "arc", "zigzag", "circle", "back_and_forth", "square", "triangle")
 
 
 def path(form: str, length: float, width: float, angle: float, samples: int) -> np.ndarray:
@@ -32,7 +32,7 @@ def test_the_paths_of_follow_are_told_with_a_millimetre_of_noise(
     assert form(made + noise) == name
 
 
-@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize("name", sorted({*FORMS} - {"triangle"}))  # of which two corners lie between nine places
 def test_a_few_relocations_are_enough(name: str) -> None:
     """What is put from place to place between pictures is told by where it was."""
     assert form(np.repeat(path(name, 0.4, 0.12, 0.3, 9), 60, axis=0)) == name

@@ -197,7 +197,9 @@ STAGES = {
     "only drawn": FLOOR + ball("a", (0, 0, 0.5)).replace("}", ' def Sphere "hat" { double radius = 0.05 } }')
     + 'def Cube "backdrop" { double size = 1 }',
 }  # fmt: skip
-OURS = ("prediction/mechanistic/collide", "prediction/mechanistic/slide", "perception/motion/speed_tabletop")
+OURS = (
+    "specs/prediction/mechanistic/collide", "specs/prediction/mechanistic/slide", "tests/endtoend/specs/speed_tabletop",
+)  # fmt: skip
 
 
 def written(folder: Path, text: str, **header: object) -> Path:
@@ -358,7 +360,7 @@ def test_a_file_is_the_same_in_a_spec(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", OURS)
 def test_a_stage_of_ours_is_the_same_in_a_spec(tmp_path: Path, name: str) -> None:
     """Whose materials are pictures that lie elsewhere, so that the spec has to say its colours."""
-    design = Design(task_of(ROOT / f"{name}.wms"))
+    design = Design(task_of(ROOT.parent / f"{name}.wms"))
     file = tmp_path / "made" / "stage.usda"
     file.parent.mkdir()
     composed(document(design.spec, design[0])).Export(str(file))

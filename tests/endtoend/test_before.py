@@ -5,11 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.endtoend.test_commands import SPEED, wmspec
+from tests.endtoend.test_commands import SPECS, SPEED, wmspec
 from tests.engines import installed
-from wmspec.api import load
+from wmspec.api import load_all
 from wmspec.api.making import indices
 from wmspec.paper import COLUMNS, REBUILT, column
+
+VISION = SPECS / "perception/vision"
 
 
 def test_the_numbers_are_the_papers() -> None:
@@ -21,7 +23,7 @@ def test_the_numbers_are_the_papers() -> None:
     assert len(set(REBUILT.values())) == len(REBUILT), "two tasks rebuild the same one"
 
 
-def test_every_rebuilt_task_has_the_papers_images_and_at_least_its_cases(tmp_path: Path) -> None:
+def test_every_rebuilt_task_has_at_least_the_papers_images_and_cases(tmp_path: Path) -> None:
     rows = {r["task"]: r for r in json.loads(wmspec("list", "--json", folder=tmp_path).stdout)}
     assert set(REBUILT) <= set(rows), "a task of the table does not ship"
     for name, row in rows.items():
@@ -29,7 +31,7 @@ def test_every_rebuilt_task_has_the_papers_images_and_at_least_its_cases(tmp_pat
         assert (row["paper"] is None) == (there is None)
         if there is not None:
             assert row["instances"] * row["questions"] >= there.cases, name
-            assert row["images"] == there.images, name
+            assert row["images"] >= there.images, name
     assert "104,886 instances" in " ".join(wmspec("list", folder=tmp_path).stdout.split())
 
 
@@ -62,14 +64,13 @@ def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
 
 def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -> None:
     def made(name: str, per_task: int | None = None, full: bool = False) -> tuple[int, ...]:
-        (path,) = Path("specs").rglob(f"{name}.wms")
-        return indices(load(path), per_task, full, (1, 1))
+        (task,) = (t for t in load_all(SPEED, VISION / "color.wms") if t.name == name)
+        return indices(task, per_task, full, (1, 1))
 
     assert len(made("speed_tabletop")) == 2304
     assert made("speed_tabletop", full=True) == tuple(range(2376))
     assert set(made("speed_tabletop", 50)) < set(made("speed_tabletop"))
-    assert len(made("color_room")) == 720, "of two questions each"
-    assert made("speed_rolling") == made("speed_rolling", full=True), "which is none of the paper's"
+    assert 720 <= len(made("color_room")) < len(made("color_room", full=True)), "of two questions each; whole groups"
 
 
 @pytest.mark.parametrize(

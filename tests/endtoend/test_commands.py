@@ -12,7 +12,7 @@ from tests.engines import installed
 from wmspec.parse.load import library_folder
 
 SPECS = library_folder().parent
-SPEED = SPECS / "perception/motion/speed_tabletop.wms"
+SPEED = Path(__file__).parent / "specs/speed_tabletop.wms"
 COLLIDE = SPECS / "prediction/mechanistic/collide.wms"
 STAGE = Path(__file__).parents[1] / "stage/data/collide.usda"
 BALL = """#usda 1.0

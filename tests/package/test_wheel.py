@@ -16,7 +16,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.skipif(not (ROOT / ".git").exists(), reason="what is tracked is known in a checkout only")
 
-SPEC = "wmspec/specs/perception/motion/speed_tabletop.wms"
+SPEC = "wmspec/specs/prediction/mechanistic/collide.wms"
 
 
 def run(*command: str | Path, cwd: Path) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SPEC = ROOT / "specs/perception/motion/speed_tabletop.wms"
+SPEC = ROOT / "tests/endtoend/specs/speed_tabletop.wms"
 
 
 @pytest.mark.slow

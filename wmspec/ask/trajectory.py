@@ -16,12 +16,16 @@ CLOSED = 0.2
 REVERSAL, SHARP = math.radians(150), math.radians(75)
 #: An arc turns by more than this in all (rad), and a circle by more than this.
 LEAST_TURN, ROUND = math.radians(12), math.radians(240)
+#: A closed path by its sharp corners. One that begins in a corner is not told: it has one less.
+CLOSED_FORMS = {0: "circle", 3: "triangle", 4: "square"}
+#: A leg shorter than this share of a path's extent only blunts the corner between its neighbours.
+BLUNT = 0.1
 #: A path that turns one way turns less than this share of all its turning the other way.
 ONE_WAY = 0.1
 
 
 def form(path: Array) -> str | None:
-    """`straight`, `arc`, `zigzag`, `circle` or `back_and_forth` for a path (t, 3) m; None if it is none of these.
+    """The word of the vocabulary `path` for a path (t, 3) m; None if it has none of these forms.
 
     Holds for the paths of the verb `follow` and for what is thrown or rolls, also with a millimetre of noise.
     """
@@ -37,9 +41,16 @@ def form(path: Array) -> str | None:
     if min(left, right) > ONE_WAY * (left + right):
         return "zigzag" if len(turns) > 1 else None
     if np.linalg.norm(flat[-1] - flat[0]) < CLOSED * extent and left + right > ROUND:
-        return "circle"
+        return CLOSED_FORMS.get(_sharp(legs, turns, BLUNT * extent))
     smooth = len(turns) > 0 and float(np.abs(turns).max()) < SHARP
     return "arc" if smooth and left + right > LEAST_TURN else None
+
+
+def _sharp(legs: Array, turns: Array, short: float) -> int:
+    """How many sharp corners there are, the turns at both ends of a leg shorter than `short` (m) taken for one."""
+    apart = np.linalg.norm(legs[1:-1], axis=1) >= short
+    corners = np.split(turns, np.flatnonzero(apart) + 1)
+    return sum(abs(float(corner.sum())) > SHARP for corner in corners)
 
 
 def _smoothed(path: Array) -> Array:

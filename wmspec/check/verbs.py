@@ -78,7 +78,7 @@ VERBS: dict[str, Verb] = {
             "object": _OBJECT,
             "path": Slot((PATH, List(POINT2), List(POINT3)), "the form of the path, or points relative to where it is"),
             "direction": Slot((AN_ANGLE, DIRECTION), "where the path leads; turns given points too", "0 deg"),
-            "length": Slot((A_LENGTH,), "from one end of the path to the other; the diameter of a circle", "40 cm", above=0),
+            "length": Slot((A_LENGTH,), "from one end of the path to the other; the diameter of a circle, the side of a square or triangle", "40 cm", above=0),
             "width": Slot((A_LENGTH,), "how far the path strays to the side", "10 cm", above=0),
             "facing": Slot((TRUTH,), "whether it turns with the path, as a car does; else it keeps its turn", "false"),
         },

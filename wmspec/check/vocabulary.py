@@ -73,7 +73,7 @@ WORDS: dict[str, tuple[str, ...]] = {
     "material": tuple(MATERIALS),
     "collision": tuple(COLLISIONS),
     "direction": ("left", "right", "away", "nearer"),
-    "path": ("straight", "arc", "zigzag", "circle", "back_and_forth"),
+    "path": ("straight", "arc", "zigzag", "circle", "back_and_forth", "square", "triangle"),
     "relation": ("left_of", "right_of", "in_front_of", "behind", "above", "below"),
     "tie": ("neither",),
     "channel": ("rgb", "depth", "ids"),

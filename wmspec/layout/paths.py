@@ -20,6 +20,7 @@ def named(form: str, length: float, width: float) -> tuple[Vector, ...]:
 
     straight: to (length, 0). arc: a part of a circle to the same end that bulges by `width`. zigzag: to the same end by
     four legs that stray by `width`. circle: around, through (length, 0). back_and_forth: to (length, 0) and back again.
+    square, triangle: around, to the left, with sides of that length, from the middle of one of them.
     """
     return _FORMS[form](length, width)
 
@@ -93,6 +94,23 @@ def _back_and_forth(length: float, _width: float) -> tuple[Vector, ...]:
     return (ORIGIN, (length, 0.0, 0.0), ORIGIN)
 
 
+def _square(length: float, _width: float) -> tuple[Vector, ...]:
+    return _polygon(4, length)
+
+
+def _triangle(length: float, _width: float) -> tuple[Vector, ...]:
+    return _polygon(3, length)
+
+
+def _polygon(sides: int, length: float) -> tuple[Vector, ...]:
+    """Around a regular polygon to the left, from the middle of a side and back there."""
+    points = [ORIGIN, (length / 2, 0.0, 0.0)]
+    for i in range(1, sides):
+        angle = 2 * math.pi * i / sides
+        points.append(add(points[-1], (length * math.cos(angle), length * math.sin(angle), 0.0)))
+    return (*points, ORIGIN)
+
+
 def _circle(length: float, _width: float) -> tuple[Vector, ...]:
     return (*_around((length / 2, 0.0, 0.0), length / 2, math.pi, 3 * math.pi)[:-1], ORIGIN)
 
@@ -119,4 +137,6 @@ _FORMS: dict[str, Callable[[float, float], tuple[Vector, ...]]] = {
     "zigzag": _zigzag,
     "circle": _circle,
     "back_and_forth": _back_and_forth,
+    "square": _square,
+    "triangle": _triangle,
 }
