@@ -19,6 +19,9 @@ __all__ = ["browser"]  # here alone: a process has one browser, however many fol
 settings.register_profile("wmspec", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("wmspec")
 
+# Datasets say when they were published: in tests, always on the same day.
+os.environ.setdefault("SOURCE_DATE_EPOCH", "1767225600")
+
 HERE = Path(__file__).parent
 NEEDS = {
     "api": ("engine", "pixels"),

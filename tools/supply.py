@@ -22,7 +22,7 @@ from wmspec import __version__
 ROOT = Path(__file__).parent.parent
 
 #: What users install, and what those who build wmspec need besides.
-USED = ("mujoco", "pybullet", "sapien", "meshes", "video", "evaluate", "report", "lsp")
+USED = ("mujoco", "pybullet", "sapien", "meshes", "video", "evaluate", "audit", "report", "lsp")
 BUILT = (*USED, "dev", "docs", "notebooks")
 
 #: Licences that ask something of those who pass the package on, and what wmspec does about it.

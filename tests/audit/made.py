@@ -14,7 +14,7 @@ from tests.dataset.made import pictures
 from wmspec.ask.ask import groups
 from wmspec.ask.kinds.labels import LabelAnswer
 from wmspec.ask.kinds.numbers import NumberAnswer
-from wmspec.ask.model import Change, Option, Picture, QuestionRow, Vote
+from wmspec.ask.model import Change, Option, Picture, QuestionRow
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
 from wmspec.design.design import Design
@@ -81,7 +81,7 @@ def blank(design: Design, index: int, engine: str) -> QuestionRow:
         margin=None,
         measured={},
         evidence=NumberAnswer(0.0, 0.5),
-        agreement=(Vote(engine, 0, ""),),
+        moments=2,
     )
 
 

@@ -44,15 +44,20 @@ def share(found: Audit, sees: str) -> float:
     return probe.accuracy
 
 
-@pytest.mark.parametrize(("name", "ask"), [("race", race()), ("roll", roll())])
+@pytest.mark.parametrize(("name", "ask"), [("race", race()), pytest.param("roll", roll(), marks=pytest.mark.slow)])
 def test_a_sound_dataset_passes(name: str, ask: Ask, audited: Make) -> None:
-    found = audited(name, ask)
+    found = audited(name, ask, 240 if name == "race" else 160)
     assert found.passed, failing(found)
-    assert {f.check for f in found.findings} == {"files", "counts", "balance", "duplicates", "options", "shortcut"}
-    held = [f for f in found.findings if f.check == "shortcut" and f.verdict == "holds"]
-    assert len(held) >= 5
-    for probe in found.probes:
-        assert probe.low <= probe.chance <= probe.high, probe
+    held = [f for f in found.findings if f.check == "shortcut" and f.verdict in ("holds", "unclear")]
+    checks = {"files", "counts", "balance", "duplicates", "options", "shortcut", "groups", "stability"}
+    assert {f.check for f in found.findings} == checks
+    judged = [p for p in found.probes if p.judged]
+    assert len(judged) >= 5
+    assert all(p.luck for p in judged)
+    (line,) = found.summaries
+    assert line.verdict != "fails"
+    assert line.groups >= 30
+    assert all("would have been found" in f.what for f in held)
 
 
 # ---------------------------------------------------------------- shortcuts
@@ -61,24 +66,24 @@ def test_a_sound_dataset_passes(name: str, ask: Ask, audited: Make) -> None:
 @pytest.mark.parametrize(
     ("name", "ask", "sees", "least"),
     [
-        ("race", race(level=True), "the last picture", 0.7),
+        ("race", race(level=True), "picture 2: pixels", 0.7),
         ("race", race(favoured=0.85), "the place of the options", 0.75),
         ("race", race(telling=True), "the options", 0.99),
-        ("race", race(telling=True), "the text", 0.99),
-        ("roll", roll("colour"), "the options", 0.9),
+        pytest.param("race", race(telling=True), "the text", 0.99, marks=pytest.mark.slow),
+        pytest.param("roll", roll("colour"), "the options", 0.7, marks=pytest.mark.slow),
         ("roll", roll("colour"), "the options' colours", 0.9),
-        ("roll", roll("middle"), "the options", 0.6),
+        pytest.param("roll", roll("middle"), "the options", 0.6, marks=pytest.mark.slow),
     ],
 )
 def test_a_shortcut_is_found(name: str, ask: Ask, sees: str, least: float, audited: Make) -> None:
-    found = audited(name, ask)
+    found = audited(name, ask, 240 if name == "race" else 160)
     assert share(found, sees) > least
     assert any(f"from {sees} alone" in f.what for f in failing(found, "shortcut"))
 
 
 def test_the_other_probes_see_nothing_of_a_last_picture_that_tells(audited: Make) -> None:
     found = audited("race", race(level=True))
-    assert all("the last picture" in f.what for f in failing(found))
+    assert all("from picture 2: pixels" in f.what for f in failing(found))
 
 
 def still(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
@@ -89,11 +94,11 @@ def still(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
 
 def test_a_question_about_one_moment_may_be_answered_from_its_picture(audited: Make) -> None:
     found = audited("race", still)
-    assert share(found, "the picture") > 0.7
+    assert share(found, "picture 1: pixels") > 0.7
     assert found.passed
-    (told,) = [f for f in found.findings if "from the picture alone" in f.what]
+    (told,) = [f for f in found.findings if "from picture 1: pixels alone" in f.what]
     assert told.verdict == "told"
-    assert "one moment" in told.what
+    assert "no more moments than it sees" in told.what
 
 
 def test_what_holds_from_the_start_may_be_seen_at_any_moment(audited: Make) -> None:
@@ -101,23 +106,24 @@ def test_what_holds_from_the_start_may_be_seen_at_any_moment(audited: Make) -> N
         return replace(race(level=True)(asked, random), standing=True)
 
     found = audited("race", standing)
-    assert share(found, "the last picture") > 0.7
+    assert share(found, "picture 2: pixels") > 0.7
     assert found.passed
-    assert any("from the last picture alone" in f.what and "from the start" in f.what for f in found.findings)
+    assert any("from picture 2: pixels alone" in f.what and f.verdict == "told" for f in found.findings)
 
 
 def test_too_few_questions_are_said_to_be_too_few(audited: Make) -> None:
     found = audited("race", race(), 12)
     assert found.passed
-    assert any("12 instances are too few" in f.what and f.verdict == "unclear" for f in found.findings)
+    assert any("groups are too few" in f.what and f.verdict == "unclear" for f in found.findings)
+    assert found.summaries[0].verdict == "unclear"
     found = audited("race", race(), 40)
     assert any(f.verdict == "unclear" and "too few questions to tell" in f.what for f in found.findings)
 
 
 def test_engines_are_not_counted_as_questions(audited: Make) -> None:
-    found = audited("race", race(), 100, engines=("mujoco", "pybullet"))
-    assert {p.asked for p in found.probes} == {100}
-    assert {sum(map(sum, t.counts)) for t in found.tests} == {100}
+    found = audited("race", race(), 96, engines=("mujoco", "pybullet"))
+    assert {p.asked for p in found.probes} == {96}
+    assert max(sum(map(sum, t.counts)) for t in found.tests) == 96
 
 
 # ---------------------------------------------------------------- balance

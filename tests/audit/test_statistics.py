@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import combinations
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy import stats
+from sklearn.ensemble import RandomForestClassifier
+from sklearn.model_selection import cross_val_predict
 
-from wmspec.audit.classify import held_out
-from wmspec.audit.statistics import clopper_pearson, goodness, holm, independence
+from wmspec.audit import power
+from wmspec.audit.classify import LEAF, NUMBERS, SEED, TREES, Asked, Seen, held_out
+from wmspec.audit.statistics import clopper_pearson, detectable, goodness, holm, independence
 
 
 def test_a_large_table_has_the_chi_square_of_scipy() -> None:
@@ -78,33 +85,126 @@ def test_the_interval_is_the_exact_one(right: int) -> None:
     assert clopper_pearson(right, 20, 0.95) == pytest.approx((there.low, there.high))
 
 
-def _options(count: int, of: int) -> tuple[np.ndarray, np.ndarray, list[str], np.random.Generator]:
-    random = np.random.default_rng(1)
-    owner = np.repeat(np.arange(count), of)
+def test_the_strength_that_is_found_is_found_as_often_as_is_said() -> None:
+    random, level = np.random.default_rng(2), 0.01
+    strength = detectable(np.full((2, 2), 75).tolist(), level)
+    joint = np.array([[1 + strength, 1 - strength], [1 - strength, 1 + strength]]).ravel() / 4
+    drawn = (random.multinomial(300, joint).reshape(2, 2) for _ in range(300))
+    assert 0.72 < np.mean([stats.chi2_contingency(t, correction=False).pvalue < level for t in drawn]) < 0.88
+    assert detectable([[40, 40, 40]], level) > detectable([[400, 400, 400]], level)
+    assert detectable([[9, 0]], level) == 0.0, "nothing varies"
+
+
+# ---------------------------------------------------------------- classifiers
+
+
+def _asked(count: int, of: int, together: int = 1, seed: int = 1) -> tuple[Asked, np.random.Generator]:
+    """Questions whose true option is drawn, `together` of them in a group."""
+    random = np.random.default_rng(seed)
     truth = (np.arange(of) == random.integers(of, size=count)[:, None]).ravel()
-    return owner, truth, [str(i) for i in range(count)], random
+    names = np.tile([f"option {i}" for i in range(of)], count)
+    return Asked(np.repeat(np.arange(count), of), names, truth, [str(i // together) for i in range(count)]), random
 
 
 def test_noise_is_answered_by_chance_and_a_clue_is_not() -> None:
-    owner, truth, groups, random = _options(400, 4)
-    noise = random.normal(size=(1600, 300))
-    low, high = clopper_pearson(held_out(noise, owner, truth, groups).sum(), 400, 0.99)
-    assert low < 0.25 < high
-    clue = np.c_[noise, 4 * truth + random.normal(size=1600)]
-    assert held_out(clue, owner, truth, groups).mean() > 0.8
+    asked, random = _asked(200, 4)
+    noise = random.normal(size=(800, 10))
+    for model in ("linear", "forest"):
+        low, high = clopper_pearson(held_out(Seen(noise, "options", model), asked).sum(), 200, 0.99)
+        assert low < 0.25 < high
+        clue = np.c_[noise, 4 * asked.truth + random.normal(size=800)]
+        assert held_out(Seen(clue, "options", model), asked).mean() > 0.8
+
+
+@pytest.mark.parametrize("model", ["linear", "forest"])
+def test_a_clue_of_the_whole_question_tells_options_by_their_names(model: Any) -> None:
+    asked, random = _asked(300, 3)
+    true = asked.truth.reshape(300, 3).argmax(1)
+    seen = np.c_[random.normal(size=(300, 5)), np.eye(3)[true] + 0.2 * random.normal(size=(300, 3))]
+    assert held_out(Seen(seen, "questions", model), asked).mean() > 0.95
+
+
+def test_it_answers_as_scikit_learn_does() -> None:
+    """With two options, what is picked is what scikit-learn's own cross-validation predicts."""
+    asked, random = _asked(200, 2, 4)
+    side = asked.truth.reshape(200, 2)[:, 0]
+    seen = np.c_[random.normal(size=(200, 4)), side + random.normal(size=200)]
+    forest = RandomForestClassifier(TREES, min_samples_leaf=LEAF, max_features=NUMBERS, random_state=SEED)
+    folds = [(np.setdiff1d(np.arange(200), held), held) for held in asked.folds]
+    there = cross_val_predict(forest, seen, np.where(side, "option 0", "option 1"), cv=folds, method="predict_proba")
+    right = np.where(there[:, 0] == there[:, 1], 0.5, (there[:, 0] > there[:, 1]) == side)
+    assert held_out(Seen(seen, "questions", "forest"), asked) == pytest.approx(right)
 
 
 def test_options_that_cannot_be_told_apart_count_as_a_guess() -> None:
-    owner, truth, groups, _ = _options(40, 4)
-    assert held_out(np.ones((160, 2)), owner, truth, groups) == pytest.approx(np.full(40, 0.25))
+    asked, _ = _asked(40, 4)
+    assert held_out(Seen(np.ones((160, 2)), "options", "linear"), asked) == pytest.approx(np.full(40, 0.25))
 
 
 def test_what_is_known_of_a_group_does_not_help_with_that_group() -> None:
-    owner, truth, _, random = _options(300, 2)
-    group = np.repeat(np.arange(30), 10)
-    lucky = random.integers(2, size=30)[group]  # in each group the truth stands where the others of the group have it
-    truth = (np.arange(2) == lucky[:, None]).ravel()
+    asked, random = _asked(300, 2, 10)
+    lucky = random.integers(2, size=30)[np.arange(300) // 10]  # in each group the truth is where its others have it
+    asked = asked.retold(lucky)
     features = np.zeros((600, 60))
-    features[np.arange(600), np.repeat(group, 2) * 2 + np.tile([0, 1], 300)] = 1
-    assert held_out(features, owner, truth, [f"g{g}" for g in group]).mean() == pytest.approx(0.5)
-    assert held_out(features, owner, truth, [str(i) for i in range(300)]).mean() > 0.95
+    features[np.arange(600), np.repeat(np.arange(300) // 10, 2) * 2 + np.tile([0, 1], 300)] = 1
+    assert held_out(Seen(features, "options", "linear"), asked).mean() == pytest.approx(0.5)
+    apart = replace(asked, groups=[str(i) for i in range(300)])
+    assert held_out(Seen(features, "options", "linear"), apart).mean() > 0.95
+
+
+def test_no_group_is_on_both_sides() -> None:
+    asked, _ = _asked(200, 2, 7)
+    sides = [{asked.groups[i] for i in held} for held in asked.folds]
+    assert len(sides) == 5
+    assert not any(a & b for a, b in combinations(sides, 2))
+
+
+# ---------------------------------------------------------------- power
+
+
+def test_accuracies_of_alike_questions_vary_more() -> None:
+    groups = [str(i // 10) for i in range(200)]
+    chance = np.full(200, 0.5)
+    alone = power.deviation(np.tile([0.0, 1.0], 100), chance, groups)
+    assert alone == pytest.approx(np.sqrt(0.25 / 200))
+    assert power.deviation(np.repeat(np.tile([0.0, 1.0], 10), 10), chance, groups) > 3 * alone
+
+
+def _alarm(seen: Seen, asked: Asked, tests: int) -> bool:
+    right = held_out(seen, asked)
+    chance = 1 / asked.sizes
+    above = float((right - chance).mean()) / power.deviation(right, chance, asked.groups)
+    return above > power.threshold(tests)
+
+
+@pytest.mark.parametrize(
+    ("of", "model", "draws"),
+    [("options", "linear", 50), pytest.param("questions", "forest", 60, marks=pytest.mark.slow)],
+)
+@pytest.mark.parametrize("choices", [2, 4])
+def test_a_shortcut_of_the_size_told_is_found_in_four_of_five_draws(
+    of: Any, model: Any, draws: int, choices: int
+) -> None:
+    """A law of the audit: what it says that it would have found, it finds; and where there is nothing, it is silent."""
+    asked, random = _asked(400, choices, 4)
+    rows, tests, chance = 400 * (choices if of == "options" else 1), 20, 1 / asked.sizes
+
+    def blank() -> Seen:
+        return Seen(random.normal(size=(rows, 8)), of, model)
+
+    seen = blank()
+    spread = power.deviation(held_out(seen, asked), chance, asked.groups)
+    size = power.smallest(spread, 1 / choices, tests, power.learned(seen, asked, chance))
+    assert 0.08 < size < 0.3
+    found = [_alarm(*power.planted(blank(), asked, size, random), tests) for _ in range(draws)]
+    false = [_alarm(blank(), _asked(400, choices, 4, seed)[0], 1) for seed in range(draws)]
+    assert stats.binomtest(sum(found), draws, 0.8, alternative="less").pvalue > 0.01, np.mean(found)
+    assert stats.binomtest(sum(false), draws, power.ALARMS, alternative="greater").pvalue > 0.01
+
+
+def test_what_is_too_faint_is_said_to_be_overlooked() -> None:
+    luck = 0.1 / power.threshold(20)
+    assert power.smallest(luck, 0.5, 20, (0.01, 0.03, 0.09)) == 1.0
+    assert power.smallest(luck, 0.5, 20, (0.08, 0.12, 0.25)) == pytest.approx(0.15)
+    assert power.smallest(luck, 0.5, 20, (0.2, 0.3, 0.4)) == pytest.approx(0.1), "no probe finds more than there is"
+    assert power.smallest(luck, 0.5, 20, None) > 0.1

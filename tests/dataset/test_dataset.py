@@ -18,11 +18,14 @@ from pathlib import Path
 import datasets
 import pytest
 import yaml
+from PIL import Image
 
 from tests.dataset.made import filling, make, plan
 from wmspec.ask.model import Rejected
 from wmspec.diagnostics import WmsError
+from wmspec.write.card import card
 from wmspec.write.dataset import Dataset
+from wmspec.write.manifest import Summary
 from wmspec.write.plan import Plan
 
 ROOT = Path(__file__).parents[2]
@@ -99,7 +102,9 @@ def test_a_tampered_shard_is_named_and_made_again(
 
 @pytest.mark.parametrize("damage", [b"", b"{", b"[]", b'{"rows": 1}', b"\xff"])
 def test_a_damaged_record_costs_its_shard(tmp_path: Path, whole: dict[str, bytes], damage: bytes) -> None:
-    make(tmp_path, plan())
+    with Dataset.open(tmp_path, plan()) as dataset:
+        for shard in dataset.pending():
+            dataset.write(shard, *filling(plan(), shard))
     (tmp_path / ".progress/collide/00000.json").write_bytes(damage)
     with Dataset.open(tmp_path, plan()) as dataset:
         assert [s.path for s in dataset.pending()] == ["data/collide/test-00000-of-00003.parquet"]
@@ -361,7 +366,7 @@ def empty(folder: Path, made: Plan, without: str) -> None:
 def test_a_task_without_questions_does_not_spoil_the_others(tmp_path: Path) -> None:
     empty(tmp_path / "out", plan(), "collide")
     front = yaml.safe_load((tmp_path / "out/README.md").read_text().split("---")[1])
-    assert [c["config_name"] for c in front["configs"]] == ["motion_speed"]
+    assert [c["config_name"] for c in front["configs"]] == ["all", "motion_speed"]
     rows = datasets.load_dataset(str(tmp_path / "out"), "motion_speed", split="test", cache_dir=str(tmp_path / "cache"))
     assert len(rows) == sum(len(filling(plan(), s)[0]) for s in plan().shards() if s.task.spec.name == "motion_speed")
     assert "crashed" in (tmp_path / "out/README.md").read_text()
@@ -371,10 +376,69 @@ def test_the_card_says_how_to_load_and_what_was_rejected(tmp_path: Path) -> None
     make(tmp_path, plan())
     card = (tmp_path / "README.md").read_text()
     front = yaml.safe_load(card.split("---")[1])
-    assert front["configs"][0] == {
+    assert (front["configs"][0]["config_name"], front["configs"][0]["default"]) == ("all", True)
+    assert front["configs"][1] == {
         "config_name": "collide",
         "data_files": [{"split": "test", "path": "data/collide/test-*.parquet"}],
     }
     assert front["license"] == ["cc-by-4.0", "unknown"]
-    for said in ("load_dataset(", "0.8, 1, 1.2 (m/s)", "two options cannot be told apart", "Licence: CC-BY-4.0"):
+    for said in (
+        "load_dataset(",
+        "0.8, 1, 1.2 (m/s)",
+        "two options cannot be told apart",
+        "Licence of the spec: CC-BY-4.0",
+        "![The pictures and options of one question of collide](examples/collide.webp)",
+        "lossless WebP",
+        "@misc{wmspec-",
+    ):
         assert said in card
+    assert Image.open(tmp_path / "examples/collide.webp").width == 1000
+
+
+def test_the_data_have_the_licence_that_is_chosen(tmp_path: Path) -> None:
+    make(tmp_path, plan())
+    before = contents(tmp_path)
+    licensed = replace(plan(), licence="CC0-1.0")
+    make(tmp_path, licensed)
+    after = contents(tmp_path)
+    assert [name for name in before if before[name] != after[name]] == ["README.md", "croissant.json", "manifest.json"]
+    assert yaml.safe_load((tmp_path / "README.md").read_text().split("---")[1])["license"] == ["cc0-1.0"]
+    assert json.loads((tmp_path / "croissant.json").read_bytes())["license"] == ["CC0-1.0"]
+
+
+def test_the_card_says_what_one_engine_and_a_renderer_did(tmp_path: Path) -> None:
+    total, alone = make_summary(tmp_path), replace(plan(), engines=("mujoco",), renderer="sapien")
+    said = card(alone, total, {})
+    assert "executed in mujoco and drawn by sapien" in said
+    assert "One engine executed it" in said
+    assert "all engines agree" not in said
+    assert "in one engine." in said
+
+
+def make_summary(folder: Path) -> Summary:
+    make(folder, plan())
+    with Dataset.open(folder, plan()) as dataset:
+        return dataset.finish()
+
+
+def test_nothing_is_left_of_the_making(tmp_path: Path) -> None:
+    make(tmp_path, plan())
+    names = {p.name for p in tmp_path.iterdir()}
+    assert names == {"data", "examples", "README.md", "croissant.json", "manifest.json", "plan.json"}
+    with pytest.raises(WmsError, match="another dataset"):
+        Dataset.open(tmp_path, plan(seed=8))
+    assert {p.name for p in tmp_path.iterdir()} == names
+
+
+def test_a_finished_dataset_that_loses_a_shard_is_known_by_its_manifest(
+    tmp_path: Path, whole: dict[str, bytes]
+) -> None:
+    make(tmp_path, plan())
+    lost = tmp_path / "data/collide/test-00001-of-00003.parquet"
+    lost.unlink()
+    with Dataset.open(tmp_path, plan()) as dataset:
+        assert [str(tmp_path / s.path) for s in dataset.pending()] == [str(lost)]
+    with Dataset.open(tmp_path, plan()) as dataset:  # stopped, and begun again
+        assert len(dataset.pending()) == 1
+    make(tmp_path, plan())
+    assert contents(tmp_path) == whole

@@ -79,7 +79,7 @@ def test_what_was_damaged_or_never_made_is_made_again(tmp_path: Path, parts: lis
     part = next(shares(plan(count=11))).tasks[0]
     damaged = parts[0] / "data/collide/test-00000-of-00002.parquet"
     damaged.write_bytes(damaged.read_bytes()[:-1])
-    (parts[0] / ".progress/collide/00001.json").unlink()
+    (parts[0] / "data/collide/test-00001-of-00002.parquet").unlink()
     made = reuse(tmp_path / "merged", plan(count=11), parts)
     assert made == {"collide": list(part.indices), "motion_speed": []}
 

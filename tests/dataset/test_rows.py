@@ -16,7 +16,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.dataset.made import ENGINES, asked, make, plan, spec
-from wmspec.write.rows import encode, schema, table
+from wmspec.write.pictures import as_png, form, lossless, opened, png
+from wmspec.write.rows import COLUMNS, encode, schema, table
 
 SHARDS = "data/{}/test-*.parquet"
 
@@ -64,6 +65,26 @@ def test_datasets_reads_every_value(loaded: datasets.Dataset) -> None:
     assert row["nuisance.heading"] == question.nuisances["heading"]
 
 
+def test_all_tasks_are_one_configuration(folder: Path, tmp_path: Path) -> None:
+    rows = datasets.load_dataset(str(folder), split="test", cache_dir=str(tmp_path))
+    assert set(rows["task"]) == {"collide", "motion_speed"}
+    assert rows.column_names == list(COLUMNS)
+    assert rows[0]["context"][0].size == (64, 64)
+    assert datasets.get_dataset_default_config_name(str(folder)) == "all"
+
+
+def test_pictures_are_kept_without_loss_in_fewer_bytes() -> None:
+    noise = np.random.default_rng(0).integers(0, 256, (48, 48, 3), np.uint8)
+    for pixels in (noise, np.tile(np.arange(48, dtype=np.uint8)[:, None, None], (1, 48, 3))):
+        content = lossless(pixels)
+        assert np.array_equal(np.asarray(opened(content)), pixels)
+        assert np.array_equal(np.asarray(opened(as_png(content))), pixels)
+        assert len(content) <= len(png(pixels, 6))
+        assert content == lossless(pixels)
+    assert form(as_png(content)) == "PNG"
+    assert form(b"GIF89a") == ""
+
+
 def test_datasets_streams_the_files_alone(folder: Path) -> None:
     files = str(folder / SHARDS.format("motion_speed"))
     rows = datasets.load_dataset("parquet", data_files=files, split="train", streaming=True)
@@ -100,6 +121,7 @@ def test_all_but_one_is_a_groupby(tmp_path: Path) -> None:
 def test_croissant_is_valid_and_streams_pictures(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
     described = mlcroissant.Dataset(str(folder / "croissant.json"))
     assert not described.metadata.issues.errors
+    assert not described.metadata.issues.warnings
     assert "not standard" not in caplog.text
     records = list(described.records("collide"))
     assert len(records) == sum(pq.read_metadata(p).num_rows for p in folder.glob(SHARDS.format("collide")))

@@ -20,8 +20,8 @@ from wmspec.gallery.gallery import folder, html
 from wmspec.gallery.paths import paths
 from wmspec.gallery.records import about, records
 from wmspec.gallery.replies import read
+from wmspec.write.pictures import png
 from wmspec.write.reader import DatasetReader
-from wmspec.write.rows import png
 
 
 @pytest.fixture(scope="session")

@@ -20,9 +20,10 @@ from wmspec.design.design import Design
 from wmspec.diagnostics import Report
 from wmspec.report.intervals import rng
 from wmspec.write.dataset import Dataset
+from wmspec.write.pictures import png
 from wmspec.write.plan import Plan, Task
 from wmspec.write.reader import DatasetReader
-from wmspec.write.rows import Row, identity, png, schema
+from wmspec.write.rows import COLUMNS, Row, identity, schema
 
 SPECS = Path(__file__).parent / "specs"
 TASKS = ("race", "roll", "tally")
@@ -83,7 +84,7 @@ def asked(design: Design, index: int, engine: str) -> Iterable[Row]:
         options, value, strength = _options(spec.name, question.name, instance.factors)
         options = [options[i] for i in rng("place", spec.name, index, number).permutation(len(options))]
         pictured = any(kind == "counterfactual" for kind, *_ in options)
-        known = {
+        known = dict.fromkeys(COLUMNS) | {
             "id": identity(spec.name, index, number, engine), "task": spec.name, "dimension": spec.dimension,
             "index": index, "block": instance.block, "question": number, "question_name": question.name,
             "engine": engine, "renderer": engine, "text": f"What of {question.name or spec.name}?",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
@@ -19,6 +20,7 @@ from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import chosen, drawing, engine_version
 from wmspec.limits import INSTANCES
 from wmspec.paper import instances
+from wmspec.resources import resource
 from wmspec.scene.model import Look
 from wmspec.write.dataset import Dataset
 from wmspec.write.generate import generate as make
@@ -35,7 +37,8 @@ class Choices(TypedDict, total=False):
     and all of others; `full`: all. `part`: only share i of n of them, (i, n). `dimensions`: only tasks of these.
     `backend`: engines, joined by commas, or "all"; `renderer`: the one that draws, if not each what it executes.
     `consensus`: keep a question if "all" engines agree on it, the "majority", or "none" need to. `seed`: what the draws
-    depend on, of tasks that are given by their path. `size` (px), `look` and `samples`: as in `Drawing`.
+    depend on, of tasks that are given by their path. `size` (px), `look` and `samples`: as in `Drawing`. `licence`:
+    that of the data, such as "CC-BY-4.0"; if left out, what the specs say, and CC-BY-4.0 if all come with wmspec.
     """
 
     per_task: int | None
@@ -49,6 +52,11 @@ class Choices(TypedDict, total=False):
     size: int | tuple[int, int]
     look: Look
     samples: int | None
+    licence: str
+
+
+#: The licence of the data that our own specs make, if no other is chosen.
+OURS = "CC-BY-4.0"
 
 
 def generate(
@@ -118,8 +126,19 @@ def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan
         look=look,
         samples=samples_of(look, choices.get("samples")),
         renderer=drawers[0] if renderer else "",
+        licence=_licence(chosen_tasks, choices.get("licence", "")),
         versions={"wmspec": __version__} | {name: engine_version(name) for name in {*engines, *drawers}},
     )
+
+
+def _licence(tasks: Sequence[Task], chosen: str) -> str:
+    """The licence of the data; empty if each spec says its own. Raises WmsError if it is no name of one."""
+    if chosen and not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,60}", chosen):
+        raise WmsError(
+            f"`{chosen}` is no name of a licence", help="give its SPDX identifier, such as CC-BY-4.0 or CC0-1.0"
+        )
+    ours = resource("specs").resolve()
+    return chosen or (OURS if all(t.path and t.path.resolve().is_relative_to(ours) for t in tasks) else "")
 
 
 def texts(tasks: Sequence[Task]) -> dict[str, str]:

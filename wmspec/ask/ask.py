@@ -9,15 +9,17 @@ from functools import partial
 from wmspec.ask.asking import AnswerSlot, Asking, ClosedSlot, ShuffledSlot, refused
 from wmspec.ask.gates import passed
 from wmspec.ask.kinds import KINDS
-from wmspec.ask.model import Answer, Picture, QuestionRow, Reject, Rejected, Strength
+from wmspec.ask.model import Answer, Picture, QuestionRow, Reject, Rejected, Sighting, Strength
 from wmspec.ask.robustness import stable
 from wmspec.ask.runs import EnginePair, Run, execute
+from wmspec.ask.sighting import sightings
 from wmspec.ask.verbalize import question_text, written
 from wmspec.ask.views import View, channels_of
 from wmspec.ask.visibility_gate import chains, named, shown, shown_in
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Channel, Level, TaskSpec
 from wmspec.check.measured import measured as is_measured
+from wmspec.check.measured import moments
 from wmspec.design.design import Design, Instance
 from wmspec.diagnostics import GraphicsError, WmsError
 from wmspec.draws import Permutation, bits, permuted
@@ -105,6 +107,7 @@ class _Row:
         stable(asking, answer, self.key)
         self.visible(answer)
         options = kind.options(asking, answer, self.slot)
+        names = named(question, asking.values)
         difference = self.difference()
         channels = channels_of(spec)
         return QuestionRow(
@@ -124,6 +127,9 @@ class _Row:
             value=kind.words(asking, answer),
             number=kind.number(asking, answer),
             standing=not is_measured(spec, question.answer),
+            moments=moments(spec, question.answer),
+            objects=tuple(self.objects(view, names) for view in asking.views),
+            crossed=instance.crossed,
             difference=difference,
             factors=instance.factors,
             nuisances=instance.nuisances,
@@ -163,6 +169,11 @@ class _Row:
         if "ids" not in channels:
             return Picture(camera, time, frame.rgb, frame.depth)
         return Picture(camera, time, frame.rgb, frame.depth, frame.ids, tuple(b.name for b in run.scene.bodies))
+
+    def objects(self, view: View, names: set[str]) -> tuple[Sighting, ...]:
+        """What a picture shows of the objects."""
+        run, (camera, time) = self.asking.run, view
+        return sightings(run, run.draw(camera, time, self.asking.pair), time, names)
 
     def difference(self) -> Strength | None:
         """How strong the stimulus is, if the question says."""

@@ -32,6 +32,26 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Sighting:
+    """An object in a picture: its name, the words for its look, and whether the question is about it.
+
+    `position` (m) is its middle in the world, `orientation` (w, x, y, z) how it is turned. `share` of the picture shows
+    it, about (`across`, `down`), each 0 to 1 from the left and from the top, in a mean sRGB `color` of 0 to 1; None if
+    nothing of it is seen.
+    """
+
+    name: str
+    words: tuple[str, ...]
+    asked: bool
+    position: tuple[float, ...]
+    orientation: tuple[float, ...]
+    share: float
+    across: float | None
+    down: float | None
+    color: tuple[float, ...] | None
+
+
+@dataclass(frozen=True)
 class Change:
     """What a counterfactual changed: its kind, as `wmspec.check.ir.Change` has them, what, what it was and became.
 
@@ -59,7 +79,7 @@ class Option:
     """One option: its `text` (a label) or its `picture`.
 
     What would have happened has the name of its counterfactual and its `change`. `outcome` is the kind of what the
-    picture shows, if the question says which there are.
+    picture shows, if the question says which there are, and `objects` what of it is to be seen.
     """
 
     kind: OptionKind
@@ -68,6 +88,7 @@ class Option:
     picture: Picture | None = None
     change: Change | None = None
     outcome: str | None = None
+    objects: tuple[Sighting, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -118,7 +139,9 @@ class QuestionRow:
     share. `margin` is how far the answer is from turning, as a multiple of the margin asked for (None without one).
     `sorted_outcomes` says that a question of the task names kinds of outcome. `levels` are the values, in words, of
     those factors and nuisances whose values have names.
-    `measured` holds named quantities in SI units; an answer is `standing` if it holds from the start, whatever happens.
+    `measured` holds named quantities in SI units; an answer is `standing` if it holds from the start, whatever happens,
+    and `moments` is how many moments of the episode it takes to see it. `objects` are those of every picture shown,
+    `crossed` the factors that vary within the block.
     `evidence` is what the answer is compared by with those of other engines.
     """
 
@@ -148,6 +171,9 @@ class QuestionRow:
     standing: bool = False
     levels: dict[str, str] = field(default_factory=dict)
     sorted_outcomes: bool = False
+    moments: int = 1
+    objects: tuple[tuple[Sighting, ...], ...] = ()
+    crossed: tuple[str, ...] = ()
 
     @property
     def kind(self) -> QuestionKind:

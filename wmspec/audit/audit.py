@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from wmspec.audit import balance, probes
+from wmspec.audit import balance, groups, probes
 from wmspec.audit.cases import Unit, units
 from wmspec.audit.counts import accounted, counts, whole
-from wmspec.audit.duplicates import duplicates
+from wmspec.audit.duplicates import duplicates, judged
 from wmspec.audit.likeness import QUANTILES, judge, likeness
-from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Test
+from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
+from wmspec.audit.stability import stability
+from wmspec.audit.summary import summary
 from wmspec.write.reader import DatasetReader
 
 #: The order of verdicts: what matters first.
@@ -28,6 +30,8 @@ class _Gathered:
     probes: list[Probe] = field(default_factory=list)
     likeness: list[Likeness] = field(default_factory=list)
     spreads: list[Spread] = field(default_factory=list)
+    groups: dict[str, int] = field(default_factory=dict)
+    stable: dict[str, float | None] = field(default_factory=dict)
 
 
 def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audit:
@@ -45,7 +49,8 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
         if task not in damaged:
             _task(dataset, counted, most, gathered)
         progress(task, 1)
-    tests, probed = balance.corrected(gathered.tests), probes.intervals(gathered.probes)
+    tests, probed = balance.powered(balance.corrected(gathered.tests)), probes.weighed(gathered.probes)
+    probed.sort(key=lambda p: p.chance - p.accuracy)
     gathered.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
     made = {key: dataset.manifest.get(key) for key in ("rows", "engines", "size", "seed", "consensus", "versions")}
     return Audit(
@@ -56,6 +61,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
         probes=tuple(probed),
         likeness=tuple(gathered.likeness),
         spreads=tuple(gathered.spreads),
+        summaries=tuple(_summary(counted, gathered, probed) for counted in gathered.counts),
         about=made | {"pictures of at most": most},
     )
 
@@ -63,22 +69,43 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
 def _task(dataset: DatasetReader, counted: Counts, most: int, gathered: _Gathered) -> None:
     parts = list(units(dataset, counted.task, most))
     gathered.findings += accounted(dataset, counted, parts)
+    finding, gathered.stable[counted.task] = stability(dataset, counted.task, parts)
+    gathered.findings.append(finding)
     for unit in parts:
         _unit(unit, gathered)
 
 
 def _unit(unit: Unit, gathered: _Gathered) -> None:
-    gathered.findings += duplicates(unit)
+    pairs = duplicates(unit)
+    gathered.findings += judged(unit, pairs)
+    gathered.groups[unit.name] = groups.effective(unit, pairs)
+    gathered.findings.append(groups.judge(unit, gathered.groups[unit.name]))
     alike = likeness(unit)
     gathered.findings.append(judge(unit, alike))
     gathered.likeness += [alike] if alike else []
     gathered.tests += balance.tests(unit)
     probed = probes.probes(unit)
     if not probed and not unit.open:
-        few = f"{len(unit.once):,} instances are too few to look for shortcuts"
+        few = f"{len(unit.once):,} instances of {unit.draws:,} groups are too few to look for shortcuts"
         gathered.findings.append(Finding("shortcut", unit.name, "unclear", few))
     gathered.probes += probed
     gathered.spreads += _spreads(unit)
+
+
+def _summary(counted: Counts, gathered: _Gathered, probed: list[Probe]) -> Summary:
+    """A task in one line; its questions have its name, and a number if there are several."""
+
+    def of_it(name: str) -> bool:
+        return name == counted.task or name.startswith(f"{counted.task} q")
+
+    return summary(
+        counted.task,
+        counted.kept,
+        {name: count for name, count in gathered.groups.items() if of_it(name)},
+        [f for f in gathered.findings if of_it(f.task)],
+        [p for p in probed if of_it(p.task)],
+        gathered.stable.get(counted.task),
+    )
 
 
 def _spreads(unit: Unit) -> list[Spread]:

@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from wmspec.audit.cases import Case, Unit
 from wmspec.audit.model import Finding, Test
-from wmspec.audit.statistics import goodness, holm, independence
+from wmspec.audit.statistics import detectable, goodness, holm, independence
 
 #: Numbers with more different values than this are put into quarters.
 MOST_VALUES = 8
 #: A dependence fails if it is this sure after correction, and this strong: a weak one is no use to anybody.
 SURE, STRONG = 0.01, 0.1
+#: A test that could have overlooked a stronger dependence than this says nothing: it is large (Cohen 1988).
+ROOM = 0.5
 
 PLACE, ANSWER = "place of the truth", "answer"
 
@@ -56,6 +58,12 @@ def corrected(tested: Sequence[Test]) -> list[Test]:
     return [replace(t, corrected=next(judged) if t.judged else t.p) for t in tested]
 
 
+def powered(tested: Sequence[Test]) -> list[Test]:
+    """The tests with the weakest dependence that each would have found, given how many are judged."""
+    level = SURE / max(1, sum(t.judged for t in tested))
+    return [replace(t, least=detectable(t.counts, level)) for t in tested]
+
+
 def judge(test: Test) -> Finding:
     """What a test says about its task."""
     asked = sum(map(sum, test.counts))
@@ -64,23 +72,39 @@ def judge(test: Test) -> Finding:
     how = f"({test.method}, p = {test.corrected:.2g}, strength {test.strength:.2f}, {asked:,} questions)"
     if test.corrected < SURE and test.strength >= STRONG:
         return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {how}")
-    return Finding("balance", test.task, "holds" if test.judged else "told", f"{what}, as far as can be told {how}")
+    if not test.judged:
+        return Finding("balance", test.task, "told", f"{what}, as far as can be told {how}")
+    power = f"a strength of {test.least:.2f} would have been found"
+    if test.least > ROOM:
+        return Finding("balance", test.task, "unclear", f"{what} {how}; {power}: too few questions to tell")
+    return Finding("balance", test.task, "holds", f"{what} {how}; {power}")
 
 
 def _tested(unit: Unit, first: str, second: str, judged: bool) -> Test:
-    table = table_of(unit.once, second, first)
+    table = table_of(_independent(unit, first, second), second, first)
     strength, p, method = independence(table.counts)
     counts = tuple(tuple(map(int, row)) for row in table.counts)
     return Test(unit.name, first, second, table.rows, table.columns, counts, strength, p, method, judged)
 
 
+def _independent(unit: Unit, *names: str) -> Sequence[Case]:
+    """The rows that tell something new of these: one of each control group, if all of its rows say the same."""
+    said: dict[int, set[tuple[str, ...]]] = {}
+    for case in unit.once:
+        said.setdefault(case.row["block"], set()).add(tuple(str(_value(case, name)) for name in names))
+    if len(said) < 2 or max(map(len, said.values())) > 1:
+        return unit.once
+    return list({case.row["block"]: case for case in unit.once}.values())
+
+
 def _uniform(unit: Unit, what: str) -> Test:
     """Whether every place, or every answer, is true as often as it is on offer."""
     expected: Counter[str] = Counter()
-    for case in unit.once:
+    cases = _independent(unit, what)
+    for case in cases:
         for value in _offered(case, what):
             expected[value] += 1 / case.count  # type: ignore[assignment]
-    seen = Counter(_value(case, what) for case in unit.once)
+    seen = Counter(_value(case, what) for case in cases)
     values = tuple(sorted(expected, key=_order))
     counts = np.array([seen[v] for v in values])
     strength, p, method = goodness(counts, np.array([expected[v] for v in values], dtype=np.float64))

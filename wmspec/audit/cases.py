@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.foreign import picture
+from wmspec.write.pictures import opened
 from wmspec.write.reader import PICTURES, DatasetReader
 from wmspec.write.rows import Row
 
@@ -79,6 +79,11 @@ class Unit:
         return tuple(first.values())
 
     @cached_property
+    def draws(self) -> int:
+        """How many independent control groups its questions come from."""
+        return len({case.row["block"] for case in self.cases})
+
+    @cached_property
     def looked_at(self) -> tuple[Case, ...]:
         """The rows whose pictures are looked at, one for each instance, the engines in turn."""
         last = {c.row["index"]: c for c in self.cases if c.seen_context or c.seen_options}
@@ -126,6 +131,5 @@ def _case(row: Row, looked: bool) -> Case:
     )
 
 
-def _small(png: bytes) -> Small:
-    whole = picture(png, "PNG").convert("RGB")
-    return np.asarray(whole.resize((SIDE, SIDE), Image.Resampling.BOX))
+def _small(content: bytes) -> Small:
+    return np.asarray(opened(content).resize((SIDE, SIDE), Image.Resampling.BOX))

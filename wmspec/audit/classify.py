@@ -1,82 +1,144 @@
-"""A small linear classifier that picks one of a question's options, judged on questions that it was not fitted to."""
+"""Small classifiers that pick one of a question's options, judged on questions that they were not fitted to.
+
+Linear ones for words and options, forests for pictures and what is in them, as scikit-learn has them.
+"""
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.diagnostics import WmsError
+
+try:
+    from sklearn.ensemble import RandomForestClassifier
+    from sklearn.linear_model import RidgeCV
+    from sklearn.model_selection import GroupKFold
+except ImportError as error:
+    raise WmsError("an audit needs scikit-learn", help="pip install 'wmspec[audit]'") from error
+
 Array = NDArray[np.float64]
 
 FOLDS = 5
-#: Features are compressed to so many principal directions before anything is fitted.
-MOST_FEATURES = 200
-#: The ridges that are tried, as multiples of the number of options fitted to; generalised cross-validation picks one.
+#: The trees of a forest, the fewest questions (or options) in a leaf, and the share of numbers that a split may be at:
+#: many, because a shortcut is apt to be in few of them.
+TREES, LEAF, NUMBERS = 30, 12, 0.5
+#: The ridges that are tried, as multiples of what is fitted to; generalised cross-validation picks one.
 RIDGES = (1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0)
+SEED = 20_611
 
 
-def held_out(features: Array, owner: NDArray[np.int64], truth: NDArray[np.bool_], groups: Sequence[str]) -> Array:
+@dataclass(frozen=True)
+class Asked:
+    """What is to be picked: for every option in order, whose it is (from 0, ascending), what it is called, and whether
+
+    it is true; for every question, its group. Questions of one group are held out together.
+    """
+
+    owner: NDArray[np.int64]
+    name: NDArray[np.str_]
+    truth: NDArray[np.bool_]
+    groups: Sequence[str]
+
+    @property
+    def count(self) -> int:
+        """How many questions there are."""
+        return len(self.groups)
+
+    @cached_property
+    def starts(self) -> NDArray[np.int64]:
+        """The first option of every question."""
+        return np.asarray(np.flatnonzero(np.r_[True, self.owner[1:] != self.owner[:-1]]))
+
+    @cached_property
+    def sizes(self) -> NDArray[np.int64]:
+        """How many options every question has."""
+        return np.asarray(np.diff(np.r_[self.starts, len(self.owner)]))
+
+    @cached_property
+    def folds(self) -> list[NDArray[np.int64]]:
+        """The questions held out together; one fold alone if there are too few groups."""
+        number = np.unique(self.groups, return_inverse=True)[1]
+        folds = min(FOLDS, int(number.max()) + 1)
+        shuffled = np.random.default_rng(SEED).permutation(int(number.max()) + 1)[number]
+        splits = GroupKFold(folds).split(shuffled, groups=shuffled) if folds > 1 else ()
+        return [held for _, held in splits]
+
+    def among(self, values: Array) -> Array:
+        """Values (options, d) relative to the mean of their question's options."""
+        means = np.add.reduceat(values, self.starts, axis=0) / self.sizes[:, None]
+        return np.asarray(values - np.repeat(means, self.sizes, axis=0))
+
+    def retold(self, places: NDArray[np.int64]) -> Asked:
+        """The same questions with other options true: of each the one at this place."""
+        truth = np.zeros(len(self.owner), dtype=bool)
+        truth[self.starts + places] = True
+        return replace(self, truth=truth)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a probe sees as `features`, of every option (options, d) or of every question (questions, d)."""
+
+    features: Array
+    of: Literal["options", "questions"]
+    model: Literal["linear", "forest"]
+
+
+def held_out(seen: Seen, asked: Asked) -> Array:
     """For every question, how right the classifier is that was fitted to the other folds: 1, 0, or a part at a tie.
 
-    `features` (options, d) describe the options of all questions, `owner` says whose option each is, `truth` whether
-    it is the true one. `groups` has a key for every question: questions of one group are held out together.
-
-    Features and truth are taken relative to the mean of a question's options, so nothing but the difference between
-    options counts; a ridge regression of truth on features then scores them, and the highest score is the choice.
+    Seen option by option, features count relative to the mean of a question's options, so that nothing but the
+    difference between options does. Seen question by question, options are told apart by their names.
     """
-    x, y = _within(features, owner), _within(truth[:, None].astype(np.float64), owner)[:, 0]
-    x = _compressed(x)
-    fold = np.array([_fold(g) for g in groups])[owner]
-    scores = np.zeros(len(x))
-    for k in range(FOLDS):
-        here = fold == k
-        if here.any() and not here.all():
-            scores[here] = x[here] @ _ridge(x[~here], y[~here])
-    return _hits(scores, owner, truth, len(groups))
+    scores = np.zeros(len(asked.owner))
+    for held in asked.folds:
+        here = np.isin(asked.owner, held)
+        scores[here] = (_of_options if seen.of == "options" else _of_questions)(seen, asked, here)
+    return hits(scores, asked)
 
 
-def _fold(group: str) -> int:
-    return int.from_bytes(hashlib.sha256(group.encode()).digest()[:8], "big") % FOLDS
-
-
-def _within(values: Array, owner: NDArray[np.int64]) -> Array:
-    """Values (options, d) relative to the mean of their question's options. `owner` is in ascending order."""
-    starts = np.flatnonzero(np.r_[True, owner[1:] != owner[:-1]])
-    sizes = np.diff(np.r_[starts, len(owner)])
-    means = np.add.reduceat(values, starts, axis=0) / sizes[:, None]
-    return np.asarray(values - np.repeat(means, sizes, axis=0))
-
-
-def _compressed(x: Array) -> Array:
-    """Features of equal spread, as their principal components if there are many."""
-    spread = x.std(0)
-    x = x[:, spread > 1e-9] / spread[spread > 1e-9]
-    if x.shape[1] <= MOST_FEATURES:
-        return x
-    _, directions = np.linalg.eigh(x.T @ x)
-    return np.asarray(x @ directions[:, -MOST_FEATURES:])
-
-
-def _ridge(x: Array, y: Array) -> Array:
-    """The weights of the ridge whose error by generalised cross-validation (Golub, Heath & Wahba 1979) is the least."""
-    values, directions = np.linalg.eigh(x.T @ x)
-    values, along = np.maximum(values, 0), directions.T @ (x.T @ y)
-    best, least = np.zeros(x.shape[1]), np.inf
-    for ridge in (r * len(x) for r in RIDGES):
-        weights = along / (values + ridge)
-        error = y @ y - 2 * weights @ along + weights @ (values * weights)
-        freedom = len(x) - (values / (values + ridge)).sum()
-        if freedom > 0 and error / freedom**2 < least:
-            best, least = directions @ weights, error / freedom**2
-    return best
-
-
-def _hits(scores: Array, owner: NDArray[np.int64], truth: NDArray[np.bool_], count: int) -> Array:
+def hits(scores: Array, asked: Asked) -> Array:
     """1 where the true option scores highest, 1/n where n options tie with it, else 0."""
-    best = np.full(count, -np.inf)
-    np.maximum.at(best, owner, scores)
-    top = scores >= best[owner] - 1e-9
-    ties = np.bincount(owner[top], minlength=count)
-    return np.bincount(owner[top & truth], minlength=count) / ties
+    best = np.maximum.reduceat(scores, asked.starts)
+    top = scores >= best[asked.owner] - 1e-9
+    ties = np.add.reduceat(top.astype(np.float64), asked.starts)
+    return np.asarray(np.add.reduceat((top & asked.truth).astype(np.float64), asked.starts) / ties)
+
+
+def _of_options(seen: Seen, asked: Asked, here: NDArray[np.bool_]) -> Array:
+    x = asked.among(seen.features)
+    if seen.model == "forest":
+        return _probabilities(x[~here], asked.truth[~here], x[here])[1][:, -1]
+    y = asked.among(asked.truth[:, None].astype(np.float64))[:, 0]
+    return _linear(x[~here], y[~here], x[here])
+
+
+def _of_questions(seen: Seen, asked: Asked, here: NDArray[np.bool_]) -> Array:
+    true, held = asked.name[asked.truth], here[asked.starts]
+    x = seen.features
+    if seen.model == "forest":
+        classes, scores = _probabilities(x[~held], true[~held], x[held])
+    else:
+        classes = np.unique(true[~held])
+        scores = _linear(x[~held], (true[~held, None] == classes).astype(np.float64), x[held])
+    place = np.searchsorted(classes, asked.name[here]).clip(max=len(classes) - 1)
+    row = np.searchsorted(np.flatnonzero(held), asked.owner[here])
+    return np.where(classes[place] == asked.name[here], scores[row, place], -1.0)
+
+
+def _linear(x: Array, y: Array, unseen: Array) -> Array:
+    middle, spread = x.mean(0), x.std()
+    ridge = RidgeCV(alphas=[r * len(x) for r in RIDGES]).fit((x - middle) / (spread or 1.0), y)
+    return np.asarray(ridge.predict((unseen - middle) / (spread or 1.0)))
+
+
+def _probabilities(x: Array, y: NDArray[np.generic], unseen: Array) -> tuple[NDArray[np.generic], Array]:
+    """The classes, and the probability of each for what was not fitted to."""
+    forest = RandomForestClassifier(TREES, min_samples_leaf=LEAF, max_features=NUMBERS, random_state=SEED).fit(x, y)
+    return forest.classes_, np.asarray(forest.predict_proba(unseen))

@@ -12,7 +12,7 @@ from wmspec.write import files
 from wmspec.write.reader import MENDED, DatasetReader
 
 #: Reasons that are no property of the design: something broke.
-BROKEN = ("error", "crashed", "timeout", "unstable")
+BROKEN = ("error", "crashed", "timeout")
 
 
 def counts(dataset: DatasetReader, task: str) -> Counts:

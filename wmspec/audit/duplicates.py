@@ -34,11 +34,15 @@ class Pair:
     contrary: bool
 
 
-def duplicates(unit: Unit) -> list[Finding]:
-    """What there is to say about a unit's questions: contrary pairs fail, others are told."""
+def duplicates(unit: Unit) -> list[Pair]:
+    """The pairs of a unit's questions that ask the same."""
     pairs = [*_exact(unit.cases)]
     known = {(p.first, p.second) for p in pairs}
-    pairs += [p for p in _near(unit.first_engine) if (p.first, p.second) not in known]
+    return pairs + [p for p in _near(unit.first_engine) if (p.first, p.second) not in known]
+
+
+def judged(unit: Unit, pairs: Sequence[Pair]) -> list[Finding]:
+    """What there is to say about them: contrary pairs fail, others are told."""
     contrary, same = [p for p in pairs if p.contrary], [p for p in pairs if not p.contrary]
     findings = []
     if contrary:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,10 @@ Array = NDArray[np.float64]
 
 #: Pixels a side that a probe sees of a picture, and levels of each colour in a histogram.
 PIXELS, LEVELS = 8, 4
+#: The principal components of pixels that are looked at.
+MOST_PIXELS = 16
+#: Those of words crossed with words.
+MOST_TEXTS = 24
 #: The most words, names and texts that are told apart: the most frequent ones.
 MOST_WORDS = 40
 
@@ -47,54 +51,46 @@ def positions(cases: Sequence[Case]) -> Array:
 def options(cases: Sequence[Case]) -> Array:
     """The options alone: their pixels, or their words, and how they stand to each other."""
     if cases[0].pictured:
-        return np.concatenate([_among([_pixels(p) for p in c.seen_options]) for c in cases])
+        return leading(np.concatenate([_among([_pixels(p) for p in c.seen_options]) for c in cases]), MOST_PIXELS)
     return np.concatenate([_words_of(cases), np.concatenate([_ranks(c.row["option_text"]) for c in cases])], axis=1)
 
 
 def colours(cases: Sequence[Case]) -> Array:
     """The colours of the option pictures, and how they stand to each other."""
-    return np.concatenate([_among([_histogram(p) for p in c.seen_options]) for c in cases])
+    return leading(np.concatenate([_among([_histogram(p) for p in c.seen_options]) for c in cases]), MOST_PIXELS)
 
 
 def texts(cases: Sequence[Case]) -> Array:
     """The words of the question with those of the option; with its place, if options are pictures."""
-    option = np.concatenate(
-        [positions(cases), _names(cases)] if cases[0].pictured else [positions(cases), options(cases)], 1
-    )
+    option = positions(cases) if cases[0].pictured else _words_of(cases)
     asked = _bag([_said(c.row["text"]) for c in cases])
     asked = asked[:, asked.std(0) > 0]  # what every question says tells nothing
-    return _crossed(option, np.repeat(asked, [c.count for c in cases], axis=0))
+    each = np.split(_crossed(option, np.repeat(asked, [c.count for c in cases], axis=0)), _ends(cases))
+    return leading(np.concatenate([of_one - of_one.mean(0) for of_one in each]), MOST_TEXTS)
 
 
-# ---------------------------------------------------------------- with one picture of the context
+def _ends(cases: Sequence[Case]) -> list[int]:
+    """After how many options each question but the last ends."""
+    return [int(end) for end in np.cumsum([c.count for c in cases])[:-1]]
 
 
-def frame(see: Callable[[Small], Array], which: int) -> Callable[[Sequence[Case]], Array]:
-    """The context's picture `which` with the options: what differs between it and an option picture, or, if options
-    are words, the picture with the option's words.
-    """
-
-    def seen(cases: Sequence[Case]) -> Array:
-        views = np.stack([see(c.seen_context[which]) for c in cases])
-        if cases[0].pictured:
-            gaps = [np.stack([see(o) for o in c.seen_options]) - v for c, v in zip(cases, views, strict=True)]
-            return np.concatenate([np.concatenate([g, abs(g)], 1) for g in gaps])
-        views = views - views.mean(0)
-        views = _leading(np.concatenate([views, abs(views)], 1), 60)
-        each = np.repeat(views, [c.count for c in cases], axis=0)
-        return _crossed(np.concatenate([_names(cases), _words_of(cases)], 1), each)
-
-    return seen
+# ---------------------------------------------------------------- with pictures of the context
 
 
-def pixels(which: int) -> Callable[[Sequence[Case]], Array]:
-    """One picture of the context with the options."""
-    return frame(_pixels, which)
+def pixels(cases: Sequence[Case], views: Sequence[int]) -> Array:
+    """The pixels of the pictures `views`: a row a question, or, with options that are pictures, how each differs."""
+    shown = np.stack([np.concatenate([_look(c.seen_context[v]) for v in views]) for c in cases])
+    if not cases[0].pictured:
+        return leading(shown, MOST_PIXELS)
+    gaps = [
+        np.stack([np.tile(_look(o), len(views)) for o in c.seen_options]) - s for c, s in zip(cases, shown, strict=True)
+    ]
+    either = (np.concatenate([gap, abs(gap)], axis=1) for gap in gaps)
+    return leading(np.concatenate([gap - gap.mean(0) for gap in either]), MOST_PIXELS)
 
 
-def tones(which: int) -> Callable[[Sequence[Case]], Array]:
-    """The colours of one picture of the context with the options."""
-    return frame(_histogram, which)
+def _look(picture: Small) -> Array:
+    return np.concatenate([_pixels(picture), _histogram(picture)])
 
 
 # ---------------------------------------------------------------- pieces
@@ -109,7 +105,9 @@ def _among(seen: Sequence[Array]) -> Array:
     away = abs(x - x.mean(0))
     apart = np.linalg.norm(x[:, None] - x, axis=2).sum(1)
     rank = np.eye(len(x))[np.argsort(np.argsort(apart, kind="stable"))]
-    return np.concatenate([x, away, apart[:, None], np.pad(rank, ((0, 0), (0, max(0, 8 - len(x)))))[:, :8]], axis=1)
+    return np.concatenate(
+        [x - x.mean(0), away, apart[:, None], np.pad(rank, ((0, 0), (0, max(0, 8 - len(x)))))[:, :8]], axis=1
+    )
 
 
 def _ranks(texts: Sequence[str]) -> Array:
@@ -124,11 +122,6 @@ def _ranks(texts: Sequence[str]) -> Array:
 
 def _words_of(cases: Sequence[Case]) -> Array:
     return _bag([[*_said(s), f"= {s}"] for c in cases for s in c.row["option_text"]])
-
-
-def _names(cases: Sequence[Case]) -> Array:
-    """What the spec calls an option's object or value. Of pictures the names would give the truth away: none."""
-    return _bag([[] if c.pictured else [name] for c in cases for name in c.row["option_name"]])
 
 
 def _said(text: str) -> list[str]:
@@ -148,7 +141,7 @@ def _crossed(a: Array, b: Array) -> Array:
     return np.concatenate([a, (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)], axis=1)
 
 
-def _leading(x: Array, most: int) -> Array:
+def leading(x: Array, most: int) -> Array:
     """The leading principal components."""
     x = x - x.mean(0)
     _, directions = np.linalg.eigh(x.T @ x)

@@ -6,40 +6,32 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from wmspec.audit.model import Counts, Probe, Spread, Test
+from wmspec.audit.probes import verdict
 
 #: The width of a figure, of the words at its left, and the height of a line (px).
 WIDTH, WORDS, LINE = 720, 210, 24
 
 
-def probes(judged: Sequence[Probe], slack: float) -> str:
-    """Accuracies with their intervals; chance is a line, and what is tolerated above it a band."""
-    chance = judged[0].chance
-    parts = [
-        _rect("band", _x(chance), 0, (WIDTH - WORDS - 60) * slack, LINE * len(judged)),
-        _line("chance", _x(chance), 0, _x(chance), LINE * len(judged)),
-    ]
-    for i, probe in enumerate(judged):
+def probes(shown: Sequence[Probe]) -> str:
+    """Accuracies with their intervals; a line at what chance yields each."""
+    parts = []
+    for i, probe in enumerate(shown):
         y = LINE * i + LINE / 2
-        kind = _kind(probe, slack)
+        kind = verdict(probe)
         parts += [
+            _line("chance", _x(probe.chance), y - LINE / 2, _x(probe.chance), y + LINE / 2),
             _text(probe.sees, WORDS - 12, y, "end"),
             _line(f"whisker {kind}", _x(probe.low), y, _x(probe.high), y),
             f'<circle class="dot {kind}" cx="{_x(probe.accuracy):.1f}" cy="{y:.1f}" r="4.5"/>',
             _text(f"{probe.accuracy:.0%}", WIDTH - 4, y, "end"),
         ]
-    parts += [_text(f"{v:.0%}", _x(v), LINE * len(judged) + 12, "middle", "tick") for v in (0, 0.25, 0.5, 0.75, 1)]
-    each = "; ".join(f"{p.sees}: {p.accuracy:.0%} ({p.low:.0%} to {p.high:.0%})" for p in judged)
-    return _figure(f"What small classifiers get right; chance is {chance:.0%}. {each}", parts, LINE * len(judged) + 24)
+    parts += [_text(f"{v:.0%}", _x(v), LINE * len(shown) + 12, "middle", "tick") for v in (0, 0.25, 0.5, 0.75, 1)]
+    each = "; ".join(f"{p.sees}: {p.accuracy:.0%} ({p.low:.0%} to {p.high:.0%})" for p in shown)
+    return _figure(f"What small classifiers get right, with chance as a line. {each}", parts, LINE * len(shown) + 24)
 
 
 def _x(share: float) -> float:
     return WORDS + (WIDTH - WORDS - 60) * share
-
-
-def _kind(probe: Probe, slack: float) -> str:
-    if not probe.judged:
-        return "told"
-    return "fails" if probe.low > probe.chance + slack else "holds"
 
 
 def rejected(counts: Sequence[Counts]) -> str:

@@ -1,13 +1,15 @@
-"""How alike a question's options are: two that nobody can tell apart make it unanswerable."""
+"""How alike pictures are: options that nobody can tell apart, and options that are picked by their likeness alone."""
 
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from wmspec.audit.cases import Unit
+from wmspec.audit.cases import Case, Unit
 from wmspec.audit.duplicates import ALIKE, MOST_NAMED, different
 from wmspec.audit.model import Finding, Likeness
 
@@ -42,3 +44,22 @@ def judge(unit: Unit, likeness: Likeness | None) -> Finding:
     least, _, middle, _, _ = likeness.quantiles
     what = f"the closest two differ in {middle:.1%} of the picture (median), {least:.2%} at least ({likeness.closest})"
     return Finding("options", unit.name, "fails" if least < ALIKE else "holds", what)
+
+
+def rules(cases: Sequence[Case]) -> dict[str, NDArray[np.float64]]:
+    """Rules of thumb by which to pick a picture, each with a score for every option: the highest is picked.
+
+    How like the last picture shown it is (similarity), and by how many pixels it differs from the others (prominence).
+    """
+    apart = np.concatenate([_from_others(case) for case in cases])
+    scored = {"the option that differs most from the others": apart, "the option that differs least": -apart}
+    if cases[0].seen_context:
+        gaps = [different(o, c.seen_context[-1]) for c in cases for o in c.seen_options]
+        scored["the option most like the last picture"] = -np.array(gaps)
+        scored["the option least like the last picture"] = np.array(gaps)
+    return scored
+
+
+def _from_others(case: Case) -> NDArray[np.float64]:
+    options = case.seen_options
+    return np.array([sum(different(a, b) for b in options) / max(1, len(options) - 1) for a in options])

@@ -26,7 +26,8 @@ class Test:
 
     `counts` are the contingency table, a row for each value of `first`; `strength` is Cramér's V (or Cohen's w),
     `p` the probability of a table so uneven by chance, by `method`; `corrected` is `p` after Holm, among all tests of
-    the dataset that are `judged`.
+    the dataset that are `judged`. `least` is the weakest dependence that would have been found in four of five datasets
+    such as this.
     """
 
     task: str
@@ -40,25 +41,35 @@ class Test:
     method: str
     judged: bool
     corrected: float = 1.0
+    least: float = 1.0
 
 
 @dataclass(frozen=True)
 class Probe:
     """How often a small classifier that sees only `sees` picks the true option, on questions it was not fitted to.
 
-    `right` of `asked` questions (ties count in part), `chance` is what guessing yields. (`low`, `high`) is the interval
-    of its accuracy. One that is not `judged` sees what the question is meant to be answered from.
+    `family` says what sort of thing it sees. `right` of `asked` questions (ties count in part), `chance` is what
+    guessing yields, `deviation` the standard deviation of the accuracy about it. (`low`, `high`) is the 95 % interval
+    of its accuracy; it is `luck` if it is no further above chance than guessing gets. `least` is the smallest
+    shortcut, in accuracy above chance, that would have been found in four of five datasets such as this; `learned` what
+    the probe answered of shortcuts that were planted. One that is not `judged` sees what the question is meant to be
+    answered from.
     """
 
     task: str
     sees: str
+    family: str
     asked: int
     right: float
     chance: float
+    deviation: float
     judged: bool
     why: str
+    learned: tuple[float, ...] | None = None
     low: float = 0.0
     high: float = 1.0
+    least: float = 1.0
+    luck: bool = True
 
     @property
     def accuracy(self) -> float:
@@ -103,6 +114,27 @@ class Spread:
 
 
 @dataclass(frozen=True)
+class Summary:
+    """What there is to say of a task in one line: whether it passes, why not, and how much was looked at.
+
+    `verdict` is `unclear` where nothing fails and something cannot be told. `groups` are the independent control
+    groups that its questions come from: the effective sample size. Of the judged probes: the most that any answers
+    `above` chance, which one that is, and the `least` shortcut that all of them would have found. They are None if
+    nothing was probed. `stable` is the share of answers that hold (`wmspec.audit.stability`), None if unknown.
+    """
+
+    task: str
+    verdict: Literal["fails", "unclear", "holds"]
+    why: tuple[str, ...]
+    questions: int
+    groups: int
+    above: float | None
+    best: str
+    least: float | None
+    stable: float | None
+
+
+@dataclass(frozen=True)
 class Audit:
     """Everything that was found in a dataset."""
 
@@ -113,6 +145,7 @@ class Audit:
     probes: tuple[Probe, ...]
     likeness: tuple[Likeness, ...]
     spreads: tuple[Spread, ...]
+    summaries: tuple[Summary, ...]
     about: dict[str, Any] = field(default_factory=dict)
 
     @property

@@ -6,20 +6,28 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
 
-from wmspec.audit import figures
+from wmspec.audit import balance, figures
 from wmspec.audit.balance import STRONG, SURE
-from wmspec.audit.model import Audit, Finding, Likeness, Test, Verdict
-from wmspec.audit.probes import CONFIDENCE, ROOM, SLACK
+from wmspec.audit.classify import FOLDS, TREES
+from wmspec.audit.groups import LEAST_GROUPS
+from wmspec.audit.model import Audit, Finding, Likeness, Probe, Summary, Test, Verdict
+from wmspec.audit.power import ALARMS, POWER
+from wmspec.audit.probes import ROOM, SLACK
+from wmspec.audit.probes import verdict as probe_verdict
+from wmspec.audit.stability import LEAST_STABLE
 
 #: What verdicts are called.
 WORDS: dict[Verdict, str] = {"fails": "fails", "unclear": "too few to tell", "told": "to judge", "holds": "holds"}
+#: What they are called of a task as a whole.
+OF_TASKS: dict[Verdict, str] = {"fails": "fail", "unclear": "unknown", "holds": "pass", "told": ""}
 
 
 def page(audit: Audit) -> str:
     """The page: HTML with its style and figures inside, the same for the same findings."""
     style = (files("wmspec.audit") / "page.css").read_text(encoding="utf-8")
     tasks = list(dict.fromkeys([c.task for c in audit.counts] + [t.task for t in audit.tests]))
-    body = [_head(audit), _findings(audit.findings), _counts(audit), *(_task(audit, task) for task in tasks), _rules()]
+    body = [_head(audit), _tasks(audit), _findings(audit.findings), _counts(audit)]
+    body += [*(_task(audit, task) for task in tasks), _rules()]
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -30,11 +38,28 @@ def page(audit: Audit) -> str:
 
 def verdict(audit: Audit) -> str:
     """The outcome in a sentence."""
-    count = {v: sum(f.verdict == v for f in audit.findings) for v in WORDS}
-    if count["fails"]:
-        return f"{count['fails']:,} of {len(audit.findings):,} checks fail."
-    unclear = f"; for {count['unclear']:,} there are too few questions to tell" if count["unclear"] else ""
-    return f"Nothing fails in {len(audit.findings):,} checks{unclear}."
+    number = {v: sum(s.verdict == v for s in audit.summaries) for v in ("holds", "unclear", "fails")}
+    said = {"holds": "pass", "unclear": "cannot be told", "fails": "fail"}
+    many = len(audit.summaries)
+    tasks = ", ".join(f"{number[v]:,} {said[v]}" for v in number if number[v])
+    whole = "" if audit.passed or number["fails"] else "; files of the dataset are gone"
+    return f"Of {many:,} {'task' if many == 1 else 'tasks'}, {tasks}{whole}."
+
+
+def overview(audit: Audit) -> list[list[str]]:
+    """The first page as cells: a head, and a line for each task, the failing ones first."""
+    order = ("fails", "unclear", "holds")
+    head = ["task", "verdict", "why", "questions", "groups", "best probe", "above chance", "found from", "stable"]
+    return [head, *map(_line, sorted(audit.summaries, key=lambda s: (order.index(s.verdict), s.task)))]
+
+
+def _line(of: Summary) -> list[str]:
+    points = [f"{100 * of.above:+.0f}" if of.above is not None else "", ""]
+    if of.least is not None:
+        points[1] = f"{100 * of.least:.0f}" if of.least < 1 else "none"
+    stable = "" if of.stable is None else f"{of.stable:.1%}"
+    words = [of.task, OF_TASKS[of.verdict], ", ".join(of.why), f"{of.questions:,}", f"{of.groups:,}", of.best]
+    return [*words, *points, stable]
 
 
 def _head(audit: Audit) -> str:
@@ -47,6 +72,29 @@ def _head(audit: Audit) -> str:
         f"<h1>Audit of {escape(audit.dataset)}</h1>\n"
         f'<p class="about">{escape(summary)}. {seen}</p>\n<p class="verdict {kind}">{verdict(audit)}</p>'
     )
+
+
+def _tasks(audit: Audit) -> str:
+    """The first page: every task in a line."""
+    head, *lines = overview(audit)
+    kinds = {OF_TASKS[verdict]: verdict for verdict in OF_TASKS}
+    numbers = ["questions", "groups", "above chance", "found from", "stable"]
+    rows = [
+        "".join(
+            f'<td class="number">{escape(cell)}</td>'
+            if name in numbers
+            else f'<td class="mark {kinds[cell]}">{escape(cell)}</td>'
+            if name == "verdict"
+            else f"<td>{escape(cell)}</td>"
+            for name, cell in zip(head, line, strict=True)
+        )
+        for line in lines
+    ]
+    meaning = (
+        "Groups are the independent control groups that the questions come from. The best probe is the judged one that "
+        "is furthest above chance, in points of accuracy; each of them would have found a shortcut of so many points."
+    )
+    return f'<h2>Tasks</h2>\n{_table(head, rows, numbers)}\n<p class="note">{meaning}</p>'
 
 
 # ---------------------------------------------------------------- findings
@@ -101,12 +149,30 @@ def _task(audit: Audit, task: str) -> str:
     if not tests:
         return ""
     parts = [f"<h2>{escape(task)}</h2>", "<h3>Shortcuts</h3>"]
-    parts.append(figures.probes(probes, SLACK) if probes else '<p class="note">Too few questions to look for any.</p>')
+    parts += _probes(probes)
     parts += [f"<h3>Each {t.first}</h3>{figures.shares(t)}" for t in tests if not t.second]
     parts.append(f"<h3>What goes with what</h3>{_tests([t for t in tests if t.second])}")
     parts += [_likeness(like) for like in audit.likeness if like.task == task]
     spreads = [figures.spread(s) for s in audit.spreads if s.task == task]
     return "\n".join([*parts, *(["<h3>Stimulus difference</h3>", *spreads] if spreads else [])])
+
+
+def _probes(probes: Sequence[Probe]) -> list[str]:
+    """The best probe of each family in a figure, and all of them in a table."""
+    if not probes:
+        return ['<p class="note">Too few questions to look for any.</p>']
+    best: dict[tuple[str, bool], Probe] = {}
+    for probe in sorted(probes, key=lambda p: p.chance - p.accuracy):
+        best.setdefault((probe.family, probe.judged), probe)
+    rows = [
+        f'<td class="mark {verdict}">{WORDS[verdict]}</td><td>{escape(p.sees)}</td>'
+        + "".join(map(_number, (f"{p.accuracy:.0%}", f"{p.chance:.0%}", f"{p.low:.0%} to {p.high:.0%}")))
+        + _number((f"{100 * p.least:.0f} points" if p.least < 1 else "none") if p.judged else "not judged")
+        for p, verdict in ((p, probe_verdict(p)) for p in probes)
+    ]
+    numbers = ["accuracy", "chance", "interval", "found from"]
+    table = _table(["", "sees", *numbers], rows, numbers)
+    return [figures.probes(list(best.values())), f"<details><summary>{len(probes):,} probes</summary>{table}</details>"]
 
 
 def _tests(tests: Sequence[Test]) -> str:
@@ -144,10 +210,13 @@ def _rules() -> str:
         "<p>A dependence fails if, after Holm's correction for all that are judged here, its probability is below "
         f"{SURE:g} and its strength (Cramér's V, Cohen's w) at least {STRONG:g}. The answer may hang on factors; that "
         "is told, not judged.</p>\n"
-        "<p>A probe is a ridge regression, fitted to four fifths of the control groups and judged on the others. Its "
-        f"intervals are exact (Clopper and Pearson), all judged ones together at {CONFIDENCE:.0%}. It fails if all of "
-        f"its interval is more than {SLACK:.0%} above chance; if the interval reaches more than {ROOM:.0%} above "
-        "chance, there are too few questions to tell. Probes that see none of the pictures shown are judged; those "
-        "that see one are judged only if the question shows several moments, because a still question is meant to be "
-        "answered from a picture.</p>"
+        f"<p>A probe is a ridge regression on words or options, or a forest of {TREES} trees on pictures and what is "
+        f"in them, fitted to {FOLDS - 1} of {FOLDS} parts of the control groups and judged on the other. It fails if "
+        f"its accuracy is more than {SLACK:.0%} above chance and that is no luck: by luck any of a task's probes gets "
+        f"so far in {ALARMS:.0%} of sound datasets. It is unknown if it might have overlooked a shortcut of more than "
+        f"{ROOM:.0%} above chance: shortcuts of known sizes are planted, and it has to find {POWER:.0%} of them. "
+        "Probes that see fewer moments than it takes to see the answer are judged; the others are told.</p>\n"
+        f"<p>Fewer than {LEAST_GROUPS} control groups are too few to speak of more than these. A test of balance is "
+        f"unknown if it might have overlooked a strength of {balance.ROOM:g}. Answers are unstable if surely fewer "
+        f"than {LEAST_STABLE:.0%} hold in all engines and after a nudge.</p>"
     )

@@ -1,42 +1,58 @@
-"""Shortcut probes: can a question be answered from less than what it shows?
+"""Shortcut probes: can a question be answered from less than it takes?
 
-A probe that sees none of the pictures shown must stay at chance. One that sees a single of them must too, if the
-question shows several moments and is about what happens: no single moment holds that. If all its pictures are of one
-moment, or it asks for what holds from the start, it is meant to be answered from one, and the probe is told but not
-judged.
+A probe that sees none of the pictures shown must stay at chance. So must one that sees fewer moments than it takes to
+see the answer: one, of a question about what changes; two, of one about the course of things. What sees more is told
+and not judged.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.audit import features
+from wmspec.audit import features, likeness, power, state
 from wmspec.audit.balance import table_of
 from wmspec.audit.cases import Case, Unit
-from wmspec.audit.classify import held_out
+from wmspec.audit.classify import Array, Asked, Seen, held_out, hits
 from wmspec.audit.model import Finding, Probe
 from wmspec.audit.statistics import clopper_pearson, independence
 
-#: A probe fails if all of its interval is more than this above chance.
+#: A shortcut is worth mending if it is more than this above chance.
 SLACK = 0.05
-#: An interval that reaches further than this above chance cannot exclude a shortcut: there are too few questions.
-ROOM = 0.15
-#: The intervals of all probes judged hold together with this confidence.
-CONFIDENCE = 0.95
+#: A probe that could have overlooked a larger shortcut than this says nothing: there are too few questions.
+ROOM = 0.3
 #: Fewer questions, or groups of them, are not worth fitting to.
 LEAST_ASKED, LEAST_GROUPS = 20, 5
 
-See = Callable[[Sequence[Case]], NDArray[np.float64]]
+Of = Literal["options", "questions"]
+See = Callable[[Sequence[Case]], Array]
+SeeViews = Callable[[Sequence[Case], Sequence[int]], Array]
+Look = Callable[[], Seen]
+Family = Literal["text", "options", "rule", "picture", "pair", "pictures"]
 
 _BLIND = "it sees none of the pictures"
-_MOMENT = "it sees one moment of several"
-_STILL = "the question shows one moment, so a picture of it may suffice"
-_STANDING = "the answer holds from the start, so a picture of any moment may suffice"
+_FEWER = "it takes more moments than it sees"
+_ENOUGH = "it takes no more moments than it sees"
 _NOTHING = "the question shows no picture, so its options are all there is"
+_UNASKED = "without the question, any of what is shown may be meant"
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A probe to be made. What it sees is worked out when it is its turn."""
+
+    sees: str
+    family: Family
+    judged: bool
+    why: str
+    seen: Look | None = None
+    scores: Array | None = None  # of a rule, which learns nothing
+    pictured: bool = False  # whether it sees what is there, and may strike out options that speak of nothing
 
 
 def probes(unit: Unit) -> list[Probe]:
@@ -47,31 +63,148 @@ def probes(unit: Unit) -> list[Probe]:
     groups = _groups(unit, cases)
     if len(set(groups)) < LEAST_GROUPS:
         return []
-    owner = np.repeat(np.arange(len(cases)), [c.count for c in cases])
-    truth = np.concatenate([np.arange(c.count) == c.row["answer"] for c in cases])
-    chance = float(np.mean([1 / c.count for c in cases]))
-    made = []
-    for name, see, judged, why in _kinds(cases[0]):
-        right = held_out(see(cases), owner, truth, groups)
-        made.append(Probe(unit.name, name, len(cases), float(right.sum()), chance, judged, why))
-    return made
+    task = _Task(unit.name, cases, groups)
+    return [task.probe(line) for line in _lines(cases)]
 
 
-def _kinds(case: Case) -> Iterator[tuple[str, See, bool, str]]:
-    """The probes for questions such as this: what each sees, and whether and why it is judged."""
-    shown, several = len(case.seen_context), case.moments > 1
-    blind, one = (bool(shown), _BLIND if shown else _NOTHING), (several, _MOMENT if several else _STILL)
-    if several and case.row["answer_standing"]:
-        one = False, _STANDING
-    yield "the place of the options", features.positions, True, _BLIND
-    yield "the text", features.texts, True, _BLIND
-    yield "the options", features.options, *blind
-    if case.pictured:
-        yield "the options' colours", features.colours, *blind
-    for which, name in {0: "the first picture", shown - 1: "the last picture"}.items() if shown else ():
-        seen_as = "the picture" if shown == 1 else name
-        yield seen_as, features.pixels(which), *one
-        yield f"{seen_as}'s colours", features.tones(which), *one
+class _Task:
+    """The questions of a task that are probed, and what is known of how well each family of probes learns."""
+
+    def __init__(self, name: str, cases: Sequence[Case], groups: Sequence[str]) -> None:
+        self._name, self._cases, self._groups = name, cases, groups
+        everything, struck = [np.zeros(c.count, dtype=bool) for c in cases], state.struck_out(cases)
+        self._kept = ~np.concatenate(struck)
+        self._asked = {False: _asked(cases, groups, everything), True: _asked(cases, groups, struck)}
+        self._learned: dict[tuple[str, ...], tuple[float, ...]] = {}
+
+    def probe(self, line: _Line) -> Probe:
+        """What a probe answers of the questions."""
+        asked = self._asked[line.pictured]
+        chance = 1 / asked.sizes
+        right, learned = self._right(line, asked, chance)
+        return Probe(
+            task=self._name,
+            sees=line.sees,
+            family=line.family,
+            asked=asked.count,
+            right=float(right.sum()),
+            chance=float(chance.mean()),
+            deviation=power.deviation(right, chance, self._groups),
+            judged=line.judged,
+            why=line.why,
+            learned=learned,
+        )
+
+    def _right(self, line: _Line, asked: Asked, chance: Array) -> tuple[Array, tuple[float, ...] | None]:
+        """How right it is of every question, and what such a probe learns; nothing, if it is a rule."""
+        if line.scores is not None:
+            return hits(line.scores, asked), None
+        assert line.seen is not None
+        seen = line.seen()
+        if line.pictured and seen.of == "options":
+            seen = replace(seen, features=seen.features[self._kept])
+        kind = (line.family, seen.of, seen.model)
+        if line.judged and kind not in self._learned:
+            self._learned[kind] = power.learned(seen, asked, chance)
+        return held_out(seen, asked), self._learned.get(kind) if line.judged else None
+
+
+def _asked(cases: Sequence[Case], groups: Sequence[str], struck: Sequence[NDArray[np.bool_]]) -> Asked:
+    """What is to be picked, of the options that are not struck out."""
+    kept = ~np.concatenate(struck)
+    truth = [np.arange(c.count) == c.row["answer"] for c in cases]
+    return Asked(
+        owner=np.repeat(np.arange(len(cases)), [c.count for c in cases])[kept],
+        name=np.array([name for c in cases for name in _classes(c)])[kept],
+        truth=np.concatenate(truth)[kept],
+        groups=groups,
+    )
+
+
+def _classes(case: Case) -> list[str]:
+    """What options are called where questions are compared; pictures by their places, because names give them away."""
+    return [str(i) for i in range(case.count)] if case.pictured else case.row["option_name"]
+
+
+# ---------------------------------------------------------------- which there are
+
+
+def _lines(cases: Sequence[Case]) -> Iterator[_Line]:
+    """The probes for questions such as these."""
+    shown = len(cases[0].seen_context)
+    blind = (bool(shown), _BLIND if shown else _NOTHING)
+    yield _Line("the place of the options", "options", True, _BLIND, _blind(features.positions, cases))
+    yield _Line("the text", "text", True, _BLIND, _blind(features.texts, cases))
+    yield _Line("the options", "options", *blind, _blind(features.options, cases))
+    if cases[0].pictured:
+        yield _Line("the options' colours", "options", *blind, _blind(features.colours, cases))
+        if state.known(cases):
+            yield _Line("the options' objects", "options", *blind, _forest(state.of_options, cases, ()))
+        for name, scores in likeness.rules(cases).items():
+            yield _Line(name, "rule", *blind, scores=scores)
+    for views in _views(shown):
+        yield from _seeing(cases, views)
+    if shown:
+        yield from _unasked(cases, tuple(range(shown)))
+
+
+def _views(shown: int) -> Iterator[tuple[int, ...]]:
+    """Each picture, and each pair of pictures unless there are no more."""
+    yield from combinations(range(shown), 1)
+    if shown > 2:
+        yield from combinations(range(shown), 2)
+
+
+def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
+    """The probes that see these pictures with the question and its options."""
+    judged = _moments(cases[0], views) < min(_needed(cases), cases[0].moments)
+    if len(views) > 1 and not judged:
+        return  # there is nothing to learn from what is meant to suffice
+    family: Family = "picture" if len(views) == 1 else "pair"
+    name = f"picture {views[0] + 1}" if len(views) == 1 else f"pictures {views[0] + 1} and {views[1] + 1}"
+    rest = (family, judged, _FEWER if judged else _ENOUGH)
+    yield _Line(f"{name}: pixels", *rest, _pixels(cases, views), pictured=True)
+    if not state.known(cases):
+        return
+    if cases[0].pictured:
+        yield _Line(f"{name}: objects", *rest, _forest(state.of_options, cases, views), pictured=True)
+        return
+    objects = _forest(state.of_questions, cases, views, "questions")
+    yield _Line(f"{name}: objects", *rest, objects, pictured=True)
+    if np.mean([state.spoken_of(c)[c.row["answer"]] is not None for c in cases]) > 0.5:
+        things = _forest(state.of_things, cases, views)
+        yield _Line(f"{name}: what the options speak of", *rest, things, pictured=True)
+
+
+def _unasked(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
+    """All pictures with the options, without the question: told, because the question may be what decides."""
+    if len({c.row["text"] for c in cases}) > 1:
+        seen = _pixels(cases, views)
+        yield _Line("all pictures, not the question", "pictures", False, _UNASKED, seen, pictured=True)
+
+
+def _blind(see: See, cases: Sequence[Case]) -> Look:
+    return lambda: Seen(see(cases), "options", "linear")
+
+
+def _pixels(cases: Sequence[Case], views: tuple[int, ...]) -> Look:
+    return lambda: Seen(features.pixels(cases, views), "options" if cases[0].pictured else "questions", "forest")
+
+
+def _forest(see: SeeViews, cases: Sequence[Case], views: tuple[int, ...], of: Of = "options") -> Look:
+    return lambda: Seen(see(cases, views), of, "forest")
+
+
+def _moments(case: Case, views: Sequence[int]) -> int:
+    """How many moments these pictures are of."""
+    return len({case.row["context_time"][view] for view in views})
+
+
+def _needed(cases: Sequence[Case]) -> int:
+    """How many moments it takes to see the answer."""
+    if cases[0].row["answer_standing"]:
+        return 1
+    return max(case.row.get("answer_moments") or 2 for case in cases)
 
 
 def _alike(cases: Sequence[Case]) -> list[Case]:
@@ -82,34 +215,58 @@ def _alike(cases: Sequence[Case]) -> list[Case]:
 
 
 def _groups(unit: Unit, cases: Sequence[Case]) -> list[str]:
-    """The control group of each case: the instances that differ in nothing but the factor on which the answer hangs.
+    """The control group of each case, which share all draws; some of them to fit to and some to judge by would mislead.
 
-    Its members look alike and have different answers; some to fit to and some to judge by would mislead the classifier.
-    Repetitions and engines are of one group too: they would give the answer away.
+    A design that is made again a few times has few such groups. Then they are those that differ in nothing but the
+    factor on which the answer hangs: a shortcut can be found so, but that there is none cannot be told.
     """
+    if unit.draws >= LEAST_GROUPS:
+        return [str(c.row["block"]) for c in cases]
     names = list(cases[0].varied("factor")) if not cases[0].pictured else []
     decides = max(names, key=lambda n: independence(table_of(unit.once, n).counts)[0], default="")
     return ["/".join(f"{n}={v}" for n, v in c.varied("factor").items() if n != decides) or c.row["id"] for c in cases]
 
 
-def intervals(made: Sequence[Probe]) -> list[Probe]:
-    """The probes with their intervals, as wide as the number of those judged asks for (Bonferroni)."""
-    confidence = 1 - (1 - CONFIDENCE) / max(1, sum(p.judged for p in made))
-    return [
-        replace(p, low=low, high=high) for p in made for low, high in [clopper_pearson(p.right, p.asked, confidence)]
-    ]
+# ---------------------------------------------------------------- what they say
+
+
+def weighed(made: Sequence[Probe]) -> list[Probe]:
+    """The probes with their intervals, and with the smallest shortcut that each could have found.
+
+    All judged probes of a task are one family of tests, which raises one false alarm in twenty sound tasks.
+    """
+    tests: dict[str, int] = {}
+    for probe in made:
+        tests[_task(probe)] = tests.get(_task(probe), 0) + probe.judged
+    return [_weighed(probe, tests[_task(probe)]) for probe in made]
+
+
+def _task(probe: Probe) -> str:
+    return probe.task.partition(" q")[0]
+
+
+def _weighed(probe: Probe, tests: int) -> Probe:
+    low, high = clopper_pearson(probe.right, probe.asked, 0.95)
+    least = power.smallest(probe.deviation, probe.chance, tests, probe.learned)
+    above = (probe.accuracy - probe.chance) / probe.deviation if probe.deviation else 0.0
+    return replace(probe, low=low, high=high, least=least, luck=above <= power.threshold(tests))
+
+
+def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
+    """What a judged probe says of its task."""
+    if not probe.judged:
+        return "told"
+    if not probe.luck and probe.accuracy > probe.chance + SLACK:
+        return "fails"
+    return "unclear" if probe.least > ROOM else "holds"
 
 
 def judge(probe: Probe) -> Finding:
-    """What a probe says about its task."""
-    result = (
-        f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.asked:,} answered "
-        f"({probe.low:.0%} to {probe.high:.0%}; chance {probe.chance:.0%})"
-    )
-    if not probe.judged:
-        return Finding("shortcut", probe.task, "told", f"{result}; {probe.why}")
-    if probe.low > probe.chance + SLACK:
-        return Finding("shortcut", probe.task, "fails", f"{result}; {probe.why}")
-    if probe.high > probe.chance + ROOM:
-        return Finding("shortcut", probe.task, "unclear", f"{result}; too few questions to tell")
-    return Finding("shortcut", probe.task, "holds", result)
+    """What a probe says about its task, in words."""
+    result = f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.asked:,} answered (chance {probe.chance:.0%})"
+    said = verdict(probe)
+    if said in ("told", "fails"):
+        return Finding("shortcut", probe.task, said, f"{result}; {probe.why}")
+    least = f"a shortcut of {100 * probe.least:.0f} points" if probe.least < 1 else "no shortcut that was tried"
+    what = f"{result}; {least} would have been found"
+    return Finding("shortcut", probe.task, said, f"{what}; too few questions to tell" if said == "unclear" else what)

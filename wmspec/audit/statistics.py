@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import optimize, stats
 
 Table = NDArray[np.int64]
 
@@ -50,6 +50,22 @@ def goodness(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[
         return strength, float(stats.binomtest(int(counts[0]), total, expected[0] / total).pvalue), "exact binomial"
     drawn = np.random.default_rng(SEED).multinomial(total, expected / total, DRAWN)
     return strength, _rank(seen, ((drawn - expected) ** 2 / expected).sum(1)), f"{DRAWN:,} random draws"
+
+
+def detectable(counts: Sequence[Sequence[int]], level: float, power: float = 0.8) -> float:
+    """The strength (Cramér's V, Cohen's w) that a chi-square test at this level finds with this power, at most 1.
+
+    By the noncentral chi-square distribution (Cohen 1988); of a table with one row, the test is of goodness of fit.
+    """
+    table = np.array(counts)
+    rows, columns = (table.sum(1) > 0).sum(), (table.sum(0) > 0).sum()
+    freedom = columns - 1 if len(table) == 1 else (rows - 1) * (columns - 1)
+    if freedom < 1:
+        return 0.0
+    critical = stats.chi2.isf(level, freedom)
+    far = optimize.brentq(lambda x: stats.ncx2.sf(critical, freedom, x) - power, 1e-9, 1e4)
+    narrow = 1 if len(table) == 1 else min(rows, columns) - 1
+    return min(1.0, float(np.sqrt(far / table.sum() / narrow)))
 
 
 def _distance(table: Table, expected: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -38,6 +38,8 @@ class Function:
     result is a truth value, a quantity or a word: then it is a list of those. With `repeated`, the last of the parameters may be given any number of times. `measured` is what
     measures it on the executed episode, if that is what it does: `module:function`, called with what was `Observed` and
     the arguments, names for bodies and cameras. What `chooses` among bodies by another measure is given `Measured`.
+    `moments` is how many moments of the episode it takes to see it: 1 for how something is, 2 for how it changes, 3 for
+    the course of that.
     """
 
     meaning: str
@@ -47,6 +49,7 @@ class Function:
     options: dict[str, Type] = field(default_factory=dict)
     repeated: bool = False
     chooses: bool = False
+    moments: int = 1
 
 
 _TIE: dict[str, Type] = {"tie": A_NUMBER}
@@ -93,38 +96,38 @@ FUNCTIONS: dict[str, Function] = {
     "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, options=_TIE),
     "fits": Function("whether an object fits into the hollow of a compound one, without turning it", (OBJECT, OBJECT), TRUTH),
     # what happened while observed
-    "speed": Function("distance travelled while observed, over that time; or how fast it is at a time", (OBJECT,), Quantity(SPEED), "wmspec.ask.motion:speed", {**_DURING, **_AT}),
-    "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, "wmspec.ask.choices:fastest", _TIE, chooses=True),
-    "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, "wmspec.ask.choices:slowest", _TIE, chooses=True),
-    "moved": Function("whether it moved while observed", (OBJECT,), TRUTH, "wmspec.ask.motion:moved", _DURING),
-    "mover": Function("the one that travelled furthest", (_OBJECTS,), OBJECT, "wmspec.ask.choices:mover", chooses=True),
-    "onset": Function("when it first moved", (OBJECT,), A_TIME, "wmspec.ask.motion:onset"),
-    "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, "wmspec.ask.motion:moving_time"),
-    "first": Function("the one that moved first", (_OBJECTS,), OBJECT, "wmspec.ask.choices:first", {"tie": A_TIME}, chooses=True),
-    "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, "wmspec.ask.choices:longest", _TIE, chooses=True),
-    "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it; or the way that it moves at a time", (OBJECT,), AN_ANGLE, "wmspec.ask.motion:heading", _AT),
-    "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, "wmspec.ask.motion:heads_to"),
-    "trajectory": Function("the form of its path", (OBJECT,), PATH, "wmspec.ask.motion:trajectory"),
+    "speed": Function("distance travelled while observed, over that time; or how fast it is at a time", (OBJECT,), Quantity(SPEED), "wmspec.ask.motion:speed", {**_DURING, **_AT}, moments=2),
+    "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, "wmspec.ask.choices:fastest", _TIE, chooses=True, moments=2),
+    "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, "wmspec.ask.choices:slowest", _TIE, chooses=True, moments=2),
+    "moved": Function("whether it moved while observed", (OBJECT,), TRUTH, "wmspec.ask.motion:moved", _DURING, moments=2),
+    "mover": Function("the one that travelled furthest", (_OBJECTS,), OBJECT, "wmspec.ask.choices:mover", chooses=True, moments=2),
+    "onset": Function("when it first moved", (OBJECT,), A_TIME, "wmspec.ask.motion:onset", moments=3),
+    "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, "wmspec.ask.motion:moving_time", moments=3),
+    "first": Function("the one that moved first", (_OBJECTS,), OBJECT, "wmspec.ask.choices:first", {"tie": A_TIME}, chooses=True, moments=3),
+    "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, "wmspec.ask.choices:longest", _TIE, chooses=True, moments=3),
+    "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it; or the way that it moves at a time", (OBJECT,), AN_ANGLE, "wmspec.ask.motion:heading", _AT, moments=2),
+    "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, "wmspec.ask.motion:heads_to", moments=2),
+    "trajectory": Function("the form of its path", (OBJECT,), PATH, "wmspec.ask.motion:trajectory", moments=3),
     # how it was and how it ended
     "position": Function("where its middle is at the end, or at a time", (OBJECT,), POINT3, "wmspec.ask.outcome:position", _AT),
-    "displacement": Function("how far it is at the end, or at a time, from where it began", (OBJECT,), A_LENGTH, "wmspec.ask.outcome:displacement", _AT),
+    "displacement": Function("how far it is at the end, or at a time, from where it began", (OBJECT,), A_LENGTH, "wmspec.ask.outcome:displacement", _AT, moments=2),
     "distance": Function("between the middles of two objects, at the end or at a time", (OBJECT, OBJECT), A_LENGTH, "wmspec.ask.outcome:distance", _AT),
     "relation": Function("where the first is from the second when last seen, or at a time, as the pictures show it or as a viewer sees it", (OBJECT, OBJECT), RELATION, "wmspec.ask.choices:relation", {**_AT, **_SEEN}, chooses=True),
-    "at_rest": Function("whether it stands still at the end, or at a time", (OBJECT,), TRUTH, "wmspec.ask.outcome:at_rest", _AT),
+    "at_rest": Function("whether it stands still at the end, or at a time", (OBJECT,), TRUTH, "wmspec.ask.outcome:at_rest", _AT, moments=2),
     "toppled": Function("whether it is more than half way tipped over at the end, or at a time", (OBJECT,), TRUTH, "wmspec.ask.outcome:toppled", _AT),
     "height": Function("how high its middle is at the end, or at a time", (OBJECT,), A_LENGTH, "wmspec.ask.outcome:height", _AT),
     "contains": Function("whether the first has the second within its upright box at the end, or at a time", (OBJECT, OBJECT), TRUTH, "wmspec.ask.outcome:contains", _AT),
     "angle": Function("how far a hinge has turned from 0, at the end or at a time", (JOINT,), AN_ANGLE, "wmspec.ask.joints:angle", _AT),
     "extension": Function("how far a slider has slid from 0, at the end or at a time", (JOINT,), A_LENGTH, "wmspec.ask.joints:extension", _AT),
     # what happened when
-    "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, "wmspec.ask.events:contact", _DURING),
-    "contact_time": Function("when the two first touch", (OBJECT, OBJECT), A_TIME, "wmspec.ask.events:contact_time", _DURING),
-    "touches_first": Function("which of the others it touches first", (OBJECT, _OBJECTS), OBJECT, "wmspec.ask.choices:touches_first", {"tie": A_TIME}, chooses=True),
-    "highest": Function("the greatest height of its middle", (OBJECT,), A_LENGTH, "wmspec.ask.events:highest", _DURING),
-    "when_highest": Function("when its middle is highest", (OBJECT,), A_TIME, "wmspec.ask.events:when_highest", _DURING),
+    "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, "wmspec.ask.events:contact", _DURING, moments=3),
+    "contact_time": Function("when the two first touch", (OBJECT, OBJECT), A_TIME, "wmspec.ask.events:contact_time", _DURING, moments=3),
+    "touches_first": Function("which of the others it touches first", (OBJECT, _OBJECTS), OBJECT, "wmspec.ask.choices:touches_first", {"tie": A_TIME}, chooses=True, moments=3),
+    "highest": Function("the greatest height of its middle", (OBJECT,), A_LENGTH, "wmspec.ask.events:highest", _DURING, moments=3),
+    "when_highest": Function("when its middle is highest", (OBJECT,), A_TIME, "wmspec.ask.events:when_highest", _DURING, moments=3),
     # what is seen
     "visible": Function("the share of the picture that shows it, least over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.ask.visibility:visible"),
     "occluded": Function("the share of it that others hide, most over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.ask.visibility:occluded"),
     "contrast": Function("how much its colour differs from what is around it (CIEDE2000), least over the looks", (OBJECT, CAMERA), A_NUMBER, "wmspec.ask.visibility:contrast"),
-    "frame": Function("the picture from a camera at a time of the episode", (CAMERA, A_TIME), PICTURE, "wmspec.ask.observed:frame"),
+    "frame": Function("the picture from a camera at a time of the episode", (CAMERA, A_TIME), PICTURE, "wmspec.ask.observed:frame", moments=2),
 }  # fmt: skip

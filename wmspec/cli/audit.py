@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections import Counter
+import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +15,10 @@ from wmspec.api.progress import progress_bar
 from wmspec.cli.common import json_option, make_folder, write_text
 
 if TYPE_CHECKING:
-    from wmspec.audit.model import Audit, Verdict
+    from wmspec.audit.model import Audit
+
+#: So many failures of one sort are told on the terminal.
+MOST = 3
 
 
 @click.command("audit")
@@ -58,16 +61,25 @@ def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictur
 
 
 def _tell(result: Audit) -> None:
-    """What matters, for a terminal: what fails, and how much else there is to read."""
-    from wmspec.audit.page import WORDS, verdict
+    """The first page, for a terminal, and what fails."""
+    from rich.console import Console
+    from rich.table import Table
 
-    quiet: dict[Verdict, str] = {"unclear": "yellow", "told": "blue", "holds": "green"}
+    from wmspec.audit.page import WORDS, overview, verdict
+
+    colors = {"fail": "red", "unknown": "yellow", "pass": "green"}
+    head, *lines = overview(result)
+    table = Table(*head, box=None, pad_edge=False)
+    for line in lines:
+        table.add_row(line[0], f"[{colors[line[1]]}]{line[1]}[/]", *line[2:])
+    Console(width=None if sys.stdout.isatty() else 160, soft_wrap=True).print(table)
+    failing: dict[tuple[str, str], list[str]] = {}
     for finding in result.findings:
         if finding.verdict == "fails":
-            where = f" {finding.task}" if finding.task else ""
-            click.echo(f"{click.style(WORDS['fails'], fg='red')}: {finding.check}{where}: {finding.what}")
-    counted = Counter(finding.verdict for finding in result.findings)
-    for kind, color in quiet.items():
-        if counted[kind]:
-            click.echo(f"{click.style(WORDS[kind], fg=color)}: {counted[kind]:,}")
+            failing.setdefault((finding.check, finding.task), []).append(finding.what)
+    for (check, task), those in failing.items():
+        for what in those[:MOST]:
+            click.echo(f"{click.style(WORDS['fails'], fg='red')}: {check}{f' {task}' if task else ''}: {what}")
+        if len(those) > MOST:
+            click.echo(f"  and {len(those) - MOST:,} more; all of them are in the report that `-o FOLDER` writes")
     click.echo(verdict(result))

@@ -56,6 +56,11 @@ if TYPE_CHECKING:
     show_default=True,
     help="Keep a question if all engines agree on it, if most of them do, or whatever they say.",
 )
+@click.option(
+    "--licence",
+    default="",
+    help="The licence of the data, by its SPDX identifier.  [default: what the specs say; CC-BY-4.0 of wmspec's own]",
+)
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @click.option(
     "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take."
@@ -80,6 +85,7 @@ def generate_command(
     samples: int | None,
     seed: int,
     consensus: Any,
+    licence: str,
     workers: int | None,
     timeout: float,
     dry_run: bool,
@@ -110,6 +116,7 @@ def generate_command(
         "size": parse_size(size),
         "look": look,
         "samples": samples,
+        "licence": licence,
     }
     if dry_run:
         plan = planned(specs, tell, **choices)

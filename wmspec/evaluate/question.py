@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from wmspec.diagnostics import WmsError, suggestion
 from wmspec.draws import bits
+from wmspec.write.pictures import as_png
 from wmspec.write.reader import PICTURES, DatasetReader
 from wmspec.write.rows import Row
 
@@ -109,7 +110,10 @@ def questions(dataset: DatasetReader, ids: Collection[str], pictures: bool = Tru
 
 
 def question(row: Row) -> Question:
-    """The question of a dataset's row; without pictures if the row was read without them."""
+    """The question of a dataset's row; without pictures if the row was read without them.
+
+    Raises WmsError if a picture is damaged.
+    """
     return Question(
         id=row["id"],
         task=row["task"],
@@ -119,10 +123,10 @@ def question(row: Row) -> Question:
         index=row["index"],
         block=row["block"],
         text=row["text"],
-        context=tuple(picture["bytes"] for picture in row.get("context") or ()),
+        context=tuple(as_png(picture["bytes"]) for picture in row.get("context") or ()),
         options=tuple(row["option_text"] or (None for _ in row["option_name"])),
         names=tuple(row["option_name"]),
-        pictures=tuple(picture["bytes"] for picture in row.get("option_image") or ()),
+        pictures=tuple(as_png(picture["bytes"]) for picture in row.get("option_image") or ()),
         answer=row["answer"],
         number=row["answer_number"],
         unit=row["answer_unit"] or "",

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from wmspec.foreign import picture
 from wmspec.gallery.records import Record, about, records
 from wmspec.gallery.replies import NONE, Replies
 from wmspec.write.files import explained
+from wmspec.write.pictures import form, opened
 from wmspec.write.reader import DatasetReader
 from wmspec.write.webpage import encoded, webpage
 
@@ -29,9 +29,9 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = N
     Raises WmsError if there is no such file to be written, or if the dataset is damaged.
     """
 
-    def inside(task: str, png: bytes) -> str:  # noqa: ARG001  as `Put` has it
+    def inside(task: str, content: bytes) -> str:  # noqa: ARG001  as `Put` has it
         out = io.BytesIO()
-        picture(png, "PNG").convert("RGB").save(out, "WEBP", quality=QUALITY, method=4)
+        opened(content).save(out, "WEBP", quality=QUALITY, method=4)
         return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
 
     dataset.intact()
@@ -49,14 +49,14 @@ def folder(dataset: DatasetReader, per_task: int, path: Path, replies: Replies =
     the dataset is damaged.
     """
 
-    def beside(task: str, png: bytes) -> str:  # noqa: ARG001  as `Put` has it
-        name = hashlib.sha256(png).hexdigest()[:20]
-        picture(png, "PNG")
-        place = path / "pictures" / name[:2] / f"{name}.png"
+    def beside(task: str, content: bytes) -> str:  # noqa: ARG001  as `Put` has it
+        name = f"{hashlib.sha256(content).hexdigest()[:20]}.{form(content).lower()}"
+        opened(content)
+        place = path / "pictures" / name[:2] / name
         if not place.exists():
             place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_bytes(png)
-        return f"pictures/{name[:2]}/{name}.png"
+            place.write_bytes(content)
+        return f"pictures/{name[:2]}/{name}"
 
     dataset.intact()
     with explained(path):

@@ -14,7 +14,7 @@ from wmspec.write.words import human, reading
 
 Record = dict[str, Any]
 
-#: Puts a picture (PNG) where the page finds it, under a task's name, and says where that is.
+#: Puts a picture where the page finds it, under a task's name, and says where that is.
 Put = Callable[[str, bytes], str]
 
 

@@ -16,7 +16,6 @@ from PIL import Image, ImageCms, ImageOps
 from wmspec.diagnostics import WmsError, suggestion
 from wmspec.foreign import inside
 from wmspec.limits import PIXELS
-from wmspec.write.rows import png
 
 #: The endings of files that are read: pictures, and clips. A picture that moves (GIF, WebP, PNG) is a clip too.
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
@@ -146,11 +145,6 @@ class Pictures:
             return [pixels for _, pixels in shown], [round(n / rate, 3) for n, _ in shown]
         except (OSError, RuntimeError, ValueError, LookupError, ArithmeticError, StopIteration):
             raise WmsError(f"`{name}` cannot be read", help="save the clip again, as .mp4") from None
-
-
-def encoded(pixels: Pixels) -> dict[str, bytes | None]:
-    """A picture as a row of a dataset holds it: a PNG with nothing but its pixels."""
-    return {"bytes": png(pixels), "path": None}
 
 
 def _evenly(name: str, total: int, count: int) -> Iterator[int]:

@@ -157,7 +157,7 @@ def _card(path: Path, tasks: dict[str, list[Entry]]) -> str:
         f"Recast by wmspec from `{path.name}`. The pictures were turned upright, brought to sRGB, made no larger than"
     ]
     lines += [
-        "asked for, and encoded as PNG without metadata.",
+        "asked for, and encoded without loss and without metadata.",
         "",
         "| task | dimension | questions |",
         "|---|---|---|",

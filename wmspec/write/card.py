@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from wmspec.check.ir import Choices, Factor, Interval, Normal
 from wmspec.draws import Level
+from wmspec.write.baselines import Baselines
+from wmspec.write.files import EXAMPLES
 from wmspec.write.manifest import Summary, TaskSummary
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import COLUMNS, channels
+
+#: The configuration that has the questions of all tasks, and the columns that all of them have.
+ALL = "all"
 
 #: What each reason for rejecting a question means.
 REASONS = {
@@ -27,20 +32,32 @@ REASONS = {
     "timeout": "the engine took too long, twice",
 }
 
-#: Which questions are kept, by the consensus asked for.
+#: Which questions are kept of several engines, by the consensus asked for.
 AGREED: dict[str, str] = {
-    "all": " Only questions on which all engines agree are kept.",
-    "majority": " Only questions on which more than half of the engines agree are kept, of those engines.",
-    "none": "",
+    "all": "Only questions on which all engines agree are kept.",
+    "majority": "Only questions on which more than half of the engines agree are kept, of those engines.",
+    "none": "Questions are kept whether the engines agree on them or not; the column `agreement` tells.",
 }
 
 #: The hub's names for numbers of rows: below each bound.
 _SIZES = ((10**3, "n<1K"), (10**4, "1K<n<10K"), (10**5, "10K<n<100K"), (10**6, "100K<n<1M"), (10**7, "1M<n<10M"))
 
 
-def card(plan: Plan, total: Summary) -> str:
-    """The README.md of a finished dataset: YAML for programs, then Markdown for people."""
-    people = [_opening(plan, total), _loading(total), _tasks(plan, total), _rejected(total), _columns(plan)]
+def card(plan: Plan, total: Summary, scores: Mapping[str, Baselines]) -> str:
+    """The README.md of a finished dataset: YAML for programs, then Markdown for people.
+
+    `scores` are the baselines of the tasks that have questions.
+    """
+    people = [
+        _opening(plan, total),
+        _loading(total),
+        _use(plan),
+        _baselines(scores),
+        _tasks(plan, total),
+        _rejected(total),
+        _columns(plan),
+        _citation(plan, total),
+    ]
     return "\n\n".join([_front(plan, total), *people]) + "\n"
 
 
@@ -55,14 +72,27 @@ def _front(plan: Plan, total: Summary) -> str:
     filled = _filled(total)
     if filled:
         lines.append("configs:")
+        lines += [*configuration(ALL, "*"), "  default: true", "  columns:", *(f"  - {name}" for name in COLUMNS)]
     for name in filled:
-        lines += [f"- config_name: {json.dumps(name)}", "  data_files:", "  - split: test"]
-        lines += [f"    path: {json.dumps(f'data/{name}/test-*.parquet')}"]
+        lines += configuration(name, name)
     return "\n".join([*lines, "---"])
 
 
+def configuration(name: str, folder: str) -> list[str]:
+    """A configuration of the hub's: the files of a task, or of all that `*` stands for."""
+    path = json.dumps(f"data/{folder}/test-*.parquet")
+    return [f"- config_name: {json.dumps(name)}", "  data_files:", "  - split: test", f"    path: {path}"]
+
+
 def _licenses(plan: Plan) -> list[str]:
+    if plan.licence:
+        return [plan.licence.lower()]
     return sorted({t.spec.license.lower() or "unknown" for t in plan.tasks})
+
+
+def example(task: str) -> str:
+    """Where the picture of a task lies in the dataset's folder."""
+    return f"{EXAMPLES}/{task}.webp"
 
 
 def _filled(total: Summary) -> list[str]:
@@ -72,16 +102,26 @@ def _filled(total: Summary) -> list[str]:
 # ---------------------------------------------------------------- for people
 
 
+def title(total: Summary) -> str:
+    """What the dataset is called."""
+    return f"{total.rows:,} questions about a physical world"
+
+
 def _opening(plan: Plan, total: Summary) -> str:
     versions = ", ".join(f"{name} {number}" for name, number in sorted(plan.versions.items()))
-    agreed = AGREED[plan.consensus]
-    width, height = plan.size
+    engines, (width, height) = ", ".join(plan.engines), plan.size
+    drawn = (
+        f"executed in {engines} and drawn by {plan.renderer}" if plan.renderer else f"executed and drawn in {engines}"
+    )
+    alone = "One engine executed it, so that nothing tells whether another would agree."
     return (
-        f"# {total.rows:,} questions about a physical world\n\n"
-        f"Made by wmspec from {len(plan.tasks)} {'task' if len(plan.tasks) == 1 else 'tasks'} executed and drawn in "
-        f"{', '.join(plan.engines)}; pictures of {width} × {height} pixels, seed {plan.seed}.{agreed} "
-        "Every answer is measured on the executed episode. "
-        f"The same specs, seed and versions ({versions}) give the same bytes again."
+        f"# {title(total)}\n\n"
+        f"Made by wmspec from {len(plan.tasks)} {'task' if len(plan.tasks) == 1 else 'tasks'} {drawn}; "
+        f"pictures of {width} × {height} pixels, seed {plan.seed}. "
+        f"{AGREED[plan.consensus] if len(plan.engines) > 1 else alone} "
+        "Every answer is read off the scene and its executed episode, by a program. "
+        f"The same specs, seed and versions ({versions}) give the same questions again, on the same machine to the "
+        "byte."
     )
 
 
@@ -91,12 +131,63 @@ def _loading(total: Summary) -> str:
         "## Loading\n\n"
         "```python\n"
         "from datasets import load_dataset\n\n"
-        f'questions = load_dataset("path/to/this/folder", "{name}", split="test")\n'
+        'questions = load_dataset("path/to/this/folder", split="test")  # of all tasks\n'
+        f'questions = load_dataset("path/to/this/folder", "{name}", split="test")  # of one, with its factors\n'
         'questions[0]["text"], questions[0]["context"]  # the pictures are PIL images\n'
         "```\n\n"
         "Or without anything but pandas: "
-        f'`pandas.read_parquet("data/{name}")`; pictures are PNG bytes. '
-        "`manifest.json` has the specs' texts, all counts, every rejected question and the shards' checksums."
+        f'`pandas.read_parquet("data/{name}")`; pictures are the bytes of PNG or lossless WebP, whichever is smaller. '
+        "`manifest.json` has the specs' texts, all counts, every rejected question and the shards' checksums; "
+        "`plan.json` says which instances were asked for."
+    )
+
+
+def _use(plan: Plan) -> str:
+    agree = ", where they agree on the answer" if plan.consensus != "none" else ""
+    bodies = f"the engines named{agree}" if len(plan.engines) > 1 else "one engine"
+    limits = [
+        "Scenes are simple and drawn by rasterisers: a score says little about photographs.",
+        f"The physics is that of rigid bodies in {bodies}.",
+        "Questions are in English, from a few templates.",
+        "What could not be seen or told apart was rejected, so that what is left is not a fair sample of what happens.",
+        "Questions of one control group (`block`) share every draw: reckon intervals by group, not by question.",
+        "Rows of several engines are of the same episodes: they are no more questions.",
+    ]
+    return (
+        "## Use and limits\n\nFor measuring what models that see pictures understand of a physical world, factor by "
+        "factor. Not for training: a model that has seen it is not measured by it.\n\n"
+        + "\n".join(f"- {limit}" for limit in limits)
+    )
+
+
+def _baselines(scores: Mapping[str, Baselines]) -> str:
+    head = ["task", "questions with options", "control groups", "chance", "commonest answer", "commonest place"]
+    rows = [
+        [name, f"{b.asked:,}", f"{b.groups:,}", *(f"{share:.1%}" for share in (b.chance, b.answer, b.place))]
+        for name, b in scores.items()
+        if b.asked
+    ]
+    told = (
+        "What is right without looking: by guessing, by always saying the answer, or the place of it, that is most "
+        "often true. `wmspec audit` tells whether classifiers do better without what it takes."
+    )
+    return f"## Baselines\n\n{told}\n\n{_table(head, rows)}"
+
+
+def bibtex(plan: Plan, total: Summary) -> str:
+    """How to cite the dataset."""
+    version = plan.versions.get("wmspec", "")
+    return (
+        f"@misc{{wmspec-{plan.fingerprint[:8]}, title = {{{title(total)}}}, "
+        f"howpublished = {{Made with wmspec {version}}}, note = {{Fingerprint {plan.fingerprint}}}}}"
+    )
+
+
+def _citation(plan: Plan, total: Summary) -> str:
+    licence = ", ".join(_licenses(plan))
+    return (
+        f"## Licence and citation\n\nLicence of the data: {licence}. The specs, in `manifest.json`, have their own.\n\n"
+        f"```bibtex\n{bibtex(plan, total)}\n```"
     )
 
 
@@ -113,10 +204,12 @@ def _tasks(plan: Plan, total: Summary) -> str:
 def _task(task: Task, count: TaskSummary) -> str:
     spec = task.spec
     parts = [f"### {spec.name}", spec.description or spec.title]
+    if sum(count.rows.values()):
+        parts.append(f"![The pictures and options of one question of {spec.name}]({example(spec.name)})")
     if spec.factors:
         rows = [[f.name, "nuisance" if f.nuisance else "factor", _domain(f)] for f in spec.factors]
         parts.append(_table(["name", "", "values"], rows))
-    facts = [("Licence", spec.license), ("Source", spec.source), ("Rejected", _reasons(count.rejected))]
+    facts = [("Licence of the spec", spec.license), ("Source", spec.source), ("Rejected", _reasons(count.rejected))]
     parts += [f"{name}: {words}" for name, words in facts if words]
     return "\n\n".join(p.strip() for p in parts if p.strip())
 
@@ -131,7 +224,7 @@ def _domain(factor: Factor) -> str:
         case Normal(mean=mean, deviation=deviation):
             words = f"about {plain(mean)}, normally with a deviation of {plain(deviation)}"
     if factor.nuisance:
-        words += ", drawn once per block"
+        words += ", drawn once per control group"
     return f"{words} ({factor.unit})" if factor.unit else words
 
 

@@ -68,16 +68,20 @@ class Described:
     columns: pa.Schema
 
 
-def croissant(plan: Plan, records: Mapping[str, Record]) -> dict[str, Any]:
-    """The metadata as JSON values: a set of files and a record set per task that has questions."""
+def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: str) -> dict[str, Any]:
+    """The metadata as JSON values: a set of files and a record set per task that has questions.
+
+    `cited` is how to cite it (BibTeX), `published` the day (YYYY-MM-DD).
+    """
     rows = {t.spec.name: 0 for t in plan.tasks}
     for shard in plan.shards():
         rows[shard.task.spec.name] += records[shard.path].rows
     filled = [Described(t.spec.name, t.spec.title, schema(t.spec)) for t in plan.tasks if rows[t.spec.name]]
     description = f"{sum(rows.values())} questions about a physical world, made by wmspec"
-    licenses = sorted({t.spec.license for t in plan.tasks if t.spec.license})
+    licenses = [plan.licence] if plan.licence else sorted({t.spec.license for t in plan.tasks if t.spec.license})
     name = "-".join(t.spec.name for t in plan.tasks[:3])
-    return metadata(name, description, f"{plan.record['format']}.0.0", filled, licenses)
+    described = metadata(name, description, f"{plan.record['format']}.0.0", filled, licenses or ["unknown"])
+    return described | {"citeAs": cited, "datePublished": published}
 
 
 def metadata(

@@ -5,24 +5,29 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
+import time
 from collections.abc import Iterable
+from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Any
 
 from wmspec.ask.model import Rejected
 from wmspec.diagnostics import WmsError
 from wmspec.write import checkpoint, files
-from wmspec.write.card import card
+from wmspec.write.baselines import Baselines, baselines
+from wmspec.write.card import bibtex, card
 from wmspec.write.croissant import croissant
+from wmspec.write.examples import examples
 from wmspec.write.manifest import Summary, manifest, summary
 from wmspec.write.plan import Plan, Shard, differences
-from wmspec.write.reader import foreign
+from wmspec.write.reader import DatasetReader, foreign
 from wmspec.write.rebuild import rebuilt
 from wmspec.write.rows import Row
-from wmspec.write.shards import Record, read_outcomes, read_record, sidecar, write_shard
+from wmspec.write.shards import Record, read_outcomes, read_records, sidecar, write_record, write_shard
 from wmspec.write.worker import Outcome
 
-_OURS = ("data", files.MANIFEST, files.CARD, files.CROISSANT)
+_OURS = ("data", files.EXAMPLES, files.MANIFEST, files.CARD, files.CROISSANT)
 _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
 
 
@@ -38,6 +43,7 @@ class Dataset:
         self.notices: list[str] = []
         self._lock = lock
         self._records: dict[str, Record] = {}
+        self._finished = False
 
     @classmethod
     def open(cls, folder: Path, plan: Plan, force: bool = False) -> Dataset:
@@ -61,7 +67,10 @@ class Dataset:
         return dataset
 
     def close(self) -> None:
-        """Let others write to the folder."""
+        """Let others write to the folder. Of a dataset that is whole, nothing stays that was there to make it."""
+        scratch = self.folder / files.PROGRESS
+        if self._finished or [path.name for path in scratch.glob("*")] == ["lock"]:
+            shutil.rmtree(scratch, ignore_errors=True)
         os.close(self._lock)
 
     def __enter__(self) -> Dataset:
@@ -102,10 +111,32 @@ class Dataset:
         if left:
             raise WmsError(f"{len(left)} shards of {self.folder} are still to be made; run the same command again")
         total = summary(self.plan, self._records)
-        self._put(files.CARD, card(self.plan, total).encode())
-        self._put(files.CROISSANT, files.text(croissant(self.plan, self._records)))
-        self._put(files.MANIFEST, files.text(manifest(self.plan, self._records, total)))
+        whole = manifest(self.plan, self._records, total)
+        for name, example in examples(DatasetReader(self.folder, whole)):
+            self._put(name, example)
+        self._put(files.CARD, card(self.plan, total, self._baselines()).encode())
+        described = croissant(self.plan, self._records, bibtex(self.plan, total), self._published())
+        self._put(files.CROISSANT, files.text(described))
+        self._put(files.MANIFEST, files.text(whole))
+        self._finished = True
         return total
+
+    def _baselines(self) -> dict[str, Baselines]:
+        """The baselines of the tasks that have questions."""
+        shards: dict[str, list[Path]] = {}
+        for shard in self.plan.shards():
+            if self._records[shard.path].rows:
+                shards.setdefault(shard.task.spec.name, []).append(self.folder / shard.path)
+        return {name: baselines(paths) for name, paths in shards.items()}
+
+    def _published(self) -> str:
+        """The day (YYYY-MM-DD) on which it was first finished, or that SOURCE_DATE_EPOCH says."""
+        try:
+            there = json.loads((self.folder / files.CROISSANT).read_bytes())
+            return str(date.fromisoformat(there["datePublished"]))
+        except (OSError, ValueError, TypeError, KeyError, RecursionError):
+            at = float(os.environ.get("SOURCE_DATE_EPOCH") or time.time())
+            return str(datetime.fromtimestamp(at, UTC).date())
 
     # ------------------------------------------------------------ beginning
 
@@ -144,7 +175,12 @@ class Dataset:
         return record if isinstance(record, dict) else {}
 
     def _clear(self) -> None:
-        (self.folder / files.MANIFEST).unlink(missing_ok=True)
+        for name in (files.MANIFEST, files.CROISSANT):
+            (self.folder / name).unlink(missing_ok=True)
+        for picture in (self.folder / files.EXAMPLES).glob("*.webp"):
+            picture.unlink()
+        if (self.folder / files.EXAMPLES).is_dir() and not any((self.folder / files.EXAMPLES).iterdir()):
+            (self.folder / files.EXAMPLES).rmdir()
         for task in sorted((self.folder / "data").glob("*/")):
             for shard in filter(lambda p: _SHARD.fullmatch(p.name), list(task.iterdir())):
                 shard.unlink()
@@ -156,8 +192,9 @@ class Dataset:
 
     def _verify(self) -> None:
         """Keep the shards whose files are what their records say; the others are made again."""
+        records = read_records(self.folder, self.plan.shards())
         for shard in self.plan.shards():
-            record, path = read_record(self.folder, shard), self.folder / shard.path
+            record, path = records.get(shard.path), self.folder / shard.path
             if record is None or record.fingerprint != self.plan.fingerprint:
                 continue
             if not path.is_file():
@@ -170,18 +207,25 @@ class Dataset:
                 self._records[shard.path] = record
                 checkpoint.discard(self.folder, shard)  # a run was killed between the shard and this
         if self.pending():
-            (self.folder / files.MANIFEST).unlink(missing_ok=True)
+            self._reopen()
+
+    def _reopen(self) -> None:
+        """What the manifest of a dataset says that is whole no more is written down, shard by shard."""
+        for shard in self.plan.shards():
+            if shard.path in self._records and not (self.folder / sidecar(shard)).exists():
+                write_record(self.folder, shard, self._records[shard.path])
+        (self.folder / files.MANIFEST).unlink(missing_ok=True)
 
     def _again(self, shard: Shard, why: str) -> None:
         self.notices.append(f"{shard.path} {why}; it is made again")
-        (self.folder / sidecar(shard)).unlink()
+        (self.folder / sidecar(shard)).unlink(missing_ok=True)
 
     def _unmade(self, shard: Shard, record: Record, again: set[int]) -> None:
         """Make a shard one that is not whole yet: the instances are kept that are not to be tried again."""
         outcomes = read_outcomes(self.folder, shard, record)
         for index in outcomes.keys() - again:
             self.keep(shard, index, outcomes[index])
-        (self.folder / sidecar(shard)).unlink()
+        (self.folder / sidecar(shard)).unlink(missing_ok=True)
         count = f"{len(again)} instance{'s' if len(again) > 1 else ''}"
         self.notices.append(f"{shard.task.spec.name}: {count} that crashed or took too long are tried again")
 

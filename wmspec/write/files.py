@@ -22,6 +22,8 @@ PLAN = "plan.json"
 CARD = "README.md"
 CROISSANT = "croissant.json"
 MANIFEST = "manifest.json"
+#: The folder of its pictures for people: an example of each task.
+EXAMPLES = "examples"
 
 _FULL = "{} cannot be written, {}; free some space or choose another folder with -o, then run the same command again"
 _DENIED = "{} cannot be written, {}; choose another folder with -o, or ask for the right to write there"
@@ -110,15 +112,19 @@ def lock(path: Path) -> int:
     Raises WmsError if another process holds it.
     """
     with explained(path):
-        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(handle)
-            raise WmsError(
-                f"another process is writing to {path.parent.parent}; wait for it, or choose another folder with -o"
-            ) from None
-        except OSError:
-            os.close(handle)
-            raise
-    return handle
+        while True:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                os.close(handle)
+                raise WmsError(
+                    f"another process is writing to {path.parent.parent}; wait for it, or choose another folder with -o"
+                ) from None
+            except OSError:
+                os.close(handle)
+                raise
+            if os.fstat(handle).st_nlink:
+                return handle
+            os.close(handle)  # whoever held it has just removed it

@@ -15,7 +15,7 @@ from wmspec.diagnostics import WmsError
 from wmspec.scene.model import Look
 
 #: The version of the folder's layout and of its columns.
-FORMAT = 1
+FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,8 @@ class Plan:
     `texts` are the specs and what they use, by name. `size` is the pictures' (width, height) in pixels, `look` and
     `samples` how they are drawn, `renderer` the engine that draws what every engine executes (each for itself if it is
     empty), `consensus` how many engines must agree on a question for it to be kept, `shard` the
-    instances of a shard, `versions` those of wmspec and of the engines.
+    instances of a shard, `versions` those of wmspec and of the engines. `licence` is what the card says of the data; it
+    decides nothing else.
 
     Raises WmsError if two tasks have the same name.
     """
@@ -64,6 +65,7 @@ class Plan:
     samples: int | None = None
     renderer: str = ""
     shard: int = field(default=64)
+    licence: str = ""
 
     def __post_init__(self) -> None:
         names = [t.spec.name.casefold() for t in self.tasks]

@@ -17,7 +17,7 @@ from wmspec.write import files
 from wmspec.write.checkpoint import passing
 from wmspec.write.plan import Plan, Shard, Task, differences
 from wmspec.write.rebuild import rebuilt
-from wmspec.write.shards import Record, read_outcomes, read_record
+from wmspec.write.shards import Record, read_outcomes, read_records
 from wmspec.write.worker import Outcome
 
 
@@ -67,8 +67,9 @@ class Before:
 def _files(folder: Path, plan: Plan) -> Iterator[File]:
     """The files of a folder that are what their records say."""
     there = _plan(folder, plan)
+    records = read_records(folder, there.shards())
     for shard in there.shards():
-        record, path = read_record(folder, shard), folder / shard.path
+        record, path = records.get(shard.path), folder / shard.path
         if (
             record
             and record.fingerprint == there.fingerprint

@@ -1,8 +1,7 @@
-"""A question as a row of a table, its pictures as PNG in the layout that Hugging Face `datasets` decodes."""
+"""A question as a row of a table, its pictures in the layout that Hugging Face `datasets` decodes."""
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Iterable
 from typing import Any
@@ -10,12 +9,12 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
-from PIL import Image
 
 from wmspec.ask.kinds import KINDS
-from wmspec.ask.model import Change, Picture, QuestionRow, Strength, Vote
+from wmspec.ask.model import Change, Picture, QuestionRow, Sighting, Strength, Vote
 from wmspec.ask.views import channels_of
 from wmspec.check.ir import Choices, Factor, TaskSpec
+from wmspec.write.pictures import lossless, png
 
 Row = dict[str, Any]
 
@@ -26,6 +25,13 @@ _VOTES = pa.list_(
     pa.struct([("engine", pa.string()), ("answer", pa.int64()), ("value", pa.string()), ("rejected", pa.string())])
 )
 _STRENGTH = pa.struct([("name", pa.string()), ("unit", pa.string()), ("value", pa.float64())])
+_SCALARS = ("x", "y", "z", "qw", "qx", "qy", "qz", "share", "across", "down", "red", "green", "blue")
+_OBJECTS = pa.list_(
+    pa.struct(
+        [("picture", pa.int64()), ("name", pa.string()), ("look", pa.string()), ("asked", pa.bool_())]
+        + [(name, pa.float64()) for name in _SCALARS]
+    )
+)
 
 #: What every row says, whatever the task: the column's type and what it holds.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
@@ -34,6 +40,7 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "dimension": (pa.string(), "what is tested, from broad to narrow"),
     "index": (pa.int64(), "which instance of the task's design"),
     "block": (pa.int64(), "which repetition of the design; instances of a block share their nuisances"),
+    "crossed": (_TEXTS, "the factors that vary within the block"),
     "question": (pa.int64(), "which of the task's questions"),
     "question_name": (pa.string(), "the question's name; empty if it has none"),
     "engine": (pa.string(), "who executed the episode"),
@@ -42,17 +49,30 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "context": (_IMAGES, "the pictures shown with the question"),
     "context_camera": (_TEXTS, "the camera of each picture shown"),
     "context_time": (pa.list_(pa.float64()), "the time (s) of each picture shown"),
+    "context_objects": (
+        _OBJECTS,
+        (
+            "of each picture shown (from 0): the objects that can move or are asked about, by name, the words for "
+            "their looks, their middles (m) and turns (a quaternion), the share of the picture that shows them, where "
+            "(0 to 1, from the left and from the top) and in what mean colour (sRGB, 0 to 1)"
+        ),
+    ),
     "option_text": (_TEXTS, "the options, if they are words; null if they are pictures, empty for an open question"),
     "option_image": (_IMAGES, "the options, if they are pictures; empty if they are words"),
     "option_kind": (_TEXTS, "what each option is: truth, label, counterfactual; of a closed set state, action, both"),
     "option_name": (_TEXTS, "the name of each option: of the label's value or of the counterfactual"),
     "option_change": (_TEXTS, "what each counterfactual changed: its kind, what, from what, to what"),
+    "option_objects": (_OBJECTS, "the same of each option that is a picture"),
     "answer": (pa.int64(), "the place (from 0) of the true option; null for an open question"),
     "answer_value": (pa.string(), "the answer, measured on the executed episode, in words"),
     "answer_number": (pa.float64(), "the answer, if it is a number"),
     "answer_unit": (pa.string(), "the SI unit of that number; empty for plain numbers"),
     "answer_within": (pa.float64(), "for an open question: how far off a number is still right"),
     "answer_standing": (pa.bool_(), "whether the answer holds from the start, whatever happens"),
+    "answer_moments": (
+        pa.int64(),
+        "how many moments it takes to see the answer: 1 if any shows it, 2 for a change, 3 for its course",
+    ),
     "difference": (_STRENGTH, "how strong the stimulus is: the quantity, its SI unit, its value"),
     "margin": (pa.float64(), "how far the answer is from turning, in multiples of the margin asked for"),
     "measured": (_READINGS, "quantities measured, in SI units"),
@@ -153,6 +173,7 @@ def encode(question: QuestionRow) -> Row:
         "dimension": question.dimension,
         "index": question.index,
         "block": question.block,
+        "crossed": list(question.crossed),
         "question": question.question,
         "question_name": question.name,
         "engine": question.engine,
@@ -161,6 +182,7 @@ def encode(question: QuestionRow) -> Row:
         "context": [_image(p) for p in question.context],
         "context_camera": [p.camera for p in question.context],
         "context_time": [p.time for p in question.context],
+        "context_objects": _objects(question.objects),
         **_options(question),
         "answer": question.answer,
         "answer_value": question.value,
@@ -168,6 +190,7 @@ def encode(question: QuestionRow) -> Row:
         "answer_unit": question.number.unit if question.number else None,
         "answer_within": question.number.within if question.number else None,
         "answer_standing": question.standing,
+        "answer_moments": question.moments,
         "difference": _strength(question.difference),
         "margin": question.margin,
         "measured": [{"name": n, "value": float(v)} for n, v in question.measured.items()],
@@ -191,8 +214,20 @@ def _options(question: QuestionRow) -> Row:
         "option_kind": [o.kind for o in options],
         "option_name": [o.name for o in options],
         "option_change": [_change(o.change) for o in options],
+        "option_objects": _objects([o.objects for o in options]),
         **({"option_outcome": [o.outcome for o in options]} if question.sorted_outcomes else {}),
     }
+
+
+def _objects(pictures: Iterable[Iterable[Sighting]]) -> list[Row]:
+    """The objects of pictures, each with the place of its picture."""
+    return [_object(place, seen) for place, objects in enumerate(pictures) for seen in objects]
+
+
+def _object(picture: int, seen: Sighting) -> Row:
+    numbers = (*seen.position, *seen.orientation, seen.share, seen.across, seen.down, *(seen.color or (None,) * 3))
+    known = {"picture": picture, "name": seen.name, "look": " ".join(seen.words), "asked": seen.asked}
+    return known | dict(zip(_SCALARS, numbers, strict=True))
 
 
 def _change(change: Change | None) -> str | None:
@@ -218,9 +253,9 @@ def _kept(context: tuple[Picture, ...]) -> Row:
     """What is kept of the pictures shown beside their colours."""
     row: Row = {}
     if any(p.depth is not None for p in context):
-        row["context_depth"] = [_file(millimetres(p.depth)) for p in context if p.depth is not None]
+        row["context_depth"] = [_channel(millimetres(p.depth)) for p in context if p.depth is not None]
     if any(p.ids is not None for p in context):
-        row["context_ids"] = [_file((p.ids + 1).astype(np.uint16)) for p in context if p.ids is not None]
+        row["context_ids"] = [_channel((p.ids + 1).astype(np.uint16)) for p in context if p.ids is not None]
         row["context_names"] = list(next(p.names for p in context if p.ids is not None))
     return row
 
@@ -231,21 +266,16 @@ def millimetres(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
 
 
 def _image(picture: Picture) -> dict[str, bytes | None]:
-    return _file(picture.rgb)
+    return encoded(picture.rgb)
 
 
-def _file(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> dict[str, bytes | None]:
+def encoded(pixels: NDArray[np.uint8]) -> dict[str, bytes | None]:
+    """A picture (h, w, 3) as a row holds it."""
+    return {"bytes": lossless(pixels), "path": None}
+
+
+def _channel(pixels: NDArray[np.uint16]) -> dict[str, bytes | None]:
     return {"bytes": png(pixels), "path": None}
-
-
-def png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
-    """A picture (h, w, 3) of 8 bits or (h, w) of 16 as a PNG file.
-
-    Compression 1: 2 to 6 ms; the default takes up to 37 ms for a few percent.
-    """
-    out = io.BytesIO()
-    Image.fromarray(pixels).save(out, "PNG", compress_level=1)
-    return out.getvalue()
 
 
 def table(rows: list[Row], columns: pa.Schema) -> pa.Table:

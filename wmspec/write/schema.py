@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 
 from wmspec.ask.consensus import Consensus
 from wmspec.foreign import is_name
+from wmspec.write.pictures import form
 from wmspec.write.rows import COLUMNS, Row
 
 #: Where a shard lies: its task is a name, and so it is in the folder.
@@ -157,7 +158,6 @@ def pictures_fault(row: Row, names: Iterable[str]) -> str:
     """What is wrong with the pictures of a row, but for what only decoding them tells: empty if nothing is."""
     for name in names:
         for number, each in enumerate(row.get(name) or ()):
-            content = each.get("bytes")
-            if not isinstance(content, bytes) or not content.startswith(b"\x89PNG\r\n\x1a\n"):
-                return f"picture {number + 1} of `{name}` is no PNG"
+            if not form(each.get("bytes")):
+                return f"picture {number + 1} of `{name}` is no PNG or WebP"
     return ""

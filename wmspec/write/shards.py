@@ -47,7 +47,7 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     content = parquet(table(kept, schema(shard.task.spec)))
     files.write(folder, shard.path, content)
     record = Record(plan.fingerprint, hashlib.sha256(content).hexdigest(), len(kept), tuple(lost))
-    files.write(folder, sidecar(shard), files.text(asdict(record)))
+    write_record(folder, shard, record)
     return record
 
 
@@ -82,11 +82,46 @@ def sidecar(shard: Shard) -> str:
     return f"{files.PROGRESS}/{shard.task.spec.name}/{shard.number:05d}.json"
 
 
-def read_record(folder: Path, shard: Shard) -> Record | None:
-    """The record of a shard; None if there is none that can be read."""
+def read_records(folder: Path, shards: Iterable[Shard]) -> dict[str, Record]:
+    """The records of shards, by path, but for those that cannot be read. A manifest has those of a finished dataset."""
+    finished = _finished(folder)
+    there = ((shard, _record(folder / sidecar(shard)) or _recorded(finished, shard)) for shard in shards)
+    return {shard.path: record for shard, record in there if record is not None}
+
+
+def _record(path: Path) -> Record | None:
     try:
-        record: dict[str, Any] = json.loads((folder / sidecar(shard)).read_bytes())
+        record: dict[str, Any] = json.loads(path.read_bytes())
         rejected = tuple(Rejected(**r) for r in record.pop("rejected"))
         return Record(**record, rejected=rejected)
     except (FileNotFoundError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None
+
+
+def _finished(folder: Path) -> dict[str, Any]:
+    """What the manifest says of shards, and of rejections by task and instance; empty if none can be read."""
+    try:
+        manifest: dict[str, Any] = json.loads((folder / files.MANIFEST).read_bytes())
+        lost: dict[str, dict[int, list[Rejected]]] = {}
+        for each in manifest["rejected"]["list"]:
+            lost.setdefault(each["task"], {}).setdefault(each["index"], []).append(Rejected(**each))
+        return {"fingerprint": manifest["fingerprint"], "shards": dict(manifest["shards"]), "lost": lost}
+    except (FileNotFoundError, NotADirectoryError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return {}
+
+
+def _recorded(finished: dict[str, Any], shard: Shard) -> Record | None:
+    """What a manifest says of a shard."""
+    if shard.path not in finished.get("shards", {}):
+        return None
+    said, lost = finished["shards"][shard.path], finished["lost"].get(shard.task.spec.name, {})
+    rejected = tuple(r for index in shard.indices for r in lost.get(index, ()))
+    try:
+        return Record(finished["fingerprint"], said["sha256"], said["rows"], rejected)
+    except (TypeError, KeyError):
+        return None
+
+
+def write_record(folder: Path, shard: Shard, record: Record) -> None:
+    """Write down how a shard was made. Raises WmsError if that cannot be done."""
+    files.write(folder, sidecar(shard), files.text(asdict(record)))

@@ -11,8 +11,8 @@ from typing import Any
 from PIL import Image
 
 from wmspec.diagnostics import WmsError
-from wmspec.foreign import picture
 from wmspec.write import typeset
+from wmspec.write.pictures import opened
 from wmspec.write.reader import PICTURES, DatasetReader
 from wmspec.write.rows import Row
 from wmspec.write.typeset import BLACK, GREEN, GREY, PALE, Picture, Style
@@ -47,6 +47,16 @@ def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = No
     parts = [_title(manifest)]
     parts += [_task(dataset, name, count) for name in chosen]
     return typeset.padded(typeset.above(parts, 70), MARGIN)
+
+
+def question_of(dataset: DatasetReader, task: str) -> Picture | None:
+    """One question of a task, in the first engine that asks it, 2000 px wide; None if it has none.
+
+    Raises WmsError if a shard cannot be read.
+    """
+    for rows, units in _picked(dataset, task, 1):
+        return typeset.padded(_question(rows[:1], units), MARGIN)
+    return None
 
 
 def _inside() -> int:
@@ -103,7 +113,7 @@ def _spread(keys: list[Row], count: int) -> list[tuple[int, int]]:
 
 
 def _decoded(row: Row) -> Row:
-    return row | {name: [picture(p["bytes"], "PNG").convert("RGB") for p in row[name]] for name in PICTURES}
+    return row | {name: [opened(p["bytes"]) for p in row[name]] for name in PICTURES}
 
 
 # ---------------------------------------------------------------- a question

@@ -19,6 +19,8 @@ from wmspec.ask.kinds.kind import Depicted, Kind, Offered
 from wmspec.ask.measure import Measured
 from wmspec.ask.model import TRUTH, Answer, Option, OptionKind, Picture, Reject
 from wmspec.ask.runs import Run
+from wmspec.ask.sighting import sightings
+from wmspec.ask.visibility_gate import named
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
 from wmspec.execute.render_cache import look_key
@@ -140,16 +142,18 @@ class Pictures(Kind[PictureAnswer]):
         depicted = self.depicted(asking, answer)
         frames = [option.run.draw(option.camera, option.time, asking.pair) for option in depicted]
         _told_apart(depicted, frames)
+        names = named(asking.question, asking.values)
+        objects = [sightings(d.run, frame, d.time, names) for d, frame in zip(depicted, frames, strict=True)]
         changes, outcomes = (None, *asking.changes), answer.outcome_kinds or (None,) * len(depicted)
         options = []
         for i in slot.order(0, len(depicted)):
             picture, change = Picture(answer.camera, answer.time, frames[i].rgb), changes[i]
             if change is None:
-                options.append(Option("truth", TRUTH, picture=picture, outcome=outcomes[i]))
+                options.append(Option("truth", TRUTH, picture=picture, outcome=outcomes[i], objects=objects[i]))
             else:
                 changed = change_of(change, asking.question.orbit, asking.values, depicted[i].run.values)
                 kind = _kind(asking.question.orbit, change, asking.values.own)
-                options.append(Option(kind, change.name, picture=picture, change=changed, outcome=outcomes[i]))
+                options.append(Option(kind, change.name, None, picture, changed, outcomes[i], objects[i]))
         return tuple(options)
 
     def picked(self, mine: PictureAnswer, other: PictureAnswer) -> str | None:

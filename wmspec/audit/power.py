@@ -1,0 +1,119 @@
+"""What a probe could have found: the smallest shortcut that it tells from chance in four of five datasets.
+
+Two things hide a shortcut: the dice, because few questions are answered by luck more often than others, and the
+classifier, which has to learn it from the same few. The first is worked out. The second is tried: shortcuts of known
+sizes are planted into what the probe sees, and it is seen how much of them it answers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from statistics import NormalDist
+
+import numpy as np
+
+from wmspec.audit.classify import SEED, Array, Asked, Seen, held_out
+
+#: The share of datasets without a shortcut that may be said to have one, by all probes of a task together.
+ALARMS = 0.05
+#: The share of datasets with a shortcut in which it has to be found.
+POWER = 0.8
+#: The sizes that are planted, above chance, and how often each: forests take longer.
+SIZES, PLANTED = (0.1, 0.2, 0.3), {"linear": 16, "forest": 3}
+
+
+def deviation(right: Array, chance: Array, groups: Sequence[str]) -> float:
+    """The standard deviation of a probe's accuracy: by chance alone, or as groups differ if that is more.
+
+    Questions of a group are alike, so that what is right of one is apt to be right of all (clustered sampling).
+    """
+    alone = float(np.sqrt((chance * (1 - chance)).sum())) / len(right)
+    number = np.unique(groups, return_inverse=True)[1]
+    sums = np.bincount(number, right - right.mean())
+    many = len(sums)
+    clustered = float(np.sqrt((sums**2).sum() * many / max(1, many - 1))) / len(right)
+    return max(alone, clustered)
+
+
+def threshold(tests: int) -> float:
+    """How many standard deviations above chance is more than luck, in so many tests (Bonferroni)."""
+    return NormalDist().inv_cdf(1 - ALARMS / max(1, tests))
+
+
+def learned(seen: Seen, asked: Asked, chance: Array) -> tuple[float, ...]:
+    """Of shortcuts of each of the sizes: how far above chance the probe gets in four of five datasets.
+
+    How much they differ, by luck and by what was learned, is taken to be the same for all sizes. Few are tried, so it
+    is what it gets at the least, by one standard error.
+    """
+    random = np.random.default_rng(SEED)
+    times = PLANTED[seen.model]
+    gained = np.array(
+        [[(held_out(*planted(seen, asked, size, random)) - chance).mean() for _ in range(times)] for size in SIZES]
+    )
+    freedom = gained.size - len(SIZES)
+    spread = float(np.sqrt(((gained - gained.mean(1, keepdims=True)) ** 2).sum() / freedom))
+    return tuple(float(mean) for mean in gained.mean(1) - (NormalDist().inv_cdf(POWER) + times**-0.5) * spread)
+
+
+def smallest(deviation: float, chance: float, tests: int, learned: Sequence[float] | None) -> float:
+    """The smallest shortcut that is told from luck in four of five datasets; 1 if none that was tried.
+
+    `learned` is what a probe gets of each of the sizes in as many, None if there is nothing to learn.
+    """
+    above = threshold(tests) * deviation
+    if learned is None:
+        share = min(chance + above, 1.0)
+        wider = np.sqrt(share * (1 - share) / max(chance * (1 - chance), 1e-12))
+        return above + NormalDist().inv_cdf(POWER) * deviation * float(wider)
+    got = np.maximum.accumulate(np.array([0.0, *learned]))
+    if got[-1] < above:
+        return 1.0
+    return float(max(np.interp(above, got + np.arange(len(got)) * 1e-9, [0.0, *SIZES]), above))
+
+
+def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) -> tuple[Seen, Asked]:
+    """The same with another truth, drawn at random, and one number of what is seen that tells it.
+
+    It tells it in so many questions that whoever reads it is right `size` above chance, and lies in the others.
+    """
+    count = asked.sizes
+    places = (random.random(asked.count) * count).astype(np.int64)
+    retold = asked.retold(places)
+    tells = random.random(asked.count) < size / (1 - (1 / count).mean())
+    said = np.where(tells, places, (random.random(asked.count) * count).astype(np.int64))
+    features = seen.features.copy()
+    if seen.of == "options":
+        column = _telling(asked.among(features), random)
+        features[:, column] = _first(features[:, column], asked, said, random)
+    else:
+        column = _telling(features, random)
+        features[:, column] = _banded(features[:, column], asked.name[asked.starts + said], random)
+    return replace(seen, features=features), retold
+
+
+def _telling(features: Array, random: np.random.Generator) -> int:
+    """A number that a shortcut may be in: one of the eight that vary most, in the units in which they are seen."""
+    different = np.array([len(np.unique(column.round(9))) for column in features.T])
+    rank = np.lexsort((-features.std(0), -np.minimum(different, 20)))
+    return int(rank[random.integers(min(8, (different > 1).sum() or 1))])
+
+
+def _first(column: Array, asked: Asked, said: np.ndarray, random: np.random.Generator) -> Array:
+    """The numbers of each question's options in random order, the largest where the truth is said to be."""
+    put = column.copy()
+    for start, size, place in zip(asked.starts, asked.sizes, said, strict=True):
+        values = random.permutation(column[start : start + size])
+        best = int(values.argmax())
+        values[[best, place]] = values[[place, best]]
+        put[start : start + size] = values
+    return put
+
+
+def _banded(column: Array, said: np.ndarray, random: np.random.Generator) -> Array:
+    """The same numbers, so that each of the names has a band of them for itself."""
+    order = np.argsort(np.unique(said, return_inverse=True)[1] + random.random(len(said)), kind="stable")
+    put = np.empty_like(column)
+    put[order] = np.sort(column)
+    return put

@@ -1,0 +1,54 @@
+"""Pictures without loss: what a dataset keeps of the pixels, in the fewest bytes that other tools open."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from wmspec.foreign import picture
+
+#: What pictures of a dataset may be, as Pillow calls them.
+PNG, WEBP = "PNG", "WEBP"
+
+
+def lossless(pixels: NDArray[np.uint8]) -> bytes:
+    """A picture (h, w, 3) of 8 bits as lossless WebP or as PNG, whichever is smaller; PNG if they are of one size.
+
+    Takes some 10 ms; WebP is about half of PNG. Its finest setting would save a quarter more, in 400 ms.
+    """
+    return min(png(pixels, 6), _webp(pixels), key=len)
+
+
+def png(pixels: NDArray[np.uint8] | NDArray[np.uint16], level: int = 1) -> bytes:
+    """A picture (h, w, 3) of 8 bits or (h, w) of 16 as a PNG file."""
+    out = io.BytesIO()
+    Image.fromarray(pixels).save(out, PNG, compress_level=level)
+    return out.getvalue()
+
+
+def _webp(pixels: NDArray[np.uint8]) -> bytes:
+    out = io.BytesIO()
+    Image.fromarray(pixels).save(out, WEBP, lossless=True, method=2, quality=25)
+    return out.getvalue()
+
+
+def form(content: object) -> str:
+    """Which of them a file's content is, `PNG` or `WEBP`; empty if it is neither."""
+    if not isinstance(content, bytes):
+        return ""
+    if content.startswith(b"\x89PNG\r\n\x1a\n"):
+        return PNG
+    return WEBP if content.startswith(b"RIFF") and content[8:12] == b"WEBP" else ""
+
+
+def opened(content: bytes) -> Image.Image:
+    """The picture (RGB). Raises WmsError if it is neither, damaged, or too large."""
+    return picture(content, PNG, WEBP).convert("RGB")
+
+
+def as_png(content: bytes) -> bytes:
+    """The same picture as a PNG file, for those who may not know WebP. Raises WmsError as `opened` does."""
+    return png(np.asarray(opened(content))) if form(content) == WEBP else content
