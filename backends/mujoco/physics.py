@@ -12,7 +12,7 @@ from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.drives import enough
-from wmspec.scene.episode import Episode, play
+from wmspec.scene.episode import Episode, Recording, play
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly
@@ -21,6 +21,7 @@ from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
+from . import rollout
 from .about import INFO
 from .impact import solref
 from .joints import FAR
@@ -38,17 +39,37 @@ def execute(scene: Scene) -> Trace:
     """
     whole, timeline = prepare(scene)
     with unlogged():
-        try:
-            model = mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole.trees, whole.ties))
-        except ValueError as error:
-            raise WmsError(f"MuJoCo can't load the scene: {error}") from error
-        world = World(model, whole)
-        verify(world, scene, timeline)
-        try:
-            recording = play(world, timeline)
-        except FloatingPointError as error:
-            raise EngineError(f"MuJoCo lost the episode: {error}; look for overlaps or extreme velocities") from error
-    return trace(INFO.name, scene, timeline, recording)
+        text = mjcf(scene, timeline, whole.trees, whole.ties)
+        return trace(
+            INFO.name, scene, timeline, _quick(text, scene, whole, timeline) or _slow(text, scene, whole, timeline)
+        )
+
+
+def _quick(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> Recording | None:
+    """What is recorded where MuJoCo can be left alone between events; None where it cannot, or warns."""
+    if not rollout.uneventful(scene, timeline):
+        return None
+    try:
+        return rollout.play(_world(rollout.sensed(text, scene), scene, whole, timeline), scene, timeline)
+    except FloatingPointError:  # the loop tells at which step
+        return None
+
+
+def _slow(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+    try:
+        return play(_world(text, scene, whole, timeline), timeline)
+    except FloatingPointError as error:
+        raise EngineError(f"MuJoCo lost the episode: {error}; look for overlaps or extreme velocities") from error
+
+
+def _world(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> World:
+    """A world that has the scene's physics, by its MJCF. Raises WmsError if MuJoCo reads it otherwise."""
+    try:
+        world = World(mujoco.MjModel.from_xml_string(text), whole)
+    except ValueError as error:
+        raise WmsError(f"MuJoCo can't load the scene: {error}") from error
+    verify(world, scene, timeline)
+    return world
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:

@@ -19,10 +19,10 @@ from wmspec.write.dataset import Dataset
 from wmspec.write.generate import generate
 from wmspec.write.plan import Shard
 from wmspec.write.reuse import Before
-from wmspec.write.worker import Job, Outcome
+from wmspec.write.worker import Job, Made, Outcome
 
-Made = list[tuple[str, int]]
-Run = Callable[..., Made]
+Listed = list[tuple[str, int]]
+Run = Callable[..., Listed]
 
 PLAN = plan(count=11, shard=4)
 ALL = [(shard.task.spec.name, index) for shard in PLAN.shards() for index in shard.indices]
@@ -41,19 +41,24 @@ def outcome(shard: Shard, index: int) -> Outcome:
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Make a dataset with drawn pictures, `most` instances of it, and say which."""
 
-    def made_by(most: int = len(ALL), before: Iterable[Path] = ()) -> Made:
-        made: Made = []
+    def made_by(most: int = len(ALL), before: Iterable[Path] = ()) -> Listed:
+        made: Listed = []
 
-        def in_order(
-            work: Any, pieces: Iterable[tuple[Any, str, tuple[int]]], effort: Effort, weight: Any
-        ) -> Iterator[tuple[Outcome]]:
-            for _, task, (index,) in pieces:
+        def by_units(
+            work: Any, units: Iterable[list[tuple[Any, str, tuple[int]]]], effort: Effort, weight: Any
+        ) -> Iterator[tuple[tuple[Any, str, tuple[int]], Made]]:
+            for _, task, (index,) in sorted(
+                (piece for unit in units for piece in unit), key=lambda p: ALL.index((p[1], p[2][0]))
+            ):
                 if len(made) == most:
                     raise Stopped
                 made.append((task, index))
-                yield (outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)
+                yield (
+                    (None, task, (index,)),
+                    Made((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)),
+                )
 
-        monkeypatch.setattr("wmspec.write.generate.in_order", in_order)
+        monkeypatch.setattr("wmspec.write.generate.by_units", by_units)
         with Dataset.open(tmp_path / "out", PLAN) as dataset:
             generate(dataset, Effort(1, 1), lambda task, count: None, Before(before, PLAN))
             dataset.finish()
@@ -162,12 +167,12 @@ def test_a_full_disk_is_told_when_an_instance_is_kept(tmp_path: Path, whole: dic
 # ---------------------------------------------------------------- what failed
 
 
-def fails(job: Job, task: str, indices: tuple[int]) -> tuple[Outcome]:
+def fails(job: Job, task: str, indices: tuple[int]) -> Made:
     """An instance in which something unforeseen happens, as the third of each task does."""
     (index,) = indices
     if (task, index) in (ALL[2], ALL[13]):
         raise ZeroDivisionError("division by zero")
-    return (outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)
+    return Made((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),))
 
 
 def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

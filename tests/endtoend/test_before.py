@@ -54,12 +54,12 @@ def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
     (task,) = told["tasks"]
     assert task["instances"] == 2376
-    assert task["tried"] == 4
+    assert 4 <= task["tried"] <= 16, "a unit of instances that share episodes"
     assert 0 < task["seconds"] < 300
     assert task["hours"] == pytest.approx(task["instances"] * task["seconds"] / 3600)
     assert 1_000 < task["size"] < 1_000_000
-    assert task["asked"] == 4
-    assert 0 <= task["rejected"] <= 4
+    assert task["asked"] == task["tried"]
+    assert 0 <= task["rejected"] <= task["tried"]
 
 
 def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -> None:

@@ -17,7 +17,8 @@ from tests.physics.test_native import limbs, lively
 from wmspec.check.ir import Choices
 from wmspec.design.design import Design
 from wmspec.execute.backends import backend
-from wmspec.execute.trace_cache import TraceCache, physics_key
+from wmspec.execute.keys import physics_key
+from wmspec.execute.trace_cache import TraceCache
 from wmspec.scene.model import Friction, Geom, Light, Scene, Surface
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose

@@ -10,7 +10,8 @@ import pytest
 from tests.engines import installed
 from tests.pixels.scenes import SUN
 from wmspec.execute.backends import backend
-from wmspec.execute.render_cache import RenderCache, form_key, look_key
+from wmspec.execute.keys import form_key, look_key
+from wmspec.execute.render_cache import RenderCache
 from wmspec.scene.model import Light, Scene, Shot
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import TypedDict, Unpack
@@ -98,8 +99,8 @@ def generate(
         for notice in dataset.notices:
             tell(notice)
         with progress(sum(len(shard.indices) for shard in dataset.pending()), "generating") as advance:
-            make(dataset, effort(workers, timeout, plan.engines), advance, before)
-        return dataset.finish()
+            shared = make(dataset, effort(workers, timeout, plan.engines), advance, before)
+        return replace(dataset.finish(), shared=shared)
 
 
 def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan:

@@ -104,7 +104,7 @@ class _Row:
         margin = passed(question, measured)
         answer = kind.answer(asking)
         kind.gate(asking, answer)
-        stable(asking, answer, self.key)
+        stable(asking, answer, instance.key)
         self.visible(answer)
         options = kind.options(asking, answer, self.slot)
         names = named(question, asking.values)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from wmspec.design.design import Design, Instance
 from wmspec.diagnostics import EngineError, WmsError
 from wmspec.draws import uniform
 from wmspec.execute.render_cache import RenderCache
+from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.layout.values import Values
 from wmspec.scene.appearance import shown_at, vanished
@@ -25,8 +26,6 @@ from wmspec.scene.model import Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.scene.overlap import overlap
 from wmspec.scene.transform import compose as placed
 from wmspec.stage.episode import built
-from wmspec.stage.layers import compose
-from wmspec.usd import read
 
 #: Bodies that lie deeper (m) in one another at the start would be thrown apart, by each engine in its own way.
 DEEP = 0.001
@@ -34,10 +33,11 @@ DEEP = 0.001
 
 @dataclass(frozen=True)
 class EnginePair:
-    """Who executes and who draws."""
+    """Who executes, who draws, and who reads the scenes, which may be the same for all engines."""
 
     traces: TraceCache
     renders: RenderCache
+    scenes: SceneCache = field(default_factory=SceneCache)
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def execute(design: Design, instance: Instance, change: Counterfactual | None, p
     label = f"{change.name}: " if change else ""
     try:
         values = values_of(design, instance, change)
-        scene = read(compose(built(values)))
+        scene = pair.scenes.scene(built(values))
         for a, b, depth in overlaps(scene):
             raise Reject("overlap", f"{label}{a} and {b} are {depth * 1000:.1f} mm deep in one another at the start")
         return Run(values, scene, pair.traces.trace(scene))

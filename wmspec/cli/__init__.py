@@ -30,6 +30,7 @@ COMMANDS = (
     "render",
     "generate",
     "crosscheck",
+    "verify",
     "view",
     "audit",
     "evaluate",

@@ -6,12 +6,12 @@ import re
 import sys
 import traceback
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, wait
 from concurrent.futures import TimeoutError as FutureTimeout
-from concurrent.futures import wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
 from itertools import chain, islice
 from multiprocessing.context import SpawnContext, SpawnProcess
 from pathlib import Path
@@ -23,9 +23,12 @@ from pebble import ProcessExpired, ProcessPool
 from wmspec.diagnostics import GraphicsError, WmsError
 
 T = TypeVar("T")
+Piece = tuple[Any, ...]
 
 #: A worker is replaced after so many pieces of work, which bounds whatever an engine leaks.
 PIECES_PER_WORKER = 500
+#: So many pieces are with a worker at a time, so that it need not wait for the next.
+AHEAD = 2
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,37 @@ def in_order(
         yield from (_done(work, *piece) for piece in pieces)
     elif first := list(islice(every := iter(pieces), effort.workers)):
         yield from _in_workers(work, chain(first, every), effort, len(first), weight)
+
+
+def by_units(
+    work: Callable[..., T],
+    units: Iterable[Sequence[Piece]],
+    effort: Effort,
+    weight: Callable[[Piece], int] = lambda _: 1,
+) -> Generator[tuple[Piece, T | Lost], None, None]:
+    """`work(*piece)` for every piece of every unit, each with its piece, as they are done.
+
+    All pieces of a unit are done by one worker, one after the other, so that it can use again what it knows from the
+    one for the next. Otherwise as `in_order`.
+    """
+    if effort.workers == 0:
+        yield from ((piece, _done(work, *piece)) for unit in units for piece in unit)
+        return
+    first = list(islice(rest := iter(units), effort.workers))
+    waiting = chain(first, rest)
+    with ExitStack() as open_:
+        seats = [_Seat(open_.enter_context(_workers(1))) for _ in first]
+        while True:
+            for seat in seats:
+                seat.fill(waiting, lambda piece: _Job(work, piece, effort.timeout * weight(piece)))
+            running = [seat.jobs[0] for seat in seats if seat.jobs]
+            if not running:
+                return
+            wait([job.future for job in running], timeout=1, return_when=FIRST_COMPLETED)
+            for seat in seats:
+                if seat.over:
+                    job = seat.jobs.popleft()
+                    yield job.piece, cast(T, _result(job, seat.jobs, seat.workers))
 
 
 def _in_workers(
@@ -112,6 +146,30 @@ class _Job:
     future: Any = None
 
 
+@dataclass
+class _Seat:
+    """One worker, what it has to do of its unit, and the jobs that were given to it."""
+
+    workers: _Workers
+    unit: deque[Piece] = field(default_factory=deque)
+    jobs: deque[_Job] = field(default_factory=deque)
+
+    def fill(self, units: Iterator[Sequence[Piece]], job: Callable[[Piece], _Job]) -> None:
+        """Give it the next pieces, of another unit if its own is done."""
+        while len(self.jobs) < AHEAD:
+            if not self.unit:
+                self.unit.extend(next(units, ()))
+            if not self.unit:
+                return
+            self.jobs.append(job(self.unit.popleft()))
+            self.workers.take(self.jobs[-1], self.jobs)
+
+    @property
+    def over(self) -> bool:
+        """Whether its first job is done, or its process is gone."""
+        return bool(self.jobs) and (self.jobs[0].future.done() or not self.workers.active)
+
+
 class _Workers:
     """The processes that do the work.
 
@@ -124,6 +182,11 @@ class _Workers:
     def __init__(self, count: int) -> None:
         self._count = count
         self._begin()
+
+    @property
+    def active(self) -> bool:
+        """Whether they have not given up."""
+        return bool(self._pool.active)
 
     def take(self, job: _Job, others: Iterable[_Job]) -> None:
         """Have the job done."""

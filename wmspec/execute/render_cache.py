@@ -1,40 +1,22 @@
-"""Drawing scenes: a renderer is kept for as long as scenes look the same, and a picture is drawn once."""
+"""Drawing scenes: renderers are kept for scenes that differ in colours and places alone; a picture is drawn once."""
 
 from __future__ import annotations
 
-import hashlib
-import pickle
 from collections import OrderedDict
-from typing import Any
 
 from wmspec.execute.backends import backend
+from wmspec.execute.keys import form_key, look_key, shot_key
 from wmspec.scene.model import Frame, Look, Renderer, Scene, Shot
 
-
-def look_key(scene: Scene) -> str:
-    """What a picture shows of a scene apart from poses, as a hash."""
-    return _hash(form_key(scene), [[g.surface for g in b.geoms if g.visible] for b in scene.bodies])
-
-
-def form_key(scene: Scene) -> str:
-    """What a picture shows of a scene apart from poses and colours, as a hash."""
-    shown = [
-        (
-            b.name,
-            b.motion,
-            [(g.shape, g.pose, g.surface.texture, g.surface.repeats, g.collides) for g in b.geoms if g.visible],
-        )
-        for b in scene.bodies
-    ]
-    return _hash(shown, scene.cameras, scene.light, scene.background)
-
-
-def _hash(*read: Any) -> str:
-    return hashlib.blake2b(pickle.dumps(read, protocol=4), digest_size=16).hexdigest()
+#: How much (bytes) the pictures take that are remembered, and how many renderers are open.
+REMEMBERED, OPEN = 96_000_000, 4
 
 
 class RenderCache:
-    """Draws in one engine at one size (pixels), in a look, with so many samples a pixel. Close it when done."""
+    """Draws in one engine at one size (pixels), in a look, with so many samples a pixel. Close it when done.
+
+    `asked` is how many pictures it was asked for, `drawn` how many it drew.
+    """
 
     def __init__(
         self,
@@ -43,44 +25,52 @@ class RenderCache:
         height: int,
         look: Look = "parity",
         samples: int | None = None,
-        remembered: int = 64,
+        remembered: int = REMEMBERED,
     ) -> None:
         self.engine = engine
         self.size = (width, height)
+        self.asked = self.drawn = 0
         self._look, self._samples = look, samples
-        self._remembered = remembered
-        self._open: tuple[str, str, Renderer] | None = None
-        self._frames: OrderedDict[str, Frame] = OrderedDict()
+        self._room = remembered
+        self._frames: OrderedDict[tuple[bytes, bytes, bool], Frame] = OrderedDict()
+        self._open: OrderedDict[bytes, tuple[bytes, Renderer]] = OrderedDict()
 
     def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
         """The picture of a scene from a camera, with every body at the pose of the shot."""
-        look = look_key(scene)
-        where = b"".join(p.position.tobytes() + p.orientation.tobytes() for p in shot.poses)
-        key = hashlib.blake2b(f"{look}{shot.camera}{depth}".encode() + where, digest_size=16).hexdigest()
+        key = look_key(scene), shot_key(shot), depth
+        self.asked += 1
         if key not in self._frames:
-            self._frames[key] = self._renderer(scene, look).draw(shot, depth=depth)
-            if len(self._frames) > self._remembered:
-                self._frames.popitem(last=False)
+            self.drawn += 1
+            self._keep(key, self._renderer(scene).draw(shot, depth=depth))
         self._frames.move_to_end(key)
         return self._frames[key]
 
     def close(self) -> None:
-        """Let go of the renderer."""
-        if self._open is not None:
-            self._open[2].close()
-            self._open = None
+        """Let go of the renderers."""
+        while self._open:
+            self._open.popitem()[1][1].close()
 
-    def _renderer(self, scene: Scene, look: str) -> Renderer:
-        form = form_key(scene)
-        if self._open is not None and self._open[0] != look and not self._repainted(scene, form):
-            self.close()
-        if self._open is None:
+    def _keep(self, key: tuple[bytes, bytes, bool], frame: Frame) -> None:
+        self._frames[key] = frame
+        self._room -= _bytes(frame)
+        while self._room < 0 and len(self._frames) > 1:
+            self._room += _bytes(self._frames.popitem(last=False)[1])
+
+    def _renderer(self, scene: Scene) -> Renderer:
+        """A renderer of the scene: one that is open if it can be given its colours, or else a new one."""
+        form, look = form_key(scene), look_key(scene)
+        if form in self._open:
+            painted, renderer = self._open[form]
+            if painted != look and not renderer.repaint(scene):
+                self._open.pop(form)[1].close()
+        if form not in self._open:
             renderer = backend(self.engine).renderer(scene, *self.size, self._look, self._samples)
-        else:
-            renderer = self._open[2]
-        self._open = (look, form, renderer)
+        self._open[form] = look, renderer
+        self._open.move_to_end(form)
+        if len(self._open) > OPEN:
+            self._open.popitem(last=False)[1][1].close()
         return renderer
 
-    def _repainted(self, scene: Scene, form: str) -> bool:
-        """Whether the renderer that is open could be given the colours of the scene."""
-        return self._open is not None and self._open[1] == form and self._open[2].repaint(scene)
+
+def _bytes(frame: Frame) -> int:
+    return int(frame.rgb.nbytes + frame.ids.nbytes + (0 if frame.depth is None else frame.depth.nbytes))

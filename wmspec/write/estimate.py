@@ -7,14 +7,13 @@ from contextlib import closing
 from dataclasses import dataclass
 from time import perf_counter
 
-from wmspec.ask.closed import has_closed
-from wmspec.check.orbits import MOST
 from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.write.generate import job_of
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import schema, table
 from wmspec.write.shards import parquet
-from wmspec.write.worker import Job, Outcome, made_with, work
+from wmspec.write.units import Piece, units
+from wmspec.write.worker import Job, Outcome, work
 
 
 @dataclass(frozen=True)
@@ -43,56 +42,78 @@ class Cost:
         return self.instances * self.size
 
 
+#: Of a unit so many instances are tried.
+TRIED = 16
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """What came of making a unit, and the seconds that took."""
+
+    seconds: float
+    outcomes: tuple[Outcome, ...]
+
+
 def estimate(plan: Plan, effort: Effort, count: int, progress: Callable[[str, int], None]) -> tuple[Cost, ...]:
-    """Make `count` instances of every task, spread over its indices, with all workers busy as they would be."""
+    """Make at least `count` instances of every task, in whole units from all over it, with all workers busy."""
     job = job_of(plan, effort)
-    pieces = [(job, task.spec.name, index, other) for task in plan.tasks for index, other in _spread(task, count)]
-    made: dict[str, list[tuple[float, Outcome] | Lost]] = {task.spec.name: [] for task in plan.tasks}
-    with closing(in_order(timed, pieces, effort)) as outcomes:
-        for (_, name, *_), outcome in zip(pieces, outcomes, strict=True):
-            made[name].append(outcome)
-            progress(name, 1)
-    return tuple(_cost(plan, task, effort, made[task.spec.name]) for task in plan.tasks)
+    pieces = [(job, task.spec.name, *trial) for task in plan.tasks for trial in _spread(task, plan.seed, count)]
+    trials: dict[str, list[tuple[list[Piece], _Trial | Lost]]] = {task.spec.name: [] for task in plan.tasks}
+    with closing(in_order(timed, pieces, effort, weight=lambda piece: _size(piece[-1]))) as outcomes:
+        for (_, name, _, unit), trial in zip(pieces, outcomes, strict=True):
+            trials[name].append((unit, trial))
+            progress(name, _size(unit))
+    return tuple(_cost(plan, task, effort, trials[task.spec.name]) for task in plan.tasks)
 
 
 #: The tasks that this worker process has made an instance of: its engines have started and its scenes are known.
 _warm: set[str] = set()
 
 
-def timed(job: Job, task: str, index: int, other: int) -> tuple[float, Outcome]:
-    """Make an instance; the seconds it took, without what a worker needs once to get going.
+def timed(job: Job, task: str, other: Piece, unit: list[Piece]) -> _Trial:
+    """Make a unit; the seconds it took, without what a worker needs once to get going.
 
-    That is for making an `other` instance, because what the same one does would be known already. What is made with the
-    whole of its group takes its share of that.
+    That is for making some `other` instance, because what the same one does would be known already.
     """
     if task not in _warm:
-        work(job, task, (other,))
+        work(job, task, other)
         _warm.add(task)
     began = perf_counter()
-    (outcome,) = work(job, task, (index,))
-    return (perf_counter() - began) / made_with(job, task, index), outcome
+    outcomes = [outcome for piece in unit for outcome in work(job, task, piece).outcomes]
+    return _Trial(perf_counter() - began, tuple(outcomes))
 
 
-def _spread(task: Task, count: int) -> Iterator[tuple[int, int]]:
-    """Instances of a task, each with one before it."""
-    tried = min(count, len(task.indices))
-    places = ((2 * i + 1) * len(task.indices) // (2 * tried) for i in range(tried))
-    apart = MOST if has_closed(task.spec) else 1  # not in the same group
-    return ((task.indices[place], task.indices[(place - apart) % len(task.indices)]) for place in places)
+def _spread(task: Task, seed: int, count: int) -> Iterator[tuple[Piece, list[Piece]]]:
+    """Units of a task with at least `count` instances together, each with a piece of the unit before."""
+    every = list(units(task.spec, seed, task.indices))
+    tried = min(-(-count * len(every) // len(task.indices)), len(every))
+    places = ((2 * i + 1) * len(every) // (2 * tried) for i in range(tried))
+    return ((every[place - 1][-1], _few(every[place])) for place in places)
 
 
-def _cost(plan: Plan, task: Task, effort: Effort, made: list[tuple[float, Outcome] | Lost]) -> Cost:
-    whole = [m for m in made if not isinstance(m, Lost)]
-    rows = [row for _, outcome in whole for row in outcome.rows]
-    lost = (len(made) - len(whole)) * len(task.spec.questions) * len(plan.engines)
-    late = sum(isinstance(m, Lost) and m.kind == "timeout" for m in made)
-    seconds = sum(s for s, _ in whole) + 2 * effort.timeout * late  # each was tried twice
+def _few(unit: list[Piece]) -> list[Piece]:
+    """The first pieces of a unit: as many as can be tried without much of a wait. The others share more with them."""
+    return [piece for number, piece in enumerate(unit) if number == 0 or _size(unit[: number + 1]) <= TRIED]
+
+
+def _size(unit: list[Piece]) -> int:
+    return sum(map(len, unit))
+
+
+def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[list[Piece], _Trial | Lost]]) -> Cost:
+    whole = [trial for _, trial in trials if isinstance(trial, _Trial)]
+    outcomes = [outcome for trial in whole for outcome in trial.outcomes]
+    rows = [row for outcome in outcomes for row in outcome.rows]
+    tried = sum(_size(unit) for unit, _ in trials)
+    lost = (tried - len(outcomes)) * len(task.spec.questions) * len(plan.engines)
+    late = sum(_size(unit) for unit, trial in trials if isinstance(trial, Lost) and trial.kind == "timeout")
+    seconds = sum(trial.seconds for trial in whole) + 2 * effort.timeout * late  # each was tried twice
     return Cost(
         task=task.spec.name,
         instances=len(task.indices),
-        tried=len(made),
-        seconds=seconds / len(made),
-        size=len(parquet(table(rows, schema(task.spec)))) / len(made),
-        asked=len(made) * len(task.spec.questions) * len(plan.engines),
-        rejected=lost + sum(len(outcome.rejected) for _, outcome in whole),
+        tried=tried,
+        seconds=seconds / tried,
+        size=len(parquet(table(rows, schema(task.spec)))) / tried,
+        asked=tried * len(task.spec.questions) * len(plan.engines),
+        rejected=lost + sum(len(outcome.rejected) for outcome in outcomes),
     )

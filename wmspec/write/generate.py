@@ -7,54 +7,83 @@ reason. A worker that crashes or hangs tries it once more, and so does the next 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
-from itertools import groupby, islice
+from itertools import groupby
 
-from wmspec.ask.closed import has_closed
 from wmspec.ask.model import Rejected
 from wmspec.check.record import to_json
-from wmspec.design.design import Design
-from wmspec.execute.pool import Effort, Lost, in_order
+from wmspec.execute.pool import Effort, Lost, by_units
+from wmspec.write.checkpoint import passing
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard
 from wmspec.write.reuse import Before
-from wmspec.write.worker import Job, Outcome, work
+from wmspec.write.units import Piece, units
+from wmspec.write.worker import Job, Outcome, Sharing, work
 
 
-def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> None:
+def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> Sharing:
     """Make every pending shard, but for what was made `before`, or was kept by a run that was stopped.
+
+    Returns how much of the work was shared.
 
     `progress` is told the task and the number of its instances that were finished.
     """
     plan = dataset.plan
     pending = dataset.pending()
     if not pending:
-        return
-    job = job_of(plan, effort)
-    kept = {shard.path: dataset.kept(shard) for shard in pending}
-    missing = {s.path: _pieces(s, plan.seed, [i for i in before.missing(s) if i not in kept[s.path]]) for s in pending}
-    pieces = ((job, shard.task.spec.name, piece) for shard in pending for piece in missing[shard.path])
-    with closing(in_order(work, pieces, effort, weight=lambda piece: len(piece[-1]))) as outcomes:
-        for shard in pending:
-            gathered, new = list((kept.pop(shard.path) | before.outcomes(shard)).values()), missing[shard.path]
-            progress(shard.task.spec.name, len(gathered))
-            for indices, outcome in zip(new, islice(outcomes, len(new)), strict=True):
-                for at, index in enumerate(indices):
-                    made = _lost(plan, shard, index, outcome) if isinstance(outcome, Lost) else outcome[at]
-                    gathered.append(made)
-                    dataset.keep(shard, index, made)
-                    progress(shard.task.spec.name, 1)
-            rows = [row for outcome in gathered for row in outcome.rows]
-            dataset.write(shard, rows, [r for outcome in gathered for r in outcome.rejected])
+        return Sharing()
+    job, shared = job_of(plan, effort), Sharing()
+    making = [_Making(dataset, shard, before) for shard in pending]
+    for one in making:
+        progress(one.task, len(one.shard.indices) - len(one.missing))
+        one.finish()
+    shard_of = {(one.task, index): one for one in making for index in one.missing}
+    with closing(by_units(work, _units(job, plan, making), effort, weight=lambda piece: len(piece[-1]))) as outcomes:
+        for (_, task, indices), made in outcomes:
+            if not isinstance(made, Lost):
+                shared += made.shared
+            for at, index in enumerate(indices):
+                one = shard_of[task, index]
+                one.keep(index, _lost(plan, one.shard, index, made) if isinstance(made, Lost) else made.outcomes[at])
+                progress(task, 1)
+    return shared
 
 
-def _pieces(shard: Shard, seed: int, indices: list[int]) -> list[tuple[int, ...]]:
-    """The instances that go to a worker together: each alone, or those of a group that is made as a whole."""
-    if not has_closed(shard.task.spec):
-        return [(index,) for index in indices]
-    design = Design(shard.task.spec, seed)
-    return [tuple(of_one) for _, of_one in groupby(indices, key=lambda index: design.blocks.locate(index)[0])]
+class _Making:
+    """A shard in the making: what is missing of it, and what is not kept on the disk because it failed."""
+
+    def __init__(self, dataset: Dataset, shard: Shard, before: Before) -> None:
+        self.shard, self.task = shard, shard.task.spec.name
+        kept = dataset.kept(shard)
+        self.missing = {index for index in before.missing(shard) if index not in kept}
+        self._dataset, self._before = dataset, before
+        self._failed: dict[int, Outcome] = {}
+
+    def keep(self, index: int, outcome: Outcome) -> None:
+        """Write down what came of an instance, and the shard if it was the last."""
+        self._dataset.keep(self.shard, index, outcome)
+        if passing(outcome.rejected):
+            self._failed[index] = outcome
+        self.missing.remove(index)
+        self.finish()
+
+    def finish(self) -> None:
+        """Write the shard if nothing of it is missing."""
+        if not self.missing:
+            made = self._dataset.kept(self.shard) | self._failed | self._before.outcomes(self.shard)
+            rows = [row for outcome in made.values() for row in outcome.rows]
+            self._dataset.write(self.shard, rows, [r for outcome in made.values() for r in outcome.rejected])
+
+
+def _units(job: Job, plan: Plan, making: Iterable[_Making]) -> Iterator[list[tuple[Job, str, Piece]]]:
+    """What the workers get, one task after the other."""
+    for task, shards in groupby(making, key=lambda one: one.task):
+        of_task = list(shards)
+        wanted = [index for one in of_task for index in one.shard.indices if index in one.missing]
+        if wanted:
+            for unit in units(of_task[0].shard.task.spec, plan.seed, wanted):
+                yield [(job, task, piece) for piece in unit]
 
 
 def job_of(plan: Plan, effort: Effort) -> Job:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from wmspec.ask.model import Rejected
 from wmspec.write.plan import Plan, Task
 from wmspec.write.shards import Record
+from wmspec.write.worker import Sharing
 
 #: Of how many reasons an example is told.
 REASONS = 3
@@ -39,9 +40,10 @@ def _told(one: Rejected) -> str:
 
 @dataclass(frozen=True)
 class Summary:
-    """The count of a whole dataset."""
+    """The count of a whole dataset, and how much of the work of making it just now was shared."""
 
     tasks: tuple[TaskSummary, ...]
+    shared: Sharing = field(default_factory=Sharing)
 
     @property
     def rows(self) -> int:
@@ -59,9 +61,8 @@ class Summary:
     def __str__(self) -> str:
         lost = sum(self.rejected.values())
         why = ", ".join(f"{n:,} {reason}" for reason, n in self.rejected.items())
-        return "\n".join(
-            [*map(str, self.tasks), f"{self.rows:,} questions, {lost:,} rejected" + (f" ({why})" if why else "")]
-        )
+        told = f"{self.rows:,} questions, {lost:,} rejected" + (f" ({why})" if why else "")
+        return "\n".join([*map(str, self.tasks), *([str(self.shared)] if self.shared.episodes else []), told])
 
 
 def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:

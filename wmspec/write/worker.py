@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import astuple, dataclass, field
 from functools import cache
 
 from wmspec.ask.ask import ask
@@ -13,6 +14,7 @@ from wmspec.ask.runs import EnginePair
 from wmspec.check.record import from_json
 from wmspec.design.design import Design
 from wmspec.execute.render_cache import RenderCache
+from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.scene.model import Look
 from wmspec.write.rows import Row, encode
@@ -40,23 +42,52 @@ class Outcome:
     rejected: tuple[Rejected, ...]
 
 
-def work(job: Job, task: str, indices: tuple[int, ...]) -> tuple[Outcome, ...]:
+@dataclass(frozen=True)
+class Sharing:
+    """How often episodes and pictures were needed, and how many of them were executed and drawn."""
+
+    episodes: int = 0
+    executed: int = 0
+    pictures: int = 0
+    drawn: int = 0
+
+    def __add__(self, other: Sharing) -> Sharing:
+        return Sharing(*map(sum, zip(astuple(self), astuple(other), strict=True)))
+
+    def __str__(self) -> str:
+        return (
+            f"{self.executed:,} episodes executed where {self.episodes:,} were needed, "
+            f"{self.drawn:,} pictures drawn where {self.pictures:,} were"
+        )
+
+
+@dataclass(frozen=True)
+class Made:
+    """What came of instances, in order, and how much of the work was shared."""
+
+    outcomes: tuple[Outcome, ...]
+    shared: Sharing = field(default_factory=Sharing)
+
+
+def work(job: Job, task: str, indices: tuple[int, ...]) -> Made:
     """Ask instances in every engine of the job: one, or some of a group whose options are a closed set.
 
     Such a group is asked as a whole, whichever of its members are wanted.
     """
-    design = _design(job, task)
-    if not has_closed(design.spec):
-        return tuple(_outcome(_answers(job, design, index)) for index in indices)
-    members = design.blocks.members(design.blocks.locate(indices[0])[0])
-    whole = kept_whole(design.spec, {member: _answers(job, design, member) for member in members})
-    return tuple(_outcome(whole[index]) for index in indices)
+    design, before = _design(job, task), _counted(job)
+    members = design.blocks.members(design.blocks.locate(indices[0])[0]) if has_closed(design.spec) else indices
+    answers: Mapping[int, Answers] = {member: _answers(job, design, member) for member in members}
+    if has_closed(design.spec):
+        answers = kept_whole(design.spec, answers)
+    outcomes = tuple(_outcome(answers[index]) for index in indices)
+    after = _counted(job)
+    return Made(outcomes, Sharing(*(b - a for a, b in zip(before, after, strict=True))))
 
 
-def made_with(job: Job, task: str, index: int) -> int:
-    """How many instances are made where this one is wanted: itself, or its whole group."""
-    design = _design(job, task)
-    return len(design.blocks.members(design.blocks.locate(index)[0])) if has_closed(design.spec) else 1
+def _counted(job: Job) -> tuple[int, ...]:
+    """What was asked of this process's engines, and what they did."""
+    counts = [(p.traces.asked, p.traces.executed, p.renders.asked, p.renders.drawn) for p in _pairs(job).values()]
+    return tuple(map(sum, zip(*counts, strict=True)))
 
 
 def _answers(job: Job, design: Design, index: int) -> Answers:
@@ -81,7 +112,10 @@ def _design(job: Job, task: str) -> Design:
 
 @cache
 def _pairs(job: Job) -> dict[str, EnginePair]:
+    scenes = SceneCache()
     return {
-        engine: EnginePair(TraceCache(engine), RenderCache(job.renderer or engine, *job.size, job.look, job.samples))
+        engine: EnginePair(
+            TraceCache(engine), RenderCache(job.renderer or engine, *job.size, job.look, job.samples), scenes
+        )
         for engine in job.engines
     }

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
-import pickle
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
@@ -23,8 +21,9 @@ from wmspec.ask.sighting import sightings
 from wmspec.ask.visibility_gate import named
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
-from wmspec.execute.render_cache import look_key
+from wmspec.execute.keys import look_key
 from wmspec.scene.appearance import shown_at
+from wmspec.scene.digest import digest
 from wmspec.scene.model import Frame, Pose, Scene
 from wmspec.scene.turn import axis, visibly_turned
 
@@ -263,7 +262,7 @@ def appearance(scene: Scene) -> str:
     fixed = [(b.name, b.pose.position.tobytes(), b.pose.orientation.tobytes()) for b in static]
     bodies = tuple(replace(b, geoms=tuple(replace(g, pose=_rounded(g.pose)) for g in b.geoms)) for b in scene.bodies)
     looks = look_key(replace(scene, bodies=bodies))
-    return hashlib.blake2b(pickle.dumps((looks, fixed), protocol=4), digest_size=16).hexdigest()
+    return digest(looks, fixed).hex()
 
 
 def _rounded(pose: Pose) -> Pose:
@@ -291,7 +290,7 @@ def _told_apart(depicted: Sequence[Depicted], frames: Sequence[Frame]) -> None:
 
 def _shown(scene: Scene, frame: Frame, numbers: dict[tuple[object, ...], int]) -> NDArray[np.int64]:
     """The picture with a number for every body, its surfaces and the light on them, the same in all `numbers`."""
-    light = pickle.dumps(scene.light)
+    light = digest(scene.light)
     looks = [(b.name, tuple(g.surface for g in b.geoms if g.visible), light) for b in scene.bodies]
     table = [numbers.setdefault(look, len(numbers)) for look in (*looks, ("", scene.background))]
     return np.asarray(np.array(table)[frame.ids])  # -1, which is no body, is the last of them

@@ -1,0 +1,86 @@
+"""A dataset is made again from its manifest: the same comes out, and what was altered is named."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from PIL import Image
+
+from tests.endtoend.test_commands import wmspec
+from tests.engines import installed
+from tests.language.specs import SPECS
+from wmspec.api import generate
+from wmspec.api.verifying import verify
+from wmspec.diagnostics import WmsError
+from wmspec.write.rows import png
+from wmspec.write.shards import parquet
+
+SPEED = next(path for path in SPECS if path.stem == "speed_tabletop")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    installed("mujoco")
+    folder = tmp_path_factory.mktemp("verify") / "out"
+    generate(SPEED, folder, per_task=3, backend="mujoco", size=64, workers=0)
+    return folder
+
+
+def altered(made: Path, folder: Path, change: Callable[[dict[str, Any]], object]) -> Path:
+    """The dataset with its first row changed, as if it had been made so."""
+    shutil.copytree(made, folder)
+    path = next(folder.glob("data/*/*.parquet"))
+    table = pq.read_table(path)
+    rows = table.to_pylist()
+    change(rows[0])
+    path.write_bytes(parquet(pa.Table.from_pylist(rows, schema=table.schema)))
+    manifest = json.loads((folder / "manifest.json").read_bytes())
+    manifest["shards"][path.relative_to(folder).as_posix()]["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    return folder
+
+
+def noisy(row: dict[str, Any]) -> None:
+    pixels = np.asarray(Image.open(io.BytesIO(row["context"][0]["bytes"])))
+    row["context"][0]["bytes"] = png((pixels ^ (np.arange(64) == 0)[:, None, None]).astype(np.uint8))
+
+
+def test_the_same_comes_out_again(made: Path) -> None:
+    result = verify(made, sample=2, workers=0)
+    assert (result.questions, result.verdict, result.differences, dict(result.versions)) == (2, "same", (), {})
+
+
+def test_what_was_altered_is_named(made: Path, tmp_path: Path) -> None:
+    def other(row: dict[str, Any]) -> None:
+        row["answer"] = (row["answer"] + 1) % len(row["option_text"])
+
+    folder = altered(made, tmp_path / "other", other)
+    told = wmspec("verify", folder, "--all", "-j", 1, folder=tmp_path, code=1).stdout
+    assert "DIFFERENT speed_tabletop/" in told
+    assert ": answer: " in told
+    assert "3 questions made again: 1 different" in told
+
+
+def test_what_is_nearly_the_same_passes_and_is_told(made: Path, tmp_path: Path) -> None:
+    result = verify(altered(made, tmp_path / "near", noisy), sample=None, workers=0)
+    (difference,) = result.differences
+    assert result.verdict == "near"
+    assert difference.column == "context"
+    assert difference.words.startswith("picture 1 differs in 1.56% of its values, by 0.016 ")
+
+
+def test_a_damaged_dataset_is_not_verified(made: Path, tmp_path: Path) -> None:
+    shutil.copytree(made, tmp_path / "damaged")
+    next((tmp_path / "damaged").glob("data/*/*.parquet")).write_bytes(b"PAR1")
+    with pytest.raises(WmsError, match="is not as it was written"):
+        verify(tmp_path / "damaged", workers=0)

@@ -1,0 +1,215 @@
+"""Scenes of documents, read part by part: what was read before, in whatever stage, is not read again.
+
+A part is a subtree of prims that becomes one thing of the scene: an object, a camera, all actions, all observations,
+the lights. What it is read as depends on its own prims, on those above it and on the parts that it points to, as an
+object points to its materials: their content is its key. The parts that are not known are composed as a small stage of
+their own, and read from it as any stage is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import marshal
+from collections import OrderedDict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from wmspec.diagnostics import WmsError
+from wmspec.scene.digest import PLAIN_FORMAT
+from wmspec.scene.model import Scene
+from wmspec.stage.document import Document, Prim
+from wmspec.stage.layers import compose
+from wmspec.usd import read
+
+_OBJECTS, _MATERIALS, _CAMERAS = "/World/Objects/", "/World/Materials/", "/World/Cameras/"
+_EPISODE, _LIGHTS = "/World/Episode", "/World/Lights"
+_ACTIONS, _OBSERVATIONS = f"{_EPISODE}/Actions", f"{_EPISODE}/Observations"
+#: The prims above all parts, which are in every small stage, as is the part of gravity and the episode's duration.
+_ABOVE = ("/World", "/World/Objects", "/World/Materials", "/World/Cameras", _LIGHTS, _ACTIONS, _OBSERVATIONS)
+_FRAME = "/World/physics"
+#: What ties bodies together is read as a whole: joints, robots, filters, cameras that ride, and what is not known here.
+_TYPES = {"", "Xform", "Scope", "PhysicsScene", "Material", "Shader", "DistantLight", "DomeLight", "WmsEpisode"}
+_TYPES |= {"Cube", "Sphere", "Cylinder", "Cone", "Capsule", "Plane", "Mesh", "GeomSubset", "WmsObservation"}
+_TYING = ("PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI", "CollectionAPI")
+
+#: The paths of the prims of every part.
+_Parts = dict[str, list[str]]
+
+
+class SceneCache:
+    """Reads documents, and remembers the latest parts of them."""
+
+    def __init__(self, remembered: int = 2048) -> None:
+        self._remembered = remembered
+        self._known: OrderedDict[bytes, Any] = OrderedDict()
+
+    def scene(self, document: Document) -> Scene:
+        """The scene of a document, as `wmspec.usd.read` reads it from the whole stage.
+
+        Raises StageError with all that is wrong.
+        """
+        parts = _parts(document)
+        if parts is None:
+            return read(compose(document))
+        try:
+            return self._assembled(document, parts)
+        except _Whole:
+            return read(compose(document))
+
+    def _assembled(self, document: Document, parts: _Parts) -> Scene:
+        keys = _keys(document, parts)
+        missing = [part for part in keys if keys[part] not in self._known]
+        if missing:
+            self._read(document, parts, missing, keys)
+        for key in keys.values():
+            self._known.move_to_end(key)
+        content = {part: self._known[key] for part, key in keys.items()}
+        while len(self._known) > self._remembered:
+            self._known.popitem(last=False)
+        bodies = tuple(body for part in content if part.startswith(_OBJECTS) for body in content[part])
+        if len({body.name for body in bodies}) < len(bodies):
+            raise _Whole
+        frame: Scene = content[_FRAME]
+        light, background = content[_LIGHTS]
+        return replace(
+            frame,
+            bodies=bodies,
+            cameras=tuple(content[part] for part in content if part.startswith(_CAMERAS)),
+            actions=content[_ACTIONS],
+            observations=content[_OBSERVATIONS],
+            light=light,
+            background=background,
+        )
+
+    def _read(self, document: Document, parts: _Parts, missing: list[str], keys: dict[str, bytes]) -> None:
+        """Read the parts that are missing, from a stage of these and what they point to."""
+        wanted = {_FRAME, *missing, *(near for part in missing for near in _reached(document, parts, part))}
+        paths = {path for part in wanted for path in parts.get(part, ())}.union(_ABOVE)
+        small = Document({path: prim for path, prim in document.prims.items() if path in paths})
+        try:
+            scene = read(compose(small))
+        except WmsError:
+            raise _Whole from None  # where all that is wrong is told
+        for part in missing:
+            self._known[keys[part]] = _content(scene, part)
+
+
+class _Whole(Exception):
+    """No error: the document is read as a whole."""
+
+
+def _parts(document: Document) -> _Parts | None:
+    """The paths of every part, in the document's order; None if the document has to be read as a whole."""
+    parts: _Parts = {_FRAME: [], _LIGHTS: [], _ACTIONS: [], _OBSERVATIONS: []}
+    for path, prim in document.prims.items():
+        part = _part(path, prim)
+        if part is None:
+            return None
+        if part:
+            parts.setdefault(part, []).append(path)
+    return parts if any(part.startswith(_CAMERAS) for part in parts) else None
+
+
+def _part(path: str, prim: Prim) -> str | None:
+    """The part that a prim belongs to, empty if it is above all of them; None if it ties parts together."""
+    if path in _ABOVE:
+        return ""
+    if path == _EPISODE:
+        return _FRAME
+    if any(schema.startswith(_TYING) for schema in prim.schemas):
+        return None
+    for part in (_FRAME, _LIGHTS, _ACTIONS, _OBSERVATIONS):
+        if path == part or path.startswith(f"{part}/"):
+            return part if prim.type != "WmsAction" or _single(prim) else None
+    whole = "/".join(path.split("/", 4)[:4])
+    if whole.startswith(_CAMERAS):
+        return whole if prim.type == "Camera" else None
+    return whole if prim.type in _TYPES and whole.startswith((_OBJECTS, _MATERIALS)) else None
+
+
+def _single(action: Prim) -> bool:
+    """Whether an action is one in the scene: a robot's is a plan of many."""
+    verb = action.attributes.get("wms:verb")
+    return verb is None or verb.value != "reach"
+
+
+def _keys(document: Document, parts: _Parts) -> dict[str, bytes]:
+    """The keys of all parts but the materials, which are read with what they are bound to."""
+    own = {part: _said(document, paths) for part, paths in parts.items()}
+    above = _said(document, [path for path in _ABOVE if path in document.prims])
+    keys = {}
+    for part in parts:
+        if not part.startswith(_MATERIALS):
+            content = [above, part.encode(), own[part], *(own[near] for near in _reached(document, parts, part))]
+            keys[part] = hashlib.blake2b(b"\0".join(content), digest_size=16).digest()
+    return keys
+
+
+def _said(document: Document, paths: Iterable[str]) -> bytes:
+    """What prims say, without whence it comes."""
+    said = []
+    for path in paths:
+        prim = document.prims[path]
+        attributes = [(n, a.type, a.value, a.uniform, a.connection, a.varies) for n, a in prim.attributes.items()]
+        relations = [(name, relation.targets) for name, relation in prim.relations.items()]
+        said.append((path, prim.type, prim.schemas, prim.reference, attributes, relations))
+    try:
+        return marshal.dumps(said, PLAIN_FORMAT)
+    except ValueError:  # a value that is no number, text or list of them
+        raise _Whole from None
+
+
+def _reached(document: Document, parts: _Parts, part: str) -> list[str]:
+    """The other parts that a part points to, directly or not, in order."""
+    reached, waiting = [part], [part]
+    while waiting:
+        for path in parts[waiting.pop()]:
+            for target in _targets(document.prims[path]):
+                near = _owner(target, parts)
+                if near not in reached:
+                    reached.append(near)
+                    waiting.append(near)
+    return reached[1:]
+
+
+def _targets(prim: Prim) -> Iterator[str]:
+    for relation in prim.relations.values():
+        yield from relation.targets
+    for attribute in prim.attributes.values():
+        if attribute.connection:
+            yield attribute.connection.partition(".")[0]
+
+
+def _owner(path: str, parts: _Parts) -> str:
+    whole = "/".join(path.split("/", 4)[:4])
+    if whole not in parts:
+        raise _Whole  # it points to nothing that could be read alone
+    return whole
+
+
+def _content(scene: Scene, part: str) -> Any:
+    """What a part has become in a scene."""
+    match part:
+        case _ if part == _FRAME:
+            return replace(scene, bodies=(), cameras=(), actions=(), observations=())
+        case _ if part == _LIGHTS:
+            return scene.light, scene.background
+        case _ if part == _ACTIONS:
+            return scene.actions
+        case _ if part == _OBSERVATIONS:
+            return scene.observations
+        case _ if part.startswith(_CAMERAS):
+            return _named(scene.cameras, part)[0]
+    bodies = tuple(body for body in scene.bodies if body.path == part or body.path.startswith(f"{part}/"))
+    for body in bodies:
+        if body.name != body.path.rpartition("/")[2]:
+            raise _Whole  # its name depends on those of others
+    return bodies
+
+
+def _named(things: Sequence[Any], part: str) -> list[Any]:
+    named = [thing for thing in things if thing.name == part.rpartition("/")[2]]
+    if len(named) != 1:
+        raise _Whole
+    return named

@@ -1,0 +1,90 @@
+"""Which instances go to a worker together: those that share episodes and pictures.
+
+What would have happened is what happens in a neighbour: instances that differ only in what counterfactuals change have
+the same episodes, and those that differ in looks besides have the same physics. This is worked out from the spec alone;
+were it wrong, some episode would be executed twice, and nothing else would come of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from wmspec.ask.closed import has_closed
+from wmspec.check.ir import TaskSpec
+from wmspec.design.depend import Dependencies
+from wmspec.design.design import Design, Instance
+from wmspec.diagnostics import WmsError
+from wmspec.layout.values import Values
+from wmspec.stage.document import Document
+from wmspec.stage.episode import built
+from wmspec.stage.one_factor import changed_by
+
+#: A unit has so many instances at most (but a closed set is never parted): what a worker gets at a time.
+MOST = 32
+
+#: Instances that are made together: one, or those of a closed set.
+Piece = tuple[int, ...]
+
+
+def units(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Piece]]:
+    """The pieces of every unit, in the order in which they share most; every index comes once."""
+    design = Design(spec, seed)
+    kin = _Kin(design)
+    shared: dict[object, dict[object, dict[int, list[int]]]] = {}
+    closed = has_closed(spec)
+    for index in indices:
+        instance = design[index]
+        looks = shared.setdefault(kin.physics(instance), {})
+        whole = instance.block if closed else index
+        looks.setdefault(kin.looks(instance), {}).setdefault(whole, []).append(index)
+    for looks in shared.values():
+        unit: list[Piece] = []
+        for piece in (tuple(piece) for pieces in looks.values() for piece in pieces.values()):
+            if unit and sum(map(len, unit)) + len(piece) > MOST:
+                yield unit
+                unit = []
+            unit.append(piece)
+        yield unit
+
+
+class _Kin:
+    """What the instances of a task have in common that share episodes."""
+
+    def __init__(self, design: Design) -> None:
+        spec, depend = design.spec, Dependencies(design.spec)
+        changes = (change for question in spec.questions for change in question.counterfactuals)
+        changed = {source for change in changes for name in changed_by(change) for source in depend.source(name)}
+        felt = {source for name in _felt(design) for source in depend.source(name)}
+        self._looks = [factor.name for factor in design.factors if factor.name not in changed]
+        self._physics = [name for name in self._looks if name in felt]
+        self._drawn = bool({factor.name for factor in design.nuisances} & felt)
+
+    def physics(self, instance: Instance) -> object:
+        """Alike where instances may share physics."""
+        return (instance.key if self._drawn else (), *(instance.factors[name] for name in self._physics))
+
+    def looks(self, instance: Instance) -> object:
+        """Alike where they may share pictures as well."""
+        return (instance.key, *(instance.factors[name] for name in self._looks))
+
+
+def _felt(design: Design) -> set[str]:
+    """The sources of what physics reads; those of everything if the first instance cannot be staged."""
+    instance = design[0]
+    try:
+        document = built(Values(design.spec, instance.values, None, instance.key))
+    except WmsError:
+        return {factor.name for factor in design.spec.factors}
+    return set(_sources(document))
+
+
+def _sources(document: Document) -> Iterator[str]:
+    """What decides the properties of a stage that physics reads."""
+    for path, prim in document.prims.items():
+        seen_only = path.startswith(("/World/Cameras", "/World/Lights", "/World/Episode/Observations"))
+        if seen_only:
+            continue
+        yield from prim.sources
+        for name, attribute in prim.attributes.items():
+            if name.startswith("physics:") or not path.startswith("/World/Materials"):
+                yield from attribute.sources
