@@ -153,7 +153,9 @@ def evaluate(home: Path, address: str) -> Rounds:
     arguments = ["evaluate", str(dataset), "-m", "openai:first+slow", "--base-url", address, "-o", str(out)]
 
     def progress() -> set[str]:
-        lines = journal.read_bytes().split(b"\n")[1:-1] if journal.exists() else []
+        lines = []
+        with suppress(FileNotFoundError):  # what it holds is in the results now
+            lines = journal.read_bytes().split(b"\n")[1:-1]
         replies = [json.loads(line) for line in lines] + (pq.read_table(out).to_pylist() if out.exists() else [])
         return {f"{r['id']} {r['permutation']} {r['sample']} {r['text']}" for r in replies}
 
