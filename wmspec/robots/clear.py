@@ -14,7 +14,8 @@ from wmspec.robots.arm import Arm, Array, about, shift
 from wmspec.robots.planning import Plan, Reach, State
 from wmspec.space import Pose
 
-SLACK = 0.002  # m: boxes may overlap by so much before that counts
+SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
+ROUND = 0.006  # m: the same of two hands, whose corners are round
 HAND = 0.25  # m: no part of a hand is further from its frame
 ASIDE = "let the hand come from elsewhere, or move that out of its way"
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
@@ -28,11 +29,11 @@ class Box:
     axes: Array
     half: Array
 
-    def meets(self, other: Box) -> Array:
+    def meets(self, other: Box, slack: float) -> Array:
         """When (n,) the two overlap: no axis separates them (S. Gottschalk, OBBTree, 1996, section 5)."""
         turn = np.swapaxes(self.axes, 1, 2) @ other.axes
         way = ((other.center - self.center)[:, None, :] @ self.axes)[:, 0]
-        size, a, b = np.abs(turn), self.half - SLACK, other.half - SLACK
+        size, a, b = np.abs(turn), self.half - slack, other.half - slack
         faces = np.abs(way) > a + size @ b
         others = np.abs((way[:, None, :] @ turn)[:, 0]) > (a @ size) + b
         i, j = _NEXT, _LAST
@@ -49,13 +50,13 @@ def collision(made: Plan, action: Thing) -> tuple[str, str] | None:
     frames = np.array([arm.arm.links(q, arm.base)[-1] for q in reach.values[:, : len(arm.q)]])
     hand = list(_hand(arm.arm, frames, reach.values[:, -1]))
     for name, box in _obstacles(made, action, frames[:, :3, 3]):
-        if (when := _first(hand, [box], reach)) is not None:
+        if (when := _first(hand, [box], reach, SLACK)) is not None:
             return f"its hand would go through `{name}`, {when:.2f} s after it starts", ASIDE
     start = made.number(action, "start")
     for robot, other in made.arms.items():
         if robot != action.of:
             theirs = list(_other_hand(made, robot, other, start + np.array(reach.times)))
-            if (when := _first(hand, theirs, reach)) is not None:
+            if (when := _first(hand, theirs, reach, ROUND)) is not None:
                 return (
                     f"its hand would meet that of `{robot}`, {when:.2f} s after it starts",
                     "let one go after the other",
@@ -63,9 +64,9 @@ def collision(made: Plan, action: Thing) -> tuple[str, str] | None:
     return None
 
 
-def _first(hand: list[Box], others: list[Box], reach: Reach) -> float | None:
+def _first(hand: list[Box], others: list[Box], reach: Reach, slack: float) -> float | None:
     """When (s) any two of these first overlap."""
-    hits = np.any([mine.meets(box) for mine in hand for box in others], axis=0)
+    hits = np.any([mine.meets(box, slack) for mine in hand for box in others], axis=0)
     return reach.times[int(hits.argmax())] if hits.any() else None
 
 
