@@ -16,16 +16,13 @@ import pyarrow.parquet as pq
 import pytest
 from PIL import Image
 
-from tests.endtoend.test_commands import wmspec
+from tests.endtoend.test_commands import SPEED, wmspec
 from tests.engines import installed
-from tests.language.specs import SPECS
 from wmspec.api import generate
 from wmspec.api.verifying import verify
 from wmspec.diagnostics import WmsError
 from wmspec.write.rows import png
 from wmspec.write.shards import parquet
-
-SPEED = next(path for path in SPECS if path.stem == "speed_tabletop")
 
 
 @pytest.fixture(scope="module")

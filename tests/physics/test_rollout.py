@@ -13,7 +13,7 @@ from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 from wmspec.usd import read
 
-LAUNCHED, DRIVEN = ("collide", "drop", "slide", "two_balls"), ("direction_room", "arm_drop")
+LAUNCHED, DRIVEN = ("collide", "drop", "slide", "two_balls"), ("direction", "arm_drop")
 
 
 def scene_of(task: str, place: int) -> Scene:
