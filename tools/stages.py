@@ -129,19 +129,21 @@ def rigid(path: Path) -> bool:
     """Whether a stage holds rigid bodies and nothing that is soft, or a tendon, gear or vehicle."""
     from pxr import Usd
 
-    apis = [
-        api for prim in Usd.Stage.Open(str(path)).Traverse() for api in prim.GetPrimTypeInfo().GetAppliedAPISchemas()
-    ]
-    types = {str(prim.GetTypeName()) for prim in Usd.Stage.Open(str(path)).Traverse()}
+    stage = Usd.Stage.Open(str(path))
+    apis = [api for prim in stage.Traverse() for api in prim.GetPrimTypeInfo().GetAppliedAPISchemas()]
+    types = {str(prim.GetTypeName()) for prim in stage.Traverse()}
     soft = any(word in name for word in SOFT for name in (*apis, *types)) or {"Points", "TetMesh"} & types
     return "PhysicsRigidBodyAPI" in apis and not soft
 
 
 def rows(folder: Path) -> tuple[list[tuple[str, ...]], dict[str, int]]:
     """The rows of the table, and how many stages there are of a kind."""
-    made, counts = [], dict.fromkeys(("all", "rigid", "two", "three", "agree"), 0)
+    made, counts = [], dict.fromkeys(("listed", "all", "rigid", "two", "three", "agree"), 0)
     for path in stages(folder):
         kept = folder / "results" / f"{'+'.join(path.relative_to(folder).with_suffix('').parts)}.json"
+        counts["listed"] += 1
+        if not kept.exists():
+            continue
         results = json.loads(kept.read_text())
         ran = [engine for engine in ENGINES if "bodies" in results[engine]]
         apart, solid = spread(results), rigid(path)
@@ -164,7 +166,7 @@ def page(folder: Path) -> str:
     made, n = rows(folder)
     head = ("stage", "rigid only", *ENGINES, "warnings", "apart, mm", "refused because")
     told = (
-        f"{n['all']} stages, of which {n['rigid']} hold rigid bodies only. Of these {n['two']} run in at least two "
+        f"{n['listed']} stages are listed and {n['all']} of them were run, of which {n['rigid']} hold rigid bodies only. Of these {n['two']} run in at least two "
         f"engines ({100 * n['two'] / n['rigid']:.0f} %), {n['three']} in all three; of {n['agree']} no body ends "
         f"more than {1e3 * AGREE:g} mm apart."
     )
