@@ -165,10 +165,11 @@ def page(folder: Path) -> str:
     """The page with its table as it should be."""
     made, n = rows(folder)
     head = ("stage", "rigid only", *ENGINES, "warnings", "apart, mm", "refused because")
+    share = 100 * n["two"] / n["rigid"]
     told = (
-        f"{n['listed']} stages are listed and {n['all']} of them were run, of which {n['rigid']} hold rigid bodies only. Of these {n['two']} run in at least two "
-        f"engines ({100 * n['two'] / n['rigid']:.0f} %), {n['three']} in all three; of {n['agree']} no body ends "
-        f"more than {1e3 * AGREE:g} mm apart."
+        f"{n['listed']} stages are listed and {n['all']} of them were run, of which {n['rigid']} hold rigid bodies "
+        f"only. Of these {n['two']} run in at least two engines ({share:.0f} %), {n['three']} in all three; of "
+        f"{n['agree']} no body ends more than {1e3 * AGREE:g} mm apart."
     )
     before, start, rest = PAGE.read_text().partition(START)
     return before + start + "\n".join(["", told, "", *table(head, iter(made)), "", ""]) + STOP + rest.partition(STOP)[2]
