@@ -91,7 +91,7 @@ def originals() -> Path:
     (made / "pictures").mkdir()
     Image.effect_noise((4, 4), 80).save(made / "pictures/four.png")
     shutil.copy(ROOT / "tests/stage/data/collide.usda", made / "stage.usda")
-    moving = load(ROOT / "specs/perception/motion/speed_tabletop.wms")[0].stage()
+    moving = load(ROOT / "specs/prediction/mechanistic/collide.wms")[0].stage()
     moving.Flatten().Export(str(made / "executed.usda"))
     open_stage(made / "stage.usda").Flatten().Export(str(made / "crate.usdc"))
     for kind in MESHES:

@@ -38,4 +38,4 @@ def opened(browser: Any, path: Path, **how: Any) -> Iterator[Any]:
     tab.goto(path.as_uri())
     yield tab
     context.close()
-    assert not complaints
+    assert not complaints, complaints

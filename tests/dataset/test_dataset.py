@@ -146,6 +146,7 @@ def test_a_killed_writer_loses_at_most_one_shard(tmp_path: Path, whole: dict[str
 
 def test_what_a_killed_writer_left_is_cleared_away(tmp_path: Path, whole: dict[str, bytes]) -> None:
     Dataset.open(tmp_path, plan()).close()
+    (tmp_path / ".progress").mkdir()
     (tmp_path / ".progress/0123456789abcdef.part").write_bytes(b"half")
     make(tmp_path, plan())
     assert contents(tmp_path) == whole

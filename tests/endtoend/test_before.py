@@ -70,7 +70,7 @@ def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -
     assert len(made("speed_tabletop")) == 2304
     assert made("speed_tabletop", full=True) == tuple(range(2376))
     assert set(made("speed_tabletop", 50)) < set(made("speed_tabletop"))
-    assert 720 <= len(made("color_room")) < len(made("color_room", full=True)), "of two questions each; whole groups"
+    assert 700 < len(made("color_room")) <= 720 < len(made("color_room", full=True)), "two questions each; whole groups"
 
 
 @pytest.mark.parametrize(

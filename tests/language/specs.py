@@ -122,9 +122,7 @@ OTHERS = (
     """
   objects beads[n] { shape: capsule  radius: 4 mm  height: half  at: (50 cm, -40 cm, 60 cm - index * half) }
   joint hung : ball { of: beads[0]  at: (50 cm, -40 cm, 60 cm + half / 2)  present: lean > 0 deg }
-  joints knots[n - 1] : hinge {
-    of: beads[index + 1]  to: beads[index]  at: (50 cm, -40 cm, 60 cm - (index + 0.5) * half)
-  }
+  joints knots[n - 1] : hinge { of: beads[index + 1]  to: beads[index]  at: (50 cm, -40 cm, 60 cm - half * index) }
   object pipe { shape: tube  radius: big  height: place  thickness: half / 4  on: table at (45 cm, 35 cm) }""",
     """
   object dolly { shape: sphere  size: 2 cm  solid: false  drawn: n > 1  at: (0, -60 cm, place) }

@@ -10,7 +10,7 @@ from tests.trust.made import wmspec
 from wmspec.diagnostics import WmsError, visible
 from wmspec.places import FilePlace
 
-SPEC = Path(__file__).parents[2] / "specs/perception/motion/speed_tabletop.wms"
+SPEC = Path(__file__).parents[1] / "endtoend/specs/speed_tabletop.wms"
 
 
 @pytest.mark.parametrize("text", ["\x1b]0;title\x07", "\x1b[2J", "\r", "\x9b31m", "\u202e", "\x7f"])

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from wmspec.diagnostics import Paint, Part, WmsError, plain
+from wmspec.diagnostics import Paint, Part, WmsError, plain, suggestion
 from wmspec.places import FilePlace, Source
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, 
 dimension_option = click.option(
     "--only-dimension", multiple=True, metavar="PATH", help="Only tasks of this dimension, such as perception.motion."
 )
+task_option = click.option("--task", default="", metavar="NAME", help="Which task, of a file that has several.")
 instance_option = click.option("--instance", "-i", default=0, show_default=True, metavar="I", help="Which instance.")
 
 
@@ -96,17 +97,21 @@ def tell(text: str) -> None:
     click.echo(text, err=True)
 
 
-def instance_of(path: Path, index: int, seed: int) -> Instance:
-    """An instance of the only task of a spec file. Raises WmsError if it has several, or no such instance."""
+def instance_of(path: Path, name: str, index: int, seed: int) -> Instance:
+    """An instance of the task of this name, or of the only one, of a spec file. Raises WmsError if there is none."""
     from wmspec.api import load_all
 
     tasks = load_all(path, seed=seed, tell=tell)
-    if len(tasks) > 1:
-        raise WmsError(f"{path} has {len(tasks)} tasks; this command takes a file with one")
+    names = [task.name for task in tasks]
+    if not name and len(tasks) > 1:
+        raise WmsError(f"{path} has {len(tasks)} tasks", help=f"choose one with --task: {', '.join(names)}")
+    if name and name not in names:
+        raise WmsError(f"{path} has no task `{name}`", help=suggestion(name, names) or f"it has {', '.join(names)}")
+    task = tasks[names.index(name) if name else 0]
     if index < 0:
         raise WmsError(f"instance {index}: the first is 0")
     try:
-        return tasks[0][index]
+        return task[index]
     except IndexError as error:
         raise WmsError(f"{error}") from None
 

@@ -6,18 +6,29 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import instance_of, instance_option, make_folder, seed_option, spec_argument, write_text
+from wmspec.cli.common import (
+    instance_of,
+    instance_option,
+    make_folder,
+    seed_option,
+    spec_argument,
+    task_option,
+    write_text,
+)
 from wmspec.diagnostics import WmsError
 
 
 @click.command("compile")
 @spec_argument
 @click.option("--backend", "-b", default="", help="Engines to write native files for: names joined by commas, or all.")
+@task_option
 @instance_option
 @seed_option
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="The folder to write to.")
 @click.option("--ir", is_flag=True, help="Write no files; print the checked task as JSON (see `wmspec schema`).")
-def compile_command(spec: Path, backend: str, instance: int, seed: int, output: Path | None, ir: bool) -> None:
+def compile_command(
+    spec: Path, backend: str, task: str, instance: int, seed: int, output: Path | None, ir: bool
+) -> None:
     """Write an instance as USD and in an engine's own form.
 
     The stage is a base layer for the task with a layer over it for the instance, and one for each counterfactual over
@@ -25,14 +36,14 @@ def compile_command(spec: Path, backend: str, instance: int, seed: int, output: 
     """
     from wmspec.execute.backends import chosen
 
-    chosen_instance = instance_of(spec, instance, seed)
-    task = chosen_instance.task
+    chosen_instance = instance_of(spec, task, instance, seed)
+    checked = chosen_instance.task
     if ir:
-        click.echo(task.to_json())
+        click.echo(checked.to_json())
         return
     if output is None:
         raise WmsError("say where to write: `--output FOLDER`, or `--ir` to print the checked task")
-    folder = make_folder(output / task.name)
+    folder = make_folder(output / checked.name)
     written = chosen_instance.write(folder)
     for engine in chosen(backend) if backend else ():
         native = make_folder(folder / f"{instance:06d}.{engine}")

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import instance_of, instance_option, look_options, make_folder, parse_size, seed_option
+from wmspec.cli.common import (
+    instance_of,
+    instance_option,
+    look_options,
+    make_folder,
+    parse_size,
+    seed_option,
+    task_option,
+)
 from wmspec.cli.run import STAGES
 from wmspec.diagnostics import WmsError
 from wmspec.places import FilePlace
@@ -31,6 +39,7 @@ FILMS = (".gif", ".mp4")
     help="Engines that execute: names joined by commas, or all.  [default: the first there is]",
 )
 @click.option("--renderer", "-r", default="", help="The engine that draws, if another than the one that executes.")
+@task_option
 @instance_option
 @seed_option
 @click.option("--size", default="256", show_default=True, help="Pixels: 256, or 320x240.")
@@ -51,6 +60,7 @@ def render_command(
     source: Path,
     backend: str,
     renderer: str,
+    task: str,
     instance: int,
     seed: int,
     size: str,
@@ -66,7 +76,7 @@ def render_command(
 
     drawing: Drawing = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
     many = "," in backend or backend == "all"
-    for episode in _episodes(source, backend, instance, seed):
+    for episode in _episodes(source, backend, task, instance, seed):
         renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
         name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
         pictures = _Pictures(episode, camera, overlay, drawing)
@@ -84,7 +94,7 @@ class _Pictures:
     drawing: Drawing
 
 
-def _episodes(source: Path, backend: str, instance: int, seed: int) -> Iterator[Episode]:
+def _episodes(source: Path, backend: str, task: str, instance: int, seed: int) -> Iterator[Episode]:
     """What happened, once for each engine that executes it, or as it was written to disk."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
@@ -94,7 +104,7 @@ def _episodes(source: Path, backend: str, instance: int, seed: int) -> Iterator[
     if suffix == ".npz":
         yield load_episode(source)
         return
-    stage = open_stage(source) if suffix in STAGES else instance_of(source, instance, seed).stage()
+    stage = open_stage(source) if suffix in STAGES else instance_of(source, task, instance, seed).stage()
     for engine in chosen(backend):
         yield execute(stage, engine)
 

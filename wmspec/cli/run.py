@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import instance_of, instance_option, json_option, paint, seed_option, tell
+from wmspec.cli.common import instance_of, instance_option, json_option, paint, seed_option, task_option, tell
 from wmspec.diagnostics import WmsError
 from wmspec.limits import SECONDS
 
@@ -23,6 +23,7 @@ STAGES = (".usd", ".usda", ".usdc", ".usdz")
 @click.option(
     "--backend", "-b", default="", help="Engines: names joined by commas, or all.  [default: the first there is]"
 )
+@task_option
 @instance_option
 @seed_option
 @click.option(
@@ -43,6 +44,7 @@ STAGES = (".usd", ".usda", ".usdc", ".usdz")
 def run_command(
     source: Path,
     backend: str,
+    task: str,
     instance: int,
     seed: int,
     duration: str,
@@ -61,7 +63,7 @@ def run_command(
     if source.suffix.lower() in STAGES:
         episodes = [run(source, engine, seconds, strict=strict) for engine in engines]
     else:
-        one = instance_of(source, instance, seed)
+        one = instance_of(source, task, instance, seed)
         episodes = [one.run(engine, duration=seconds) for engine in engines]
     if output is not None:
         episodes[0].save(output)

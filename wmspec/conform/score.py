@@ -70,9 +70,7 @@ def scores(engine: str, runner: Runner, wanted: Iterable[Case]) -> Iterator[Scor
         try:
             run = runner(case)
         except WmsError as error:
-            yield from (
-                Score(engine, case.name, measure, None, str(error).splitlines()[0]) for measure in case.measures
-            )
+            yield from (Score(engine, case.name, measure, None, str(error.diagnostics[0])) for measure in case.measures)
             continue
         for measure in case.measures:
             number = float(measure.of(run))

@@ -26,7 +26,7 @@ def told_by_text(task: Task) -> Iterator[Breach]:
             names = " and ".join(f"`{name}`" for name in sorted(decisive))
             what = f"the text says {names}, which is all that decides between the options"
             yield Breach(what, question.place, "leave one of them to the pictures", about=("text", question.place))
-        elif question.kind == "labels" and question.answer in said:
+        elif question.answer in said:
             what = "the text says the answer"
             yield Breach(what, question.place, "leave it to the pictures", about=("text", question.place))
 

@@ -57,7 +57,7 @@ def require(lacks: Iterable[Lack], scene: Scene, *, strict: bool = False) -> Non
 def approximated(lacks: Iterable[Lack], scene: Scene) -> tuple[Diagnostic, ...]:
     """What of a valid scene an engine executes only nearly as it is meant, as warnings."""
     return tuple(
-        Diagnostic(f"{what}: {lack.reason}", PrimPlace(path), severity="warning")
+        Diagnostic(f"{what} ({lack.reason})", PrimPlace(path), severity="warning")
         for lack in lacks
         if lack.nearly
         for path, what in lack.capability.asked(scene)

@@ -33,7 +33,7 @@ def settled(scene: Scene) -> tuple[Scene, tuple[Diagnostic, ...]]:
                 bodies[i] = replace(bodies[i], pose=compose(step, bodies[i].pose))
             reason = f"it starts {1e3 * gap:.3g} mm and {turn:.3g} rad from where its joint and its limits let it be"
             place = PrimPlace(scene.joints[branch.joint].path)
-            told.append(Diagnostic(f"{reason}: {bodies[branch.body].path} is moved there", place, severity="warning"))
+            told.append(Diagnostic(f"{reason}; {bodies[branch.body].path} is moved there", place, severity="warning"))
     return replace(scene, bodies=tuple(bodies)), tuple(told)
 
 
