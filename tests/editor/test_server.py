@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import sys
 from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -118,7 +119,8 @@ def session(folder: Path, work: Callable[[Session], Awaitable[T]]) -> T:
         finally:
             await editor.stop()
 
-    return asyncio.run(whole())
+    with ThreadPoolExecutor(1) as apart:  # the loop of a browser's tests may be running in this thread
+        return apart.submit(asyncio.run, whole()).result()
 
 
 def test_diagnostics_come_as_one_types(tmp_path: Path) -> None:
