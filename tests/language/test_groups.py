@@ -82,12 +82,25 @@ def test_more_groups_and_more_factors_move_no_draw() -> None:
         assert design[i].values == {name: value for name, value in there.items() if name != "z"}
 
 
-def test_a_sample_is_of_whole_groups() -> None:
+def test_a_sample_is_of_as_many_groups_as_can_be() -> None:
     design = Design(design_of({"a": 4, "b": 3}, plan=groups(30, "a")))
     sampled = design.sample(22)
     assert len(sampled) == 20
     assert Counter(design[i].block for i in sampled) == dict.fromkeys((design[i].block for i in sampled), 4)
     assert len(design.sample(1)) == 4
+
+
+def test_of_a_group_a_sample_has_all_that_is_crossed_with_one_value_of_what_takes_turns() -> None:
+    design = Design(design_of({"a": 4, "b": 3, "c": 2}, plan=groups(30, "a", "bc")))
+    first, more = design.sample(120), design.sample(180)
+    assert len({design[i].block for i in first}) == 30
+    for block in range(30):
+        part = [design[i].factors for i in first if design[i].block == block]
+        assert sorted(p["a"] for p in part) == [0, 1, 2, 3]
+        assert len({(p["b"], p["c"]) for p in part}) == 1
+    assert more[:120] == first
+    assert max(Counter(design[i].block for i in more).values()) == 8
+    assert sorted(design.sample(10_000)) == list(range(len(design)))
 
 
 @pytest.mark.parametrize("tied", [False, True])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count as numbers
 from typing import overload
 
 from wmspec.check.ir import Choices, TaskSpec
@@ -108,18 +109,40 @@ class Design:
     def sample(self, count: int) -> tuple[int, ...]:
         """`count` different indices in a random order that depends on the seed alone; all if there are fewer.
 
-        Of a design in groups, whole groups: as many as do not exceed `count`, but at least one.
+        Of a design in groups, as many groups as can be: of each in turn the instances that differ in what every group
+        crosses, with one of the values of what takes turns, then with another; whole parts, at least one.
         """
         if self.spec.plan.kind != "groups":
             order = Permutation(len(self), self.seed, self.spec.name, "sample")
             return tuple(order(i) for i in range(min(count, len(self))))
-        order = Permutation(self.blocks.count, self.seed, self.spec.name, "sample")
         sampled: list[int] = []
-        for group in (self.blocks.members(order(number)) for number in range(self.blocks.count)):
-            if sampled and len(sampled) + len(group) > count:
+        for part in self._parts():
+            if sampled and len(sampled) + len(part) > count:
                 break
-            sampled += group
+            sampled += part
         return tuple(sampled)
+
+    def _parts(self) -> Iterator[tuple[int, ...]]:
+        """The parts of all groups, a first one of each, then a second: each has one value of what takes turns."""
+        order = Permutation(self.blocks.count, self.seed, self.spec.name, "sample")
+        for turn in numbers():
+            more = False
+            for block in (order(number) for number in range(self.blocks.count)):
+                parts = self._parted(block)
+                if turn < len(parts):
+                    more = True
+                    yield parts[Permutation(len(parts), self.seed, self.spec.name, "part", block)(turn)]
+            if not more:
+                return
+
+    def _parted(self, block: int) -> list[tuple[int, ...]]:
+        """The members of a group, together those that differ in nothing but what every group crosses."""
+        turning = [name for name in self.blocks.crossed(block) if name not in self.spec.plan.cross]
+        parts: dict[tuple[Level, ...], list[int]] = {}
+        for place, index in enumerate(self.blocks.members(block)):
+            values = self.blocks.values(block, place)
+            parts.setdefault(tuple(values[name] for name in turning), []).append(index)
+        return [tuple(part) for part in parts.values()]
 
     def shard(self, number: int, count: int) -> Part:
         """Shard `number`, 1 .. `count`: equal shares of the design, to within one, which in order make up the whole."""
