@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 
 from wmspec.api.task import Task
 from wmspec.check.task import check_program
+from wmspec.design.design import Design
 from wmspec.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.foreign import inside
 from wmspec.parse.load import Program, load_source
@@ -64,10 +65,14 @@ def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn) -> tuple[Task
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is wrong with specs: the `diagnostics`, warnings too, and every task's name with its number of instances."""
+    """What is wrong with specs: the `diagnostics`, warnings too, and every task's name with its number of instances.
+
+    `designs` are those of the tasks that have one, by name.
+    """
 
     diagnostics: tuple[Diagnostic, ...]
     tasks: tuple[tuple[str, int], ...]
+    designs: Mapping[str, Design] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def passed(self) -> bool:
@@ -85,8 +90,8 @@ def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
 
     report = Report()
     files: list[Path | Source] = [*spec_files(map(Path, paths)), *([_text(text)] if text is not None else [])]
-    tasks = tuple((task.name, dry_run(task.spec, report)) for path in files for task in _checked(path, 0, report))
-    return Diagnosis(report.diagnostics, tasks)
+    tasks = [task for path in files for task in _checked(path, 0, report)]
+    return _diagnosis(report, tasks, [dry_run(task.spec, report) for task in tasks])
 
 
 def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnosis, tuple[Task, ...]]:
@@ -100,8 +105,14 @@ def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnos
     report = Report()
     program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, report)
     tasks = tuple(Task(spec, program, path) for spec in check_program(program, report))
-    sizes = tuple((task.name, dry_run(task.spec, report) if tried else 0) for task in tasks)
-    return Diagnosis(report.diagnostics, sizes), () if report.failed else tasks
+    designs = [dry_run(task.spec, report) if tried else None for task in tasks]
+    return _diagnosis(report, tasks, designs), () if report.failed else tasks
+
+
+def _diagnosis(report: Report, tasks: Sequence[Task], designs: Sequence[Design | None]) -> Diagnosis:
+    sizes = tuple((t.name, 0 if d is None else len(d)) for t, d in zip(tasks, designs, strict=True))
+    by_name = {t.name: d for t, d in zip(tasks, designs, strict=True) if d is not None}
+    return Diagnosis(report.diagnostics, sizes, by_name)
 
 
 def spec_files(paths: Iterable[Path]) -> list[Path]:

@@ -99,8 +99,8 @@ def generate(
         for notice in dataset.notices:
             tell(notice)
         with progress(sum(len(shard.indices) for shard in dataset.pending()), "generating") as advance:
-            shared = make(dataset, effort(workers, timeout, plan.engines), advance, before)
-        return replace(dataset.finish(), shared=shared)
+            spent = make(dataset, effort(workers, timeout, plan.engines), advance, before)
+        return replace(dataset.finish(), shared=spent.shared, balance=spent.balance)
 
 
 def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan:

@@ -119,6 +119,14 @@ class Task(Sequence["Instance"]):
         return self.design.draws
 
     @property
+    def sample_sizes(self) -> dict[str, int]:
+        """Of every factor and nuisance, how many independent groups tell something about it.
+
+        Of a factor that is crossed in groups these are the groups in which it is; of all else, all groups.
+        """
+        return self.design.sample_sizes
+
+    @property
     def images(self) -> int:
         """How many pictures are shown with a question, before its options."""
         from wmspec.ask.views import views_of
@@ -221,6 +229,17 @@ class Instance:
         """The value of every nuisance, SI units."""
         return self.drawn.nuisances
 
+    def redrawn(self, times: int) -> Instance:
+        """The same with everything drawn anew that is drawn for its group, for the so-manieth time; 0 is itself.
+
+        Where answers are balanced a dataset has some of these; its column `redrawn` says which. Raises WmsError if
+        what the design draws is not drawn for groups.
+        """
+        try:
+            return Instance(self.task, self.task.design.redrawn(times)[self.index])
+        except IndexError as error:
+            raise WmsError(f"{error}") from None
+
     def neighbors(self, factor: str) -> tuple[Instance, ...]:
         """The instances that differ from this one in that factor alone. Raises WmsError if there is no such factor."""
         if factor not in self.factors:
@@ -273,7 +292,8 @@ class Instance:
         from wmspec.ask.model import Rejected
         from wmspec.ask.runs import EnginePair
 
-        answers = ask_whole(self.task.design, self.index, EnginePair(executor(engine), renderer_of(engine, **drawing)))
+        pair = EnginePair(executor(engine), renderer_of(engine, **drawing))
+        answers = ask_whole(self.task.design.redrawn(self.drawn.redrawn), self.index, pair)
         rejected = tuple(a for a in answers if isinstance(a, Rejected))
         return Asked(tuple(a for a in answers if not isinstance(a, Rejected)), rejected)
 

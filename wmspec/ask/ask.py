@@ -15,11 +15,12 @@ from wmspec.ask.runs import EnginePair, Run, execute
 from wmspec.ask.sighting import sightings
 from wmspec.ask.verbalize import question_text, written
 from wmspec.ask.views import View, channels_of
-from wmspec.ask.visibility_gate import chains, named, shown, shown_in
+from wmspec.ask.visibility_gate import chains, shown, shown_in
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Channel, Level, TaskSpec
 from wmspec.check.measured import measured as is_measured
 from wmspec.check.measured import moments
+from wmspec.design.about import named
 from wmspec.design.design import Design, Instance
 from wmspec.diagnostics import GraphicsError, WmsError
 from wmspec.draws import Permutation, bits, permuted
@@ -130,6 +131,7 @@ class _Row:
             moments=moments(spec, question.answer),
             objects=tuple(self.objects(view, names) for view in asking.views),
             crossed=instance.crossed,
+            redrawn=instance.redrawn if spec.plan.balance else None,
             difference=difference,
             factors=instance.factors,
             nuisances=instance.nuisances,

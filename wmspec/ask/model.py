@@ -142,7 +142,8 @@ class QuestionRow:
     `measured` holds named quantities in SI units; an answer is `standing` if it holds from the start, whatever happens,
     and `moments` is how many moments of the episode it takes to see it. `objects` are those of every picture shown,
     `crossed` the factors that vary within the block.
-    `evidence` is what the answer is compared by with those of other engines.
+    `redrawn` is how often what the group draws was drawn otherwise before, where answers are balanced (None: they are
+    not). `evidence` is what the answer is compared by with those of other engines.
     """
 
     task: str
@@ -174,6 +175,7 @@ class QuestionRow:
     moments: int = 1
     objects: tuple[tuple[Sighting, ...], ...] = ()
     crossed: tuple[str, ...] = ()
+    redrawn: int | None = None
 
     @property
     def kind(self) -> QuestionKind:
@@ -184,7 +186,7 @@ class QuestionRow:
 #: Why an instance yields no question. The word before a colon is what is counted.
 Reason = Literal[
     "ensure", "margin", "alike", "unseen", "overlap", "unstable", "disagreement", "invalid", "error", "group",
-    "crashed", "timeout",
+    "balance", "crashed", "timeout",
 ]  # fmt: skip
 
 #: Reasons that lie with the machine and with what else it did: another time the instance may yield its questions.

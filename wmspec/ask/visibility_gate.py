@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -10,9 +10,6 @@ from wmspec.ask import visibility
 from wmspec.ask.model import Reject
 from wmspec.ask.observed import Observed
 from wmspec.ask.views import View
-from wmspec.check.evaluate import evaluate, parts
-from wmspec.check.ir import Expr, Question, Ref, Said, Value
-from wmspec.design.depend import Dependencies
 from wmspec.layout.values import Values
 from wmspec.scene.appearance import vanished
 
@@ -22,51 +19,6 @@ LEAST_VISIBLE = 36 / 256**2
 LEAST_INSIDE, MOST_HIDDEN = 0.5, 0.7
 #: A body's colour must differ by this (CIEDE2000) from what is around it: what is seen at a glance.
 LEAST_CONTRAST = 5.0
-
-
-def named(question: Question, values: Values) -> set[str]:
-    """The objects that are there and that the text, the options or the answer speak of, if need be by a `let`.
-
-    If none is named, it is those whose look or place shows what the answer rests on: `answer tone` is about what has
-    `color: tone`.
-    """
-    said = [*question.text, *(part for text in question.texts for part in text.parts)]
-    spoken: list[Expr] = [part.value for part in said if isinstance(part, Said)]
-    spoken += [question.answer] if question.options is None else [question.answer, question.options]
-    things = {t.name: t for t in values.spec.things}
-    names: set[str] = set()
-    for part in _spelled_out(spoken, values):
-        if isinstance(part, Value | Ref):
-            value = evaluate(part, values)
-            names.update(v for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, str))
-    for joint in [name for name in names if name in things and things[name].kind == "joint"]:
-        names.add(str(values.property(joint, "of")))  # what is said of a joint is seen on what it moves
-    if not any(name in things and things[name].kind == "object" for name in names):
-        names |= _showing(question.answer, values)
-    return names
-
-
-def _spelled_out(spoken: Iterable[Expr], values: Values) -> Iterator[Expr]:
-    """All that expressions are made of, and what the named values in them are made of."""
-    lets = {let.name: let.value for let in values.spec.lets}
-    waiting, seen = list(spoken), set[str]()
-    while waiting:
-        for part in parts(waiting.pop()):
-            yield part
-            if isinstance(part, Ref) and part.name in lets and part.name not in seen:
-                seen.add(part.name)
-                waiting.append(lets[part.name])
-
-
-def _showing(answer: Expr, values: Values) -> set[str]:
-    """The objects a property of which depends on a factor or nuisance on which the answer depends."""
-    depend, factors = Dependencies(values.spec), {f.name for f in values.spec.factors}
-    decisive = depend.expression(answer) & factors
-    return {
-        thing.name
-        for thing in values.spec.things
-        if thing.kind == "object" and any(decisive & depend.source(f"{thing.name}.{name}") for name in thing.properties)
-    }
 
 
 def chains(values: Values) -> list[frozenset[str]]:

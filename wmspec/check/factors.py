@@ -17,8 +17,9 @@ from wmspec.places import Location, Span
 
 #: More instances are not drawn.
 MOST_DRAWN = 10_000_000
-#: What a design in groups says: the factors that are crossed in every group, and those that take turns.
-GROUPED = ("cross", "turn")
+#: What a design in groups says: the factors that are crossed in every group, those that take turns, and the question
+#: whose answers are to come equally often.
+GROUPED = ("cross", "turn", "balance")
 
 
 class Factors:
@@ -125,12 +126,13 @@ class Factors:
         count = None if design.count is None else self._count(design.count)
         plan, place = cast(ir.PlanKind, kind), Location.of(design.span)
         if kind == "groups":
-            cross, turn = self._crossed(design)
-            return ir.Plan(kind=plan, count=count, cross=cross, turn=turn, place=place)
+            named = self._grouped(design)
+            cross, turn, balance = (named.get(key, ()) for key in GROUPED)
+            return ir.Plan(kind=plan, count=count, cross=cross, turn=turn, balance="".join(balance), place=place)
         return ir.Plan(kind=plan, count=count, baseline=self._baseline(design), place=place)
 
-    def _crossed(self, design: s.Design) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """The factors that are crossed in every group, and those that take turns."""
+    def _grouped(self, design: s.Design) -> dict[str, tuple[str, ...]]:
+        """What groups say: the factors that `cross` and `turn` name, and the question that `balance` does."""
         named: dict[str, tuple[str, ...]] = {}
         taken: dict[str, Span] = {}
         for p in design.baseline:
@@ -138,13 +140,22 @@ class Factors:
                 remedy = suggestion(p.name.id, GROUPED)
                 self.check.fail("WMS203", f"groups have no `{p.name.id}`", p.name.span, remedy)
             if p.name.id in named:
-                self.check.fail("WMS202", f"`{p.name.id}` is set twice", p.name.span, "put the factors in one list")
+                self.check.fail("WMS202", f"`{p.name.id}` is set twice", p.name.span, "put the names in one list")
             names = p.value.items if isinstance(p.value, s.Items) else (p.value,)
-            named[p.name.id] = tuple(self._factor(e, taken) for e in names)
-        if not named:
+            balance = p.name.id == "balance"
+            named[p.name.id] = (self._question(p.value),) if balance else tuple(self._factor(e, taken) for e in names)
+        if not {"cross", "turn"} & named.keys():
             remedy = "write `{ cross: FACTOR }`, or `{ turn: [FACTOR, ...] }` for factors that take turns"
             self.check.fail("WMS408", "groups do not say what is crossed in them", design.kind.span, remedy)
-        return named.get("cross", ()), named.get("turn", ())
+        return named
+
+    def _question(self, e: s.Expr) -> str:
+        """The name of a question."""
+        named = [q.name.id for q in self.check.scope.questions if q.name is not None]
+        if isinstance(e, s.Name) and e.id in named:
+            return e.id
+        remedy = suggestion(e.span.text, named) or 'name one: `question NAME "..." { ... }`, and balance its answers'
+        self.check.fail("WMS201", f"there is no question `{e.span.text}`", e.span, remedy)
 
     def _factor(self, e: s.Expr, taken: dict[str, Span]) -> str:
         """The name of a factor, none of which may be named twice."""

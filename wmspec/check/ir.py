@@ -338,7 +338,8 @@ class Plan(Node):
 
     factorial: all of them. sample: `count` different ones, balanced. latin: a Latin hypercube of `count`.
     one_at_a_time: the `baseline` and what differs from it in one factor. groups: `count` control groups; in each the
-    factors `cross` are crossed, and one of `turn`, which take turns; all else is drawn anew for each group.
+    factors `cross` are crossed, and one of `turn`, which take turns; all else is drawn anew for each group. `balance`
+    names the question whose measured answers are to come equally often; groups are drawn until they do.
     """
 
     kind: PlanKind = "factorial"
@@ -346,6 +347,7 @@ class Plan(Node):
     baseline: dict[str, Level] = field(default_factory=dict)
     cross: tuple[str, ...] = ()
     turn: tuple[str, ...] = ()
+    balance: str = ""
     place: Location | None = None
 
 

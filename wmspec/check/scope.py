@@ -34,12 +34,15 @@ class Scope:
         self.broken: set[str] = set()
         """Assets whose file cannot be used, which was reported."""
         self.designs: list[s.Design] = []
+        self.questions: list[s.Question] = []
         self._report = report
         for statement in statements:
             if isinstance(statement, s.Factor | s.Let | s.Block | s.Action | s.Template):
                 self.declare(statement)
             elif isinstance(statement, s.Design):
                 self.designs.append(statement)
+            elif isinstance(statement, s.Question):
+                self.questions.append(statement)
 
     def declare(self, statement: Declaration, member_of: str = "") -> None:
         """Take in a name; complain if it is taken."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.check import ir
+from wmspec.check.balance import balance
 from wmspec.check.expand import Assets
 from wmspec.check.expressions import Expressions
 from wmspec.check.factors import Factors
@@ -199,6 +200,7 @@ class _Task:
             observations=tuple(observations),
             questions=tuple(questions),
         )
+        balance(self.check, spec)
         return None if self.report.failed else spec
 
     def _questions(self) -> list[ir.Question]:

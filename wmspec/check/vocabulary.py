@@ -384,7 +384,8 @@ PLANS: dict[str, Plan] = {
     "latin": Plan("design latin of 200", "a Latin hypercube: factors may be intervals, covered evenly", counted=True),
     "groups": Plan(
         "design groups of 120 { cross: x  turn: [y] }",
-        "so many control groups: in each some factors are crossed, all others are drawn anew for each group",
+        "so many control groups: in each some factors are crossed, all others are drawn anew for each group; `balance` "
+        "keeps draws in which the answers of a question come equally often",
         counted=True,
     ),
     "one_at_a_time": Plan("design one_at_a_time { speed: 1 m/s }", "a baseline, and each factor varied by itself"),

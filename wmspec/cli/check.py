@@ -12,6 +12,7 @@ from wmspec.cli.common import paint, standard_input, within
 
 if TYPE_CHECKING:
     from wmspec.api import Diagnosis
+    from wmspec.design.design import Design
 
 
 @click.command("check")
@@ -34,7 +35,9 @@ def check_command(specs: tuple[Path, ...], form: str, timeout: float) -> None:
         diagnosis = diagnose(*specs) if specs != (Path("-"),) else diagnose(text=standard_input().text)
     if form == "json":
         records = [d.record() for d in diagnosis.diagnostics]
-        click.echo(json.dumps({"diagnostics": records, "tasks": dict(diagnosis.tasks)}, indent=2))
+        sizes = {name: design.sample_sizes for name, design in diagnosis.designs.items()}
+        told = {"diagnostics": records, "tasks": dict(diagnosis.tasks), "sample_sizes": sizes}
+        click.echo(json.dumps(told, indent=2))
     elif form == "sarif":
         from wmspec.cli.sarif import sarif
 
@@ -57,5 +60,21 @@ def _print(diagnosis: Diagnosis) -> None:
         return
     for name, count in diagnosis.tasks:
         click.echo(f"{name}: {count:,} instances, no mistakes")
+        if name in diagnosis.designs:
+            _print_design(diagnosis.designs[name])
     if not diagnosis.tasks:
         click.echo("no tasks here, and no mistakes")
+
+
+def _print_design(design: Design) -> None:
+    """The sample sizes, and what balance may cost."""
+    named: dict[int, list[str]] = {}
+    for name, size in design.sample_sizes.items():
+        named.setdefault(size, []).append(name)
+    for size, names in named.items():
+        click.echo(f"  {size:,} independent group{'s' * (size != 1)}: {', '.join(names)}")
+    if question := design.spec.plan.balance:
+        from wmspec.ask.balance import MOST_DRAWS
+
+        most = f"each group is drawn up to {MOST_DRAWS} times"
+        click.echo(f"  balanced answers of `{question}`: {most}; `wmspec generate --dry-run` measures how often")

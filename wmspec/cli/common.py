@@ -33,6 +33,9 @@ dimension_option = click.option(
 )
 task_option = click.option("--task", default="", metavar="NAME", help="Which task, of a file that has several.")
 instance_option = click.option("--instance", "-i", default=0, show_default=True, metavar="I", help="Which instance.")
+redrawn_option = click.option(
+    "--redrawn", default=0, metavar="N", type=click.IntRange(0), help="With its nuisances drawn anew, for the Nth time."
+)
 
 
 def paint() -> Paint:
@@ -97,7 +100,7 @@ def tell(text: str) -> None:
     click.echo(text, err=True)
 
 
-def instance_of(path: Path, name: str, index: int, seed: int) -> Instance:
+def instance_of(path: Path, name: str, index: int, seed: int, redrawn: int = 0) -> Instance:
     """An instance of the task of this name, or of the only one, of a spec file. Raises WmsError if there is none."""
     from wmspec.api import load_all
 
@@ -111,7 +114,7 @@ def instance_of(path: Path, name: str, index: int, seed: int) -> Instance:
     if index < 0:
         raise WmsError(f"instance {index}: the first is 0")
     try:
-        return task[index]
+        return task[index].redrawn(redrawn)
     except IndexError as error:
         raise WmsError(f"{error}") from None
 

@@ -10,6 +10,7 @@ from wmspec.cli.common import (
     instance_of,
     instance_option,
     make_folder,
+    redrawn_option,
     seed_option,
     spec_argument,
     task_option,
@@ -23,11 +24,12 @@ from wmspec.diagnostics import WmsError
 @click.option("--backend", "-b", default="", help="Engines to write native files for: names joined by commas, or all.")
 @task_option
 @instance_option
+@redrawn_option
 @seed_option
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="The folder to write to.")
 @click.option("--ir", is_flag=True, help="Write no files; print the checked task as JSON (see `wmspec schema`).")
 def compile_command(
-    spec: Path, backend: str, task: str, instance: int, seed: int, output: Path | None, ir: bool
+    spec: Path, backend: str, task: str, instance: int, redrawn: int, seed: int, output: Path | None, ir: bool
 ) -> None:
     """Write an instance as USD and in an engine's own form.
 
@@ -36,7 +38,7 @@ def compile_command(
     """
     from wmspec.execute.backends import chosen
 
-    chosen_instance = instance_of(spec, task, instance, seed)
+    chosen_instance = instance_of(spec, task, instance, seed, redrawn)
     checked = chosen_instance.task
     if ir:
         click.echo(checked.to_json())

@@ -32,6 +32,9 @@ def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
         click.echo(json.dumps({"workers": effort.workers, "tasks": rows}, indent=2))
     else:
         _print(costs, effort.workers)
+        for cost in costs:
+            if cost.balance is not None:
+                click.echo(f"{cost.task}: {cost.balance}")
         click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")
 
 

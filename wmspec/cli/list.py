@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_json: bool) -> None:
     """List tasks with their dimensions, factors and numbers of instances (× questions), beside the paper's cases.
 
-    Groups share every draw: their number is the sample size that nuisances have, and factors that are not crossed.
+    Groups share every draw: their number is the sample size that nuisances have, and factors that are not crossed. A
+    factor that takes turns is crossed in some of them: `color (3 in 60)`.
 
     Without SPECS: the tasks that rebuild the paper's. `wmspec list specs/gallery` lists others that come with wmspec.
     """
@@ -47,6 +48,8 @@ def _row(task: Task) -> dict[str, Any]:
         "paper": None if there is None else {"task": there.name, "instances": there.cases, "images": there.images},
         "design": task.spec.plan.kind,
         "groups": task.groups,
+        "sample_sizes": task.sample_sizes,
+        "balance": task.spec.plan.balance or None,
         "factors": {f.name: None if f.values is None else len(f.values) for f in task.factors},
         "nuisances": [n.name for n in task.nuisances],
         "questions": task.questions,
@@ -65,7 +68,7 @@ def _print(rows: Sequence[dict[str, Any]]) -> None:
         table.add_column(name, justify="right" if name in numbers else "left", overflow="fold")
     for row in rows:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
-        factors = ", ".join(f"{name} ({count or 'continuous'})" for name, count in row["factors"].items())
+        factors = ", ".join(f"{name} ({_levels(row, name)})" for name in row["factors"])
         asked = f" × {row['questions']}" if row["questions"] > 1 else ""
         name = row["task"] if row["executable"] else f"{row['task']} *"
         table.add_row(name, row["dimension"], f"{row['instances']:,}{asked}", f"{row['groups']:,}", paper, factors)
@@ -76,6 +79,12 @@ def _print(rows: Sequence[dict[str, Any]]) -> None:
     if not all(row["executable"] for row in rows):
         console.print("* a car or walker acts in these: they are checked, and cannot be executed yet", highlight=False)
     console.print(_covered(rows), highlight=False)
+
+
+def _levels(row: dict[str, Any], factor: str) -> str:
+    """How many values a factor has, and in how many groups it is crossed if that is not in all."""
+    count, size = row["factors"][factor], row["sample_sizes"][factor]
+    return f"{count or 'continuous'}" + (f" in {size:,}" if size != row["groups"] else "")
 
 
 def _covered(rows: Sequence[dict[str, Any]]) -> str:

@@ -15,6 +15,7 @@ from wmspec.cli.common import (
     look_options,
     make_folder,
     parse_size,
+    redrawn_option,
     seed_option,
     task_option,
 )
@@ -41,6 +42,7 @@ FILMS = (".gif", ".mp4")
 @click.option("--renderer", "-r", default="", help="The engine that draws, if another than the one that executes.")
 @task_option
 @instance_option
+@redrawn_option
 @seed_option
 @click.option("--size", default="256", show_default=True, help="Pixels: 256, or 320x240.")
 @look_options
@@ -62,6 +64,7 @@ def render_command(
     renderer: str,
     task: str,
     instance: int,
+    redrawn: int,
     seed: int,
     size: str,
     look: Any,
@@ -76,7 +79,7 @@ def render_command(
 
     drawing: Drawing = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
     many = "," in backend or backend == "all"
-    for episode in _episodes(source, backend, task, instance, seed):
+    for episode in _episodes(source, backend, task, instance, seed, redrawn):
         renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
         name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
         pictures = _Pictures(episode, camera, overlay, drawing)
@@ -94,7 +97,7 @@ class _Pictures:
     drawing: Drawing
 
 
-def _episodes(source: Path, backend: str, task: str, instance: int, seed: int) -> Iterator[Episode]:
+def _episodes(source: Path, backend: str, task: str, instance: int, seed: int, redrawn: int) -> Iterator[Episode]:
     """What happened, once for each engine that executes it, or as it was written to disk."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
@@ -104,7 +107,7 @@ def _episodes(source: Path, backend: str, task: str, instance: int, seed: int) -
     if suffix == ".npz":
         yield load_episode(source)
         return
-    stage = open_stage(source) if suffix in STAGES else instance_of(source, task, instance, seed).stage()
+    stage = open_stage(source) if suffix in STAGES else instance_of(source, task, instance, seed, redrawn).stage()
     for engine in chosen(backend):
         yield execute(stage, engine)
 

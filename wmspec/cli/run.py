@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import instance_of, instance_option, json_option, paint, seed_option, task_option, tell
+from wmspec.cli.common import (
+    instance_of,
+    instance_option,
+    json_option,
+    paint,
+    redrawn_option,
+    seed_option,
+    task_option,
+    tell,
+)
 from wmspec.diagnostics import WmsError
 from wmspec.limits import SECONDS
 
@@ -25,6 +34,7 @@ STAGES = (".usd", ".usda", ".usdc", ".usdz")
 )
 @task_option
 @instance_option
+@redrawn_option
 @seed_option
 @click.option(
     "--for",
@@ -46,6 +56,7 @@ def run_command(
     backend: str,
     task: str,
     instance: int,
+    redrawn: int,
     seed: int,
     duration: str,
     output: Path | None,
@@ -63,7 +74,7 @@ def run_command(
     if source.suffix.lower() in STAGES:
         episodes = [run(source, engine, seconds, strict=strict) for engine in engines]
     else:
-        one = instance_of(source, task, instance, seed)
+        one = instance_of(source, task, instance, seed, redrawn)
         episodes = [one.run(engine, duration=seconds) for engine in engines]
     if output is not None:
         episodes[0].save(output)

@@ -15,6 +15,7 @@ from wmspec.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sa
 from wmspec.diagnostics import Note, SpecError
 from wmspec.draws import Level
 
+_EVEN = "tie what is crossed to nothing, or remove `balance`"
 #: So many sets of conditions are looked through for the smallest that leaves nothing.
 MOST_SETS = 500
 
@@ -26,12 +27,16 @@ def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Block
     if spec.plan.kind != "groups":
         return Repeated(columns, _arranged(spec, conditions, columns, key), spec.repeat)
     try:
-        return Groups(columns, spec.plan.cross, spec.plan.turn, spec.plan.count or 1, key)
+        groups = Groups(columns, spec.plan.cross, spec.plan.turn, spec.plan.count or 1, key)
     except TooManyTied as tied:
         place = spec.plan.place or spec.factors[0].place
         names = ", ".join(tied.names[:6])
         what = f"conditions tie what is crossed to too much else ({names}): groups cannot be counted up"
         raise SpecError(what, place, "cross other factors, or tie fewer to one another", code="WMS404") from None
+    if spec.plan.balance and not groups.even:
+        what = "conditions make some groups larger than others, so that answers cannot be balanced among them"
+        raise SpecError(what, spec.plan.place or spec.factors[0].place, _EVEN, code="WMS408")
+    return groups
 
 
 def _arranged(

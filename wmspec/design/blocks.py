@@ -114,6 +114,11 @@ class Groups:
             raise TooManyTied(max((c for c in columns if len(c.names) > 1), key=lambda c: c.size).names)
 
     @property
+    def even(self) -> bool:
+        """Whether all groups in which the same factors are crossed are of one size."""
+        return all(turn.even is not None for turn in self._turns)
+
+    @property
     def size(self) -> int:
         """All members of all groups."""
         return self._before(self.count)

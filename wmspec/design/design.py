@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import count as numbers
 from typing import overload
 
-from wmspec.check.ir import Choices, TaskSpec
+from wmspec.check.ir import Choices, Items, TaskSpec
 from wmspec.design.arrange import blocks
 from wmspec.design.constrain import constraints
 from wmspec.diagnostics import SpecError
@@ -20,7 +22,8 @@ class Instance:
     """One instance: its index, the control group (block) it belongs to, and the value of every factor and nuisance.
 
     `crossed` are the factors that vary within its group. `key` is what every draw for this instance begins with: the
-    seed, the task and its control group, within which nothing varies but these factors.
+    seed, the task and its control group, within which nothing varies but these factors. `redrawn` is how often before
+    this the nuisances of the group were drawn otherwise.
     """
 
     index: int
@@ -29,6 +32,7 @@ class Instance:
     nuisances: dict[str, Level]
     key: tuple[object, ...] = ()
     crossed: tuple[str, ...] = ()
+    redrawn: int = 0
 
     @property
     def values(self) -> dict[str, Level]:
@@ -56,6 +60,7 @@ class Design:
         self.conditions = constraints(spec)
         self.blocks = blocks(spec, self.conditions, seed)
         self._alone = spec.plan.kind == "latin"
+        self._redrawn = 0
         self._drawn: tuple[object, dict[str, Level]] = (None, {})
         if self.blocks.size > sys.maxsize:
             place = spec.plan.place or (spec.factors or spec.things)[0].place
@@ -69,6 +74,18 @@ class Design:
     def draws(self) -> int:
         """How many times everything that is drawn is drawn: the number of independent control groups."""
         return len(self) if self._alone else self.blocks.count
+
+    @property
+    def sample_sizes(self) -> dict[str, int]:
+        """Of every factor and nuisance, from how many independent control groups one learns something about it.
+
+        Of a factor that is crossed these are the groups in which it is, since there alone nothing else differs; of what
+        has one value in a group, all groups.
+        """
+        turns = self.spec.plan.turn
+        rounds, rest = divmod(self.draws, max(1, len(turns)))
+        crossed = {name: rounds + (number < rest) for number, name in enumerate(turns)}
+        return {f.name: crossed.get(f.name, self.draws) for f in (*self.factors, *self.nuisances)}
 
     @overload
     def __getitem__(self, index: int) -> Instance: ...
@@ -85,12 +102,23 @@ class Design:
             raise IndexError(f"{self.spec.name} has instances 0 to {len(self) - 1}, not {index}")
         block, place = self.blocks.locate(index)
         picked = self.blocks.values(block, place)
-        key = (self.seed, self.spec.name, f"{block}.{place}" if self._alone else block)
+        key = (self.seed, self.spec.name, self._key(block, place))
         factors = {f.name: picked[f.name] for f in self.factors}
-        return Instance(index, block, factors, self._draw(key), key, self.blocks.crossed(block))
+        return Instance(index, block, factors, self._draw(key), key, self.blocks.crossed(block), self._redrawn)
 
     def __iter__(self) -> Iterator[Instance]:
         return (self[i] for i in range(len(self)))
+
+    def redrawn(self, times: int) -> Design:
+        """The same design with everything drawn anew that is drawn for a group, for the so-manieth time; 0 is itself.
+
+        Factors keep their values. Where answers are balanced, one of these is kept of each group.
+        """
+        if times and self._alone:
+            raise IndexError(f"what {self.spec.name} draws is spread over all its instances, and drawn once")
+        other = copy(self)
+        other._redrawn, other._drawn = times, (None, {})
+        return other
 
     def index(self, factors: Mapping[str, Level], block: int = 0) -> int | None:
         """The index of a combination; None if the design leaves it out."""
@@ -106,21 +134,48 @@ class Design:
         others = (self.index(here.factors | {factor: value}, here.block) for value in domain.values)
         return tuple(other for other in others if other is not None and other != index)
 
+    def lap(self, block: int) -> tuple[int, ...]:
+        """The blocks that are made together with this one: itself, or those among which answers are balanced.
+
+        These are as many as there are answers, in all of which the same factors are crossed.
+        """
+        if not self.spec.plan.balance:
+            return (block,)
+        turns = max(1, len(self.spec.plan.turn))
+        round_, turn = divmod(block, turns)
+        first = round_ - round_ % self.answers
+        every = (number * turns + turn for number in range(first, first + self.answers))
+        return tuple(other for other in every if other < self.blocks.count)
+
+    @cached_property
+    def answers(self) -> int:
+        """How many answers there are to balance."""
+        options = next(q.options for q in self.spec.questions if q.name == self.spec.plan.balance)
+        assert isinstance(options, Items)
+        return len(options.items)
+
     def sample(self, count: int) -> tuple[int, ...]:
         """`count` different indices in a random order that depends on the seed alone; all if there are fewer.
 
         Of a design in groups, as many groups as can be: of each in turn the instances that differ in what every group
         crosses, with one of the values of what takes turns, then with another; whole parts, at least one.
+        Where answers are balanced, whole laps.
         """
         if self.spec.plan.kind != "groups":
             order = Permutation(len(self), self.seed, self.spec.name, "sample")
             return tuple(order(i) for i in range(min(count, len(self))))
         sampled: list[int] = []
-        for part in self._parts():
+        for part in self._laps() if self.spec.plan.balance else self._parts():
             if sampled and len(sampled) + len(part) > count:
                 break
             sampled += part
         return tuple(sampled)
+
+    def _laps(self) -> Iterator[list[int]]:
+        """The members of all laps."""
+        order = Permutation(self.blocks.count, self.seed, self.spec.name, "sample")
+        laps = dict.fromkeys(self.lap(order(number)) for number in range(self.blocks.count))
+        return ([index for block in lap for index in self.blocks.members(block)] for lap in laps)
 
     def _parts(self) -> Iterator[tuple[int, ...]]:
         """The parts of all groups, a first one of each, then a second: each has one value of what takes turns."""
@@ -147,6 +202,12 @@ class Design:
     def shard(self, number: int, count: int) -> Part:
         """Shard `number`, 1 .. `count`: equal shares of the design, to within one, which in order make up the whole."""
         return self[share(len(self), number, count)]
+
+    def _key(self, block: int, place: int) -> object:
+        """What tells a control group's draws from those of others."""
+        if self._alone:
+            return f"{block}.{place}"
+        return f"{block}/{self._redrawn}" if self._redrawn else block
 
     def _draw(self, key: tuple[object, ...]) -> dict[str, Level]:
         """The nuisances of a control group, kept until another group is asked for."""

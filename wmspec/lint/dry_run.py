@@ -13,6 +13,7 @@ from wmspec.lint import (
     change_rules,
     design_rules,
     giveaway_rules,
+    hidden_rules,
     option_rules,
     plausible_rules,
     scene_rules,
@@ -31,16 +32,15 @@ from wmspec.stage.episode import built
 TRIED, TRIED_CHANGED = 12, 4
 
 
-def dry_run(spec: TaskSpec, report: Report) -> int:
-    """Report what goes wrong with the values of a spec; returns the number of its instances (0 if there are none).
+def dry_run(spec: TaskSpec, report: Report) -> Design | None:
+    """Report what goes wrong with the values of a spec; returns its design, if it has one.
 
     What robots do is left out.
     """
-    linter, depend, size = Linter(), Dependencies(spec), 0
+    linter, depend, design = Linter(), Dependencies(spec), None
     with linter.going_on():
         linter.check(Task(spec, depend), (*task_rules.RULES, *giveaway_rules.TASK_RULES))
         design = Design(spec)
-        size = len(design)
         linter.check(design, design_rules.RULES)
         executed = without(spec)
         tried: list[Values] = []
@@ -55,7 +55,7 @@ def dry_run(spec: TaskSpec, report: Report) -> int:
                 linter.check(Tried(question, tuple(tried)), option_rules.ALWAYS)
                 linter.check(compared(question, design, depend), option_rules.RULES)
     report.include(pointed(linter.report.diagnostics))
-    return size
+    return design
 
 
 def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
@@ -64,6 +64,7 @@ def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
     stage = built(scene.values)
     linter.check(scene, scene_rules.RULES)
     linter.check(scene, plausible_rules.RULES)
+    linter.check(scene, hidden_rules.RULES)
     linter.check(scene, giveaway_rules.SCENE_RULES)
     things = {t.name for t in spec.things}
     for question in spec.questions if changed else ():

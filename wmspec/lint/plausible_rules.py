@@ -18,8 +18,8 @@ from wmspec.lint.visibility import boxes_of, boxes_of_matter, mentioned, subject
 from wmspec.shapes import Shape
 from wmspec.space import Vector, add, dot, inverse, rotate, times, unit
 
-#: Heavier (kg) than anything on a table, in a room or on a road that a question is about.
-HEAVY = 20_000.0
+#: Heavier (kg) than anything on a table, in a room or on a road that a question is about; and lighter.
+HEAVY, LIGHT = 20_000.0, 1e-6
 #: What sets off faster (m/s) is taken for a mistake: nobody throws like that.
 FAST = 40.0
 #: The share of the side of a picture below which nothing can be seen in it: 6 of 256 pixels.
@@ -96,12 +96,12 @@ def too_fast(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS606")
 def out_of_proportion(scene: Scene) -> Iterator[Breach]:
-    """An object that moves and weighs more than a truck."""
+    """An object that weighs more than a truck, or less than a grain of sand."""
     values = scene.values
     for thing in values.spec.things:
         if thing.kind == "object" and values.there(thing.name) and values.has(thing.name, "mass"):
             mass: float = values.property(thing.name, "mass")
-            if mass > HEAVY:
+            if not LIGHT <= mass <= HEAVY:
                 what = f"`{thing.name}` weighs {units.told(mass, units.MASS)} {scene.where}"
                 yield Breach(
                     what, values.place(thing.name, "mass"), "is this the unit that is meant?", about=thing.name

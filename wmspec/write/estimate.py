@@ -12,8 +12,8 @@ from wmspec.write.generate import job_of
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import schema, table
 from wmspec.write.shards import parquet
-from wmspec.write.units import Piece, units
-from wmspec.write.worker import Job, Outcome, work
+from wmspec.write.units import Piece, units, weight
+from wmspec.write.worker import Balance, Job, Outcome, work
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Cost:
     """What a task would take, judged by `tried` of its `instances`.
 
     `seconds` are what one worker needs for an instance, `size` the bytes of an instance's questions in Parquet;
-    `rejected` of the `asked` questions were rejected.
+    `rejected` of the `asked` questions were rejected. `balance` is what the balance of answers cost, if there is one.
     """
 
     task: str
@@ -31,6 +31,7 @@ class Cost:
     size: float
     asked: int
     rejected: int
+    balance: Balance | None = None
 
     def hours(self, workers: int) -> float:
         """How long so many workers need for the whole task, in hours."""
@@ -52,6 +53,7 @@ class _Trial:
 
     seconds: float
     outcomes: tuple[Outcome, ...]
+    balance: Balance
 
 
 def estimate(plan: Plan, effort: Effort, count: int, progress: Callable[[str, int], None]) -> tuple[Cost, ...]:
@@ -59,7 +61,8 @@ def estimate(plan: Plan, effort: Effort, count: int, progress: Callable[[str, in
     job = job_of(plan, effort)
     pieces = [(job, task.spec.name, *trial) for task in plan.tasks for trial in _spread(task, plan.seed, count)]
     trials: dict[str, list[tuple[list[Piece], _Trial | Lost]]] = {task.spec.name: [] for task in plan.tasks}
-    with closing(in_order(timed, pieces, effort, weight=lambda piece: _size(piece[-1]))) as outcomes:
+    specs = {task.spec.name: task.spec for task in plan.tasks}
+    with closing(in_order(timed, pieces, effort, lambda p: sum(weight(specs[p[1]], x) for x in p[-1]))) as outcomes:
         for (_, name, _, unit), trial in zip(pieces, outcomes, strict=True):
             trials[name].append((unit, trial))
             progress(name, _size(unit))
@@ -79,8 +82,9 @@ def timed(job: Job, task: str, other: Piece, unit: list[Piece]) -> _Trial:
         work(job, task, other)
         _warm.add(task)
     began = perf_counter()
-    outcomes = [outcome for piece in unit for outcome in work(job, task, piece).outcomes]
-    return _Trial(perf_counter() - began, tuple(outcomes))
+    made = [work(job, task, piece) for piece in unit]
+    outcomes = tuple(outcome for one in made for outcome in one.outcomes)
+    return _Trial(perf_counter() - began, outcomes, sum((one.balance for one in made), Balance()))
 
 
 def _spread(task: Task, seed: int, count: int) -> Iterator[tuple[Piece, list[Piece]]]:
@@ -116,4 +120,5 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[list[Piece]
         size=len(parquet(table(rows, schema(task.spec)))) / tried,
         asked=tried * len(task.spec.questions) * len(plan.engines),
         rejected=lost + sum(len(outcome.rejected) for outcome in outcomes),
+        balance=sum((trial.balance for trial in whole), Balance()) if task.spec.plan.balance else None,
     )

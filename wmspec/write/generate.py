@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
+from dataclasses import dataclass, field
 from itertools import groupby
 
 from wmspec.ask.model import Rejected
@@ -18,36 +19,45 @@ from wmspec.write.checkpoint import passing
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard
 from wmspec.write.reuse import Before
-from wmspec.write.units import Piece, units
-from wmspec.write.worker import Job, Outcome, Sharing, work
+from wmspec.write.units import Piece, units, weight
+from wmspec.write.worker import Balance, Job, Outcome, Sharing, work
 
 
-def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> Sharing:
+@dataclass(frozen=True)
+class Spent:
+    """How much of the work was shared, and what the balance of answers cost, by task."""
+
+    shared: Sharing = field(default_factory=Sharing)
+    balance: dict[str, Balance] = field(default_factory=dict)
+
+
+def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> Spent:
     """Make every pending shard, but for what was made `before`, or was kept by a run that was stopped.
-
-    Returns how much of the work was shared.
 
     `progress` is told the task and the number of its instances that were finished.
     """
     plan = dataset.plan
     pending = dataset.pending()
     if not pending:
-        return Sharing()
-    job, shared = job_of(plan, effort), Sharing()
+        return Spent()
+    job, shared, balance = job_of(plan, effort), Sharing(), dict[str, Balance]()
+    specs = {task.spec.name: task.spec for task in plan.tasks}
     making = [_Making(dataset, shard, before) for shard in pending]
     for one in making:
         progress(one.task, len(one.shard.indices) - len(one.missing))
         one.finish()
     shard_of = {(one.task, index): one for one in making for index in one.missing}
-    with closing(by_units(work, _units(job, plan, making), effort, weight=lambda piece: len(piece[-1]))) as outcomes:
+    with closing(by_units(work, _units(job, plan, making), effort, lambda p: weight(specs[p[1]], p[2]))) as outcomes:
         for (_, task, indices), made in outcomes:
             if not isinstance(made, Lost):
                 shared += made.shared
+                if specs[task].plan.balance:
+                    balance[task] = balance.get(task, Balance()) + made.balance
             for at, index in enumerate(indices):
                 one = shard_of[task, index]
                 one.keep(index, _lost(plan, one.shard, index, made) if isinstance(made, Lost) else made.outcomes[at])
                 progress(task, 1)
-    return shared
+    return Spent(shared, balance)
 
 
 class _Making:

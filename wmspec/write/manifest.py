@@ -10,7 +10,7 @@ from typing import Any
 from wmspec.ask.model import Rejected
 from wmspec.write.plan import Plan, Task
 from wmspec.write.shards import Record
-from wmspec.write.worker import Sharing
+from wmspec.write.worker import Balance, Sharing
 
 #: Of how many reasons an example is told.
 REASONS = 3
@@ -40,10 +40,11 @@ def _told(one: Rejected) -> str:
 
 @dataclass(frozen=True)
 class Summary:
-    """The count of a whole dataset, and how much of the work of making it just now was shared."""
+    """The count of a whole dataset; of making it just now, how much of the work was shared, and what balance cost."""
 
     tasks: tuple[TaskSummary, ...]
     shared: Sharing = field(default_factory=Sharing)
+    balance: Mapping[str, Balance] = field(default_factory=dict)
 
     @property
     def rows(self) -> int:
@@ -62,7 +63,8 @@ class Summary:
         lost = sum(self.rejected.values())
         why = ", ".join(f"{n:,} {reason}" for reason, n in self.rejected.items())
         told = f"{self.rows:,} questions, {lost:,} rejected" + (f" ({why})" if why else "")
-        return "\n".join([*map(str, self.tasks), *([str(self.shared)] if self.shared.episodes else []), told])
+        cost = [f"{task}: {balance}" for task, balance in self.balance.items()]
+        return "\n".join([*map(str, self.tasks), *cost, *([str(self.shared)] if self.shared.episodes else []), told])
 
 
 def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:

@@ -85,6 +85,11 @@ OUTCOMES: dict[str, tuple[pa.DataType, str]] = {
     "option_outcome": (_TEXTS, "of what kind each option is as an outcome; null where the question names none")
 }
 
+#: What rows also say if the answers of a question of the task are balanced.
+REDRAWN: dict[str, tuple[pa.DataType, str]] = {
+    "redrawn": (pa.int64(), "how often the nuisances of the block were drawn before these, for the balance of answers")
+}
+
 #: What rows also say if the task asks for more than colours.
 CHANNELS: dict[str, dict[str, tuple[pa.DataType, str]]] = {
     "depth": {
@@ -104,15 +109,15 @@ _FEATURE = {"_type": "Sequence", "feature": {"_type": "Image"}}
 
 
 def schema(spec: TaskSpec) -> pa.Schema:
-    """The columns of a task: the common ones, those of its kinds of outcome and channels, then `factor.*`, `level.*`,
-    `group.*` and `nuisance.*`.
+    """The columns of a task: the common ones, those of its balance, kinds of outcome and channels, then `factor.*`,
+    `level.*`, `group.*` and `nuisance.*`.
 
     A factor's column is boolean, float64, string, or a list of float64 for points, as its values are; its metadata hold
     its SI `unit`. `group.f` is the key that all instances differing in `f` alone share: the "all but f" groups are one
     `groupby`. `level.f` is what the value of a factor or nuisance is called, of those whose values have names.
     """
     varied, drawn = _parted(spec.factors)
-    fields = [pa.field(name, kind) for name, (kind, _) in (outcomes(spec) | channels(spec)).items()]
+    fields = [pa.field(name, kind) for name, (kind, _) in (redrawn(spec) | outcomes(spec) | channels(spec)).items()]
     fields += [_column("factor", f) for f in varied]
     fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _named(f)]
     fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]
@@ -125,6 +130,11 @@ def table_schema(more: Iterable[pa.Field]) -> pa.Schema:
     fields = [*(pa.field(name, kind) for name, (kind, _) in COLUMNS.items()), *more]
     features = {f.name: _FEATURE for f in fields if f.type == _IMAGES}
     return pa.schema(fields, metadata={"huggingface": json.dumps({"info": {"features": features}})})
+
+
+def redrawn(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """The columns of the balance of answers, if there is one."""
+    return REDRAWN if spec.plan.balance else {}
 
 
 def outcomes(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
@@ -196,6 +206,7 @@ def encode(question: QuestionRow) -> Row:
         "measured": [{"name": n, "value": float(v)} for n, v in question.measured.items()],
         "agreement": [_vote(v) for v in question.agreement],
         "seed": question.seed,
+        **({} if question.redrawn is None else {"redrawn": question.redrawn}),
         **_kept(question.context),
         **{f"factor.{n}": v for n, v in question.factors.items()},
         **{f"level.{n}": words for n, words in question.levels.items()},

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from wmspec.ask.balance import MOST_DRAWS
 from wmspec.ask.closed import has_closed
 from wmspec.check.ir import TaskSpec
 from wmspec.design.depend import Dependencies
@@ -22,13 +23,19 @@ from wmspec.stage.one_factor import changed_by
 #: A unit has so many instances at most (but a closed set is never parted): what a worker gets at a time.
 MOST = 32
 
-#: Instances that are made together: one, or those of a closed set.
+#: Instances that are made together: one, those of a closed set, or those among which answers are balanced.
 Piece = tuple[int, ...]
 
 
 def units(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Piece]]:
     """The pieces of every unit, in the order in which they share most; every index comes once."""
     design = Design(spec, seed)
+    if spec.plan.balance:
+        laps: dict[tuple[int, ...], list[int]] = {}
+        for index in indices:
+            laps.setdefault(design.lap(design.blocks.locate(index)[0]), []).append(index)
+        yield from ([tuple(lap)] for lap in laps.values())
+        return
     kin = _Kin(design)
     shared: dict[object, dict[object, dict[int, list[int]]]] = {}
     closed = has_closed(spec)
@@ -45,6 +52,11 @@ def units(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Pi
                 unit = []
             unit.append(piece)
         yield unit
+
+
+def weight(spec: TaskSpec, piece: Piece) -> int:
+    """How many instances may have to be made for a piece."""
+    return len(piece) * (MOST_DRAWS if spec.plan.balance else 1)
 
 
 class _Kin:

@@ -21,7 +21,7 @@ from wmspec.write.generate import job_of
 from wmspec.write.plan import Plan
 from wmspec.write.reader import CHANNELS, PICTURES, DatasetReader
 from wmspec.write.rows import Row, identity
-from wmspec.write.units import units
+from wmspec.write.units import units, weight
 from wmspec.write.worker import work
 
 #: Numbers are near if they differ by less than this share, or by less than this (SI units).
@@ -73,7 +73,7 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
         for name, task in tasks.items()
         for unit in units(task.spec, plan.seed, task.indices)
     )
-    with closing(by_units(work, every, effort, weight=lambda piece: len(piece[-1]))) as outcomes:
+    with closing(by_units(work, every, effort, lambda p: weight(tasks[p[1]].spec, p[2]))) as outcomes:
         for (_, name, indices), made in outcomes:
             there = _there(dataset, name, indices)
             for at, index in enumerate(indices):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass, field
-from functools import cache
+from functools import cache, partial
 
 from wmspec.ask.ask import ask
+from wmspec.ask.balance import balanced
 from wmspec.ask.closed import Answers, has_closed, kept_whole
 from wmspec.ask.consensus import Consensus, consensus
 from wmspec.ask.model import QuestionRow, Rejected
@@ -62,26 +63,53 @@ class Sharing:
 
 
 @dataclass(frozen=True)
+class Balance:
+    """What the balance of answers cost: the groups that were executed, and those of them that were kept."""
+
+    executed: int = 0
+    kept: int = 0
+
+    def __add__(self, other: Balance) -> Balance:
+        return Balance(self.executed + other.executed, self.kept + other.kept)
+
+    def __str__(self) -> str:
+        each = f" ({self.executed / self.kept:.1f} for each)" if self.kept else ""
+        return f"answers are balanced, for which {self.executed:,} groups were executed and {self.kept:,} kept{each}"
+
+
+@dataclass(frozen=True)
 class Made:
-    """What came of instances, in order, and how much of the work was shared."""
+    """What came of instances, in order, how much of the work was shared, and what balance cost."""
 
     outcomes: tuple[Outcome, ...]
     shared: Sharing = field(default_factory=Sharing)
+    balance: Balance = field(default_factory=Balance)
 
 
 def work(job: Job, task: str, indices: tuple[int, ...]) -> Made:
     """Ask instances in every engine of the job: one, or some of a group whose options are a closed set.
 
-    Such a group is asked as a whole, whichever of its members are wanted.
+    Such a group is asked as a whole, whichever of its members are wanted; so is a lap of groups whose answers are
+    balanced.
     """
     design, before = _design(job, task), _counted(job)
-    members = design.blocks.members(design.blocks.locate(indices[0])[0]) if has_closed(design.spec) else indices
-    answers: Mapping[int, Answers] = {member: _answers(job, design, member) for member in members}
-    if has_closed(design.spec):
-        answers = kept_whole(design.spec, answers)
+    block, balance = design.blocks.locate(indices[0])[0], Balance()
+    if design.spec.plan.balance:
+        lap = balanced(design, block, partial(_group, job))
+        answers, balance = lap.answers, Balance(lap.executed, lap.kept)
+    elif has_closed(design.spec):
+        answers = _group(job, design, block)
+    else:
+        answers = {index: _answers(job, design, index) for index in indices}
     outcomes = tuple(_outcome(answers[index]) for index in indices)
     after = _counted(job)
-    return Made(outcomes, Sharing(*(b - a for a, b in zip(before, after, strict=True))))
+    return Made(outcomes, Sharing(*(b - a for a, b in zip(before, after, strict=True))), balance)
+
+
+def _group(job: Job, design: Design, block: int) -> Mapping[int, Answers]:
+    """The answers of all members of a group."""
+    answers = {member: _answers(job, design, member) for member in design.blocks.members(block)}
+    return kept_whole(design.spec, answers) if has_closed(design.spec) else answers
 
 
 def _counted(job: Job) -> tuple[int, ...]:

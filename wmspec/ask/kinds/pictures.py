@@ -18,9 +18,9 @@ from wmspec.ask.measure import Measured
 from wmspec.ask.model import TRUTH, Answer, Option, OptionKind, Picture, Reject
 from wmspec.ask.runs import Run
 from wmspec.ask.sighting import sightings
-from wmspec.ask.visibility_gate import named
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
+from wmspec.design.about import named
 from wmspec.execute.keys import look_key
 from wmspec.scene.appearance import shown_at
 from wmspec.scene.digest import digest
