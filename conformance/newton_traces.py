@@ -18,12 +18,12 @@ SUBSTEPS = 8  # of each sample: 1,920 steps a second
 
 
 def executed(path: Path, seconds: float, rate: int) -> dict[str, np.ndarray]:
-    """The trace of a stage, by Newton's solver on top of MuJoCo Warp, on the processor."""
+    """The trace of a stage, by Newton's solver on top of MuJoCo, on the processor."""
     stage = Usd.Stage.Open(str(path))
     builder = newton.ModelBuilder(up_axis=UsdGeom.GetStageUpAxis(stage))
     builder.add_usd(stage)
     model = builder.finalize(device="cpu")
-    solver = newton.solvers.SolverMuJoCo(model, iterations=100, ls_iterations=50, njmax=400, nconmax=200)
+    solver = newton.solvers.SolverMuJoCo(model, iterations=100, ls_iterations=50, use_mujoco_cpu=True)
     now, after, control = model.state(), model.state(), model.control()
     newton.eval_fk(model, model.joint_q, model.joint_qd, now)
     samples = [read(now)]
@@ -52,7 +52,7 @@ def main() -> None:
     """Run the cases that are named, or all."""
     stages, traces, wanted = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:]
     traces.mkdir(parents=True, exist_ok=True)
-    wp.config.quiet = True
+    wp.config.quiet, wp.config.enable_backward = True, False  # without derivatives kernels compile in less time
     for name, case in json.loads((stages / "cases.json").read_text()).items():
         target = traces / f"{name}.npz"
         if (wanted and name not in wanted) or target.exists():

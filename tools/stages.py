@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import resource
 import subprocess
 import sys
 import tomllib
 from importlib.util import find_spec
 from itertools import combinations
-from multiprocessing import get_context
 from pathlib import Path
-from queue import Empty
 from typing import Any
 
 import wmspec
@@ -28,7 +27,7 @@ from wmspec.diagnostics import WmsError
 ROOT = Path(__file__).parent.parent
 LIST, PAGE = ROOT / "tools/stages.toml", ROOT / "docs/anyone.md"
 START, STOP = "<!-- stages -->\n", "<!-- /stages -->\n"
-SECONDS, PATIENCE = 1.0, 180  # how long each stage lasts, and how long (s) an engine may take for it
+SECONDS, PATIENCE = 1.0, 90  # how long each stage lasts, and how much of the processor (s) an engine may take for it
 AGREE = 0.005  # m: what is nearer than this after that second counts as the same
 SOFT = ("Deformable", "Particle", "Tendon", "Mimic", "Gear", "Vehicle")
 
@@ -79,41 +78,42 @@ def stages(folder: Path) -> list[Path]:
     return found + sorted((folder / "robots").glob("*/*.usda"))
 
 
-def outcome(path: Path, engine: str) -> dict[str, Any]:
-    """How a stage does in an engine, in a process of its own, which may die of it."""
-    context = get_context("fork")
-    told: Any = context.Queue()
-    worker = context.Process(target=_tried, args=(path, engine, told))
-    worker.start()
-    try:
-        result: dict[str, Any] = told.get(timeout=PATIENCE)
-    except Empty:
-        result = {"refused": f"it takes longer than {PATIENCE} s, or the engine died of it"}
-    worker.kill()
-    worker.join()
-    return result
+def outcomes(path: Path) -> dict[str, Any]:
+    """How a stage does in every engine, in processes of their own, which may die of it."""
+    results: dict[str, Any] = {}
+    while waiting := [engine for engine in ENGINES if engine not in results]:
+        command = [sys.executable, "-m", "tools.stages", "try", str(path), *waiting]
+        printed = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False).stdout
+        lines = [line for line in printed.splitlines() if line.startswith('{"')]  # engines may print, too
+        results |= dict(zip(waiting, map(json.loads, lines), strict=False))
+        if len(lines) < len(waiting):
+            results[waiting[len(lines)]] = {"refused": f"it takes more than {PATIENCE} s, or the engine died of it"}
+    return results
 
 
-def _tried(path: Path, engine: str, told: Any) -> None:
+def attempt(path: Path, engine: str) -> dict[str, Any]:
+    """How a stage does in an engine, in at most `PATIENCE` seconds of the processor."""
+    spent = resource.getrusage(resource.RUSAGE_SELF)
+    most = int(spent.ru_utime + spent.ru_stime) + PATIENCE
+    resource.setrlimit(resource.RLIMIT_CPU, (most, resource.RLIM_INFINITY))
     try:
         episode = wmspec.run(path, engine, SECONDS)
-        ends = {name: episode[name].middle[-1].tolist() for name in episode.movable}
-        told.put({"bodies": ends, "notes": [str(note) for note in episode.notes]})
     except WmsError as error:
-        told.put({"refused": str(error)})
+        return {"refused": str(error)}
+    ends = {name: episode[name].middle[-1].tolist() for name in episode.movable}
+    return {"bodies": ends, "notes": [str(note) for note in episode.notes]}
 
 
 def run(folder: Path) -> None:
-    """Run every stage in every engine; results are kept beside the stages, one file a stage."""
-    wmspec.run  # noqa: B018  imports what it needs, once for all processes
-    for path in stages(folder):
+    """Run every stage in every engine, small ones first; results are kept beside the stages, one file a stage."""
+    for path in sorted(stages(folder), key=lambda path: path.stat().st_size):
         kept = folder / "results" / f"{'+'.join(path.relative_to(folder).with_suffix('').parts)}.json"
         if kept.exists():
             continue
         kept.parent.mkdir(exist_ok=True)
-        result = {engine: outcome(path, engine) for engine in ENGINES}
-        kept.write_text(json.dumps(result))
-        print(path.name, *("refused" if "refused" in one else "ran" for one in result.values()), flush=True)
+        results = outcomes(path)
+        kept.write_text(json.dumps(results))
+        print(path.name, *("refused" if "refused" in one else "ran" for one in results.values()), flush=True)
 
 
 def spread(results: dict[str, Any]) -> float | None:
@@ -178,8 +178,9 @@ def page(folder: Path) -> str:
 def main() -> None:
     """Do what is asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("fetch", "robots", "run", "table"))
+    parser.add_argument("what", choices=("fetch", "robots", "run", "table", "try"))
     parser.add_argument("folder", type=Path)
+    parser.add_argument("engines", nargs="*", help=argparse.SUPPRESS)
     parser.add_argument("--mirror", type=Path)
     parser.add_argument("--bin", type=Path, default=Path(sys.executable).parent)
     asked = parser.parse_args()
@@ -190,6 +191,9 @@ def main() -> None:
             robots(asked.folder, asked.bin)
         case "run":
             run(asked.folder)
+        case "try":
+            for engine in asked.engines:
+                print(json.dumps(attempt(asked.folder, engine)), flush=True)
         case _:
             PAGE.write_text(page(asked.folder))
 

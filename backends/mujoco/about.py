@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from wmspec.scene.backend import Graphics, Info
-from wmspec.scene.capability import BALL_LIMITS, TWO_FRICTIONS, Lack, fine_drives, stiff_drives
+from wmspec.scene.capability import BALL_LIMITS, TWO_FRICTIONS, Lack, fast_impacts, fine_drives, stiff_drives
 from wmspec.scene.drives import FINEST
 
 STEPS_PER_SECOND = 3840
+GIVES = 2.2e-3  # s: how far a contact gives way for each m/s of an impact, at this rate; see `.impact`
 
 INFO = Info(
     name="mujoco",
@@ -23,6 +24,12 @@ INFO = Info(
             "MuJoCo computes drives step by step and would overshoot; make it softer or what it moves heavier",
         ),
         Lack(fine_drives(STEPS_PER_SECOND), "MuJoCo makes up to 16 times as many steps", nearly=True),
+        Lack(
+            fast_impacts(GIVES, FINEST),
+            f"MuJoCo's contacts give way, even with {FINEST} times as many steps; make it slower, or what it may hit "
+            "thicker",
+            nearly=True,
+        ),
         Lack(TWO_FRICTIONS, "MuJoCo has one coefficient, that of motion", nearly=True),
     ),
     graphics=Graphics("EGL", mesa=(24, 3), variables=("MUJOCO_GL", "PYOPENGL_PLATFORM"), on_import=True),

@@ -140,6 +140,7 @@ def _geom(element: ET.Element, asset: ET.Element, name: str, geom: Geom) -> None
         _add(element, name, {"type": "mesh", "mesh": name, **apart, **look, **hidden})
     if geom.visible and not geom.shape.convex:
         points, faces = geom.shape.triangles()
+        points = np.concatenate([points, points[:1].repeat(max(0, 4 - len(points)), axis=0)])  # MuJoCo wants four
         mesh = {"name": f"{name}/seen", "vertex": text(points), "face": text(faces), "inertia": "shell"}
         ET.SubElement(asset, "mesh", mesh)
         _add(element, f"{name}/seen", {"type": "mesh", "mesh": f"{name}/seen", **_pose(geom.pose), **look})

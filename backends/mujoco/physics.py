@@ -11,18 +11,19 @@ from wmspec.diagnostics import EngineError, WmsError
 from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable
-from wmspec.scene.drives import enough
+from wmspec.scene.drives import FINEST, enough
 from wmspec.scene.episode import Episode, Recording, play
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly
 from wmspec.scene.silence import silence
+from wmspec.scene.speed import steps
 from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
 from . import rollout
-from .about import INFO
+from .about import GIVES, INFO, STEPS_PER_SECOND
 from .impact import solref
 from .joints import FAR
 from .mjcf import mjcf
@@ -76,7 +77,8 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     """The scene in MuJoCo's words. Raises WmsError, with the prim path, for what MuJoCo doesn't have."""
     validate(scene)
     require(INFO.lacks, scene)
-    timeline = episode(scene, enough(scene, INFO.steps_per_second, damped=False))
+    fast = STEPS_PER_SECOND * steps(scene, GIVES, FINEST)
+    timeline = episode(scene, max(fast, enough(scene, STEPS_PER_SECOND, damped=False)))
     return assembly(scene, timeline), timeline
 
 

@@ -14,6 +14,7 @@ from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
 from .about import INFO
+from .feet import footed
 from .margin import within_margins
 from .world import World
 
@@ -41,7 +42,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     validate(scene)
     require(INFO.lacks, scene)
     timeline = episode(scene, enough(scene, INFO.steps_per_second))
-    return within_margins(assembly(scene, timeline)), timeline
+    return within_margins(footed(assembly(scene, timeline))), timeline
 
 
 def verify(world: World, scene: Scene, timeline: Episode) -> None:

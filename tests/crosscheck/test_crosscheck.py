@@ -13,7 +13,7 @@ from tests.language.specs import task_from
 from wmspec.check.ir import QuestionKind
 from wmspec.compare.check import check
 from wmspec.compare.model import Checked, Verdict
-from wmspec.compare.summary import Share, lines, suspects
+from wmspec.compare.summary import Share, doubtful, lines, suspects
 from wmspec.compare.tolerance import Tolerances
 from wmspec.compare.verbalize import dispute
 from wmspec.design.design import Design
@@ -61,6 +61,16 @@ def test_chaos_is_explained_and_fails(tmp_path: Path) -> None:
     failures = ET.parse(junit).getroot().findall("testsuite/testcase/failure")
     assert failures
     assert all(f.get("type") == "answers" and "`post_a`" in (f.text or "") for f in failures)
+
+
+def test_answers_that_rest_on_what_engines_get_wrong_are_marked() -> None:
+    found = checked((HERE / "row.wms").read_text())
+    row, roll = doubtful(found)
+    assert (row.answers, roll.answers) == (Share(1, 1), Share(1, 1))
+    assert "`a` and `b` meet" in row.where
+    assert "`b` touches `c`" in row.where
+    assert "`can` rolls" in roll.where
+    assert not doubtful(checked((HERE / "race.wms").read_text()))
 
 
 def test_a_question_that_no_engine_would_ask_does_not_fail() -> None:

@@ -41,6 +41,19 @@ def test_stages_are_plain_usd_that_the_strict_read(name: str) -> None:
     assert any(body.motion == "dynamic" for body in scene.bodies)
 
 
+def test_cylinders_slide_stand_and_tip_on_their_ends_in_pybullet() -> None:
+    installed("pybullet")
+    names = ("slide_puck", "slide_standing_cylinder", "stand_cylinder_slope", "topple_cylinder")
+    for score in scores("pybullet", by_backend("pybullet"), chosen(names)):
+        assert score.passed, (score.measure.what, score.measured, score.refusal)
+
+
+def test_a_thin_wall_holds_what_is_fast_in_mujoco() -> None:
+    installed("mujoco")
+    (score,) = scores("mujoco", by_backend("mujoco"), chosen(["thin_wall"]))
+    assert score.passed, score.measured
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", ["free_fall", "slide_box", "four_bar", "filtered_pair", "drive_critical", "units"])
 def test_engines_pass_what_they_are_known_to_do(engine: str, name: str) -> None:

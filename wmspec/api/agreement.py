@@ -15,7 +15,7 @@ from wmspec.api.task import Task
 from wmspec.check.record import to_json
 from wmspec.compare.model import Checked
 from wmspec.compare.record import junit, record
-from wmspec.compare.summary import Line, Suspect, lines, suspects
+from wmspec.compare.summary import Doubtful, Line, Suspect, doubtful, lines, suspects
 from wmspec.compare.sweep import Job, pairs, sweep
 from wmspec.compare.tolerance import tolerances
 from wmspec.compare.verbalize import complaints
@@ -50,6 +50,11 @@ class Agreement:
     def suspects(self) -> tuple[Suspect, ...]:
         """The values of factors with which more goes wrong than without."""
         return suspects(self.instances)
+
+    @property
+    def doubtful(self) -> tuple[Doubtful, ...]:
+        """Answers that rest on motion that engines get wrong, so that their agreement is no proof."""
+        return doubtful(self.instances)
 
     @property
     def failed(self) -> tuple[Checked, ...]:

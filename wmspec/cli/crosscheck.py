@@ -131,6 +131,10 @@ def _print(agreement: Agreement) -> None:
     for s in agreement.suspects:
         where = f"where {s.factor} is {_short(s.value)}"
         click.echo(f"  {s.task}: {s.what} in {s.with_it} instances {where}, in {s.without} elsewhere")
+    if agreement.doubtful:
+        click.echo("\nanswers that rest on motion that engines get wrong, whether they agree or not:")
+    for d in agreement.doubtful:
+        click.echo(f"  {d.task}: {d.answers}, as {d.kind}; in instance {d.instance}, {d.where}")
     click.echo(f"\n{len(agreement.instances) - len(failed)} of {len(agreement.instances)} instances pass")
 
 

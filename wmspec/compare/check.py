@@ -139,6 +139,7 @@ def _verdict(
         agree=agreed,
         detail=difference(a, b, pair),
         cause=None if agreed else _cause(compared),
+        regimes=tuple(dict.fromkeys(regime for c in compared for regime in c.regimes)),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from wmspec.compare.allow import STILL, Array, allowance, closing, impacts, sample
 from wmspec.compare.explain import cause
 from wmspec.compare.model import Comparison, Event, Gap, Rest
+from wmspec.compare.regimes import regimes
 from wmspec.compare.tolerance import Tolerances
 from wmspec.scene.model import Body, Scene, Trace
 from wmspec.scene.turn import turned
@@ -22,7 +23,8 @@ def compare(run: str, scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) 
     events = tuple(_events(a, b, allowed.position, tolerances.event))
     rests = tuple(_rests(scene, moving, a, b, allowed.velocity[-1]))
     why = cause(run, scene, (a, b), (gaps, events, rests), tolerances.event)
-    return Comparison(run, (a.engine, b.engine), gaps, events, rests, why)
+    doubtful = regimes(scene, (a, b), tolerances.event)
+    return Comparison(run, (a.engine, b.engine), gaps, events, rests, why, doubtful)
 
 
 def _gap(body: Body, i: int, a: Trace, b: Trace, allowed: Array, most: float) -> Gap:

@@ -65,6 +65,14 @@ class Cause:
 
 
 @dataclass(frozen=True)
+class Regime:
+    """Motion that engines get wrong, whether or not they agree: what of it, and where it is in the episode."""
+
+    kind: str
+    where: str
+
+
+@dataclass(frozen=True)
 class Comparison:
     """One episode in two engines. `run` is `truth` or the name of a counterfactual; `cause`: None within tolerance."""
 
@@ -74,6 +82,7 @@ class Comparison:
     events: tuple[Event, ...]
     rests: tuple[Rest, ...]
     cause: Cause | None
+    regimes: tuple[Regime, ...] = ()
 
     @property
     def within(self) -> bool:
@@ -87,7 +96,8 @@ class Verdict:
 
     `kind` is that of the question and `sort` that of its answer's value, as the language names it. `answers` are what
     each engine says, in words. `rejected` is why an engine would not ask it (None if it would). `agree` holds if each
-    engine's outcome picks the other's answer, whether or not it would be asked.
+    engine's outcome picks the other's answer, whether or not it would be asked. `regimes`: what the runs that it rests
+    on enter, so that agreement is no proof.
     """
 
     question: int
@@ -99,6 +109,7 @@ class Verdict:
     agree: bool
     detail: str
     cause: Cause | None
+    regimes: tuple[Regime, ...] = ()
 
     @property
     def asked(self) -> bool:

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 
 from wmspec import __version__
 from wmspec.compare.model import Checked
-from wmspec.compare.summary import lines, suspects
+from wmspec.compare.summary import doubtful, lines, suspects
 from wmspec.compare.sweep import Job, pairs
 from wmspec.compare.verbalize import complaints, failure, parting
 from wmspec.execute.backends import engine_version
@@ -31,6 +31,7 @@ def record(job: Job, checked: Sequence[Checked], strict: bool) -> dict[str, Any]
         "passes": all(c.passes(strict) for c in checked),
         "summary": [asdict(line) for line in lines(checked, pairs(job.engines))],
         "suspects": [asdict(s) for s in suspects(checked)],
+        "doubtful": [asdict(d) for d in doubtful(checked)],
         "instances": [_instance(c, strict) for c in checked],
     }
 

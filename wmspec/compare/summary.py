@@ -109,5 +109,28 @@ def _suspects(task: str, what: str, checked: Sequence[Checked], wrong: Callable[
     return suspected[:3]
 
 
+@dataclass(frozen=True)
+class Doubtful:
+    """Answers of a task that rest on motion that engines get wrong: how many of all, and where in one of them."""
+
+    task: str
+    kind: str
+    answers: Share
+    instance: int
+    where: str
+
+
+def doubtful(checked: Sequence[Checked]) -> tuple[Doubtful, ...]:
+    """What answers rest on that is no proof though engines agree, by task."""
+    rows: dict[tuple[str, str], Doubtful] = {}
+    for task in dict.fromkeys(c.task for c in checked):
+        verdicts = [(c.index, v) for c in checked if c.task == task for v in c.verdicts]
+        for index, regime in [(index, regime) for index, v in verdicts for regime in v.regimes]:
+            resting = sum(any(r.kind == regime.kind for r in v.regimes) for _, v in verdicts)
+            told = Doubtful(task, regime.kind, Share(resting, len(verdicts)), index, regime.where)
+            rows.setdefault((task, regime.kind), told)
+    return tuple(rows.values())
+
+
 def _share(wrong: Sequence[bool]) -> Share:
     return Share(sum(wrong), len(wrong))

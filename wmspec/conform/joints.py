@@ -114,6 +114,15 @@ def _double() -> Iterator[Case]:
         3.0,
         (
             Measure(
+                "how far its end is from its place after 1 s",
+                0.0,
+                5.0,
+                "mm",
+                lambda r: float(1e3 * np.linalg.norm(r["lower"].position[RATE] - _double_after(1.0))),
+                "Lagrange's equations, integrated to 1e-11",
+                LANDAU,
+            ),
+            Measure(
                 "energy of a double pendulum lost or gained, of its depth", 0.0, 1.0, "%", drift, "constant", LANDAU
             ),
             Measure(
@@ -127,6 +136,24 @@ def _double() -> Iterator[Case]:
             ),
         ),
     )
+
+
+def _double_after(seconds: float) -> Array:
+    """Where the middle of the lower arm is (3,) when both were let go level: by Lagrange's equations of two angles."""
+    from scipy.integrate import solve_ivp
+
+    arm, half, inertia = 2 * 0.25, 0.25, _INERTIA[0]
+
+    def rates(_time: float, state: Array) -> list[float]:
+        a, b, u, v = state
+        mixed, turn = arm * half * cos(a - b), arm * half * sin(a - b)
+        mass = [[inertia + half**2 + arm**2, mixed], [mixed, inertia + half**2]]
+        force = [-turn * v * v + G * (half + arm) * cos(a), turn * u * u + G * half * cos(b)]
+        return [u, v, *np.linalg.solve(mass, force).tolist()]
+
+    way = solve_ivp(rates, (0.0, seconds), np.zeros(4), method="DOP853", rtol=1e-11, atol=1e-11)
+    a, b = way.y[:2, -1]
+    return np.array([arm * cos(a) + half * cos(b), 0.0, -arm * sin(a) - half * sin(b)])
 
 
 def _linkages() -> Iterator[Case]:

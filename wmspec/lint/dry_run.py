@@ -16,6 +16,7 @@ from wmspec.lint import (
     hidden_rules,
     option_rules,
     plausible_rules,
+    regime_rules,
     scene_rules,
     task_rules,
 )
@@ -65,6 +66,7 @@ def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
     linter.check(scene, scene_rules.RULES)
     linter.check(scene, plausible_rules.RULES)
     linter.check(scene, hidden_rules.RULES)
+    linter.check(scene, regime_rules.RULES)
     linter.check(scene, giveaway_rules.SCENE_RULES)
     things = {t.name for t in spec.things}
     for question in spec.questions if changed else ():

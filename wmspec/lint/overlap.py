@@ -59,6 +59,23 @@ def overlaps(values: Values) -> Iterator[Overlap]:
             yield Overlap(a.name, b.name, depth)
 
 
+def separation(values: Values, a: str, b: str) -> tuple[float, Vector]:
+    """How far (m) two objects are apart, negative where they overlap, and the way on which they are nearest."""
+    first, second = (_pieces_of(values, name) for name in (a, b))
+    pairs = [(p, q) for p in first for q in second]
+    return min((max((-_overlap(p, q, d), d) for d in _directions(p, q)) for p, q in pairs))
+
+
+def _pieces_of(values: Values, name: str) -> tuple[Piece, ...]:
+    """The convex pieces of an object in the world."""
+    pose = values.pose(name)
+    return tuple(
+        Piece(convex, pose.then(piece.pose).then(at))
+        for piece in pieces(values, name)
+        for convex, at in piece.solid.pieces()
+    )
+
+
 def _bodies(values: Values) -> Iterator[_Body]:
     for thing in values.spec.things:
         name = thing.name
@@ -66,11 +83,8 @@ def _bodies(values: Values) -> Iterator[_Body]:
             continue
         if any(_in_pieces(values, part) for part in (name, *values.parts(name))):
             continue
-        made, pose = pieces(values, name), values.pose(name)
-        placed = tuple(
-            Piece(convex, pose.then(piece.pose).then(at)) for piece in made for convex, at in piece.solid.pieces()
-        )
-        yield _Body(name, values.property(name, "fixed"), placed, *bounds(made, pose))
+        box = bounds(pieces(values, name), values.pose(name))
+        yield _Body(name, values.property(name, "fixed"), _pieces_of(values, name), *box)
 
 
 def _in_pieces(values: Values, part: str) -> bool:

@@ -13,6 +13,7 @@ from wmspec.scene.articulations import closing
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
 from wmspec.scene.model import Joint, Scene
+from wmspec.scene.speed import ENTERED, fastest, steps, thinnest
 
 Where = Iterator[tuple[str, str]]
 """Prim paths, and what is asked of each."""
@@ -155,6 +156,14 @@ def _sticking(scene: Scene) -> Where:
                 )
 
 
+def _hitting(scene: Scene, gives: float, most: int) -> Where:
+    speed, path = fastest(scene)
+    thin, depth = thinnest(scene), gives * speed / most
+    if steps(scene, gives, most) == most and depth > ENTERED * thin:
+        entered = f"{1e3 * depth:.2g} mm deep into what is {1e3 * thin:.2g} mm thick"
+        yield path, f"an impact at {speed:.3g} m/s, which goes {entered}"
+
+
 def _loops(scene: Scene) -> Where:
     yield from ((scene.joints[j].path, "a joint that closes a loop") for j in closing(scene))
 
@@ -185,6 +194,11 @@ TWO_FRICTIONS = Capability("static friction other than the dynamic one", _sticki
 BALL_LIMITS = Capability("ball joints with limits", _cones)
 TOUCHING_NEIGHBOURS = Capability("neighbours in a tree that touch each other", _touching_neighbours)
 SEVERAL_MATERIALS = Capability("several materials in a moving body", _materials)
+
+
+def fast_impacts(gives: float, most: int) -> Capability:
+    """Fast impacts on thin bodies, where contacts give way by `gives` (s) times the speed; see `wmspec.scene.speed`."""
+    return Capability("fast impacts on thin bodies", partial(_hitting, gives=gives, most=most))
 
 
 def stiff_drives(rate: int) -> Capability:

@@ -56,7 +56,7 @@ def body_inertia(
     total = parts[0] if len(parts) == 1 else _merge(parts)
     if mass:
         total = replace(total, mass=mass, moments=total.moments * (mass / total.mass))
-    return _override(prim, Place(Gf.Matrix4d(1.0), place.stretch), total, world)
+    return _override(prim, Place(Gf.Matrix4d(1.0), place.stretch), total, world, notes)
 
 
 def _collider_inertia(c: Placed, density: float, world: World, notes: Notes) -> Inertia:
@@ -74,12 +74,12 @@ def _collider_inertia(c: Placed, density: float, world: World, notes: Notes) -> 
             own = inertia([(c.shape, c.pose, mass or (per_volume or WATER) * c.shape.volume)])
     except WmsError as error:
         refuse(c.prim, str(error), "author a shape with a volume")
-    return _override(c.prim, c.place, own, world)
+    return _override(c.prim, c.place, own, world, notes)
 
 
-def _override(prim: Usd.Prim, place: Place, computed: Inertia, world: World) -> Inertia:
+def _override(prim: Usd.Prim, place: Place, computed: Inertia, world: World, notes: Notes) -> Inertia:
     """The computed mass properties with the centre and the moments that are authored on the prim."""
-    center, moments = _center(prim, place), _moments(prim, world)
+    center, moments = _center(prim, place), _moments(prim, world, notes)
     if moments is not None:
         axes = multiply(quaternion(place.rigid.ExtractRotationQuat()), _axes(prim))
         return Inertia(computed.mass, computed.center if center is None else center, axes, moments)
@@ -92,7 +92,7 @@ def _override(prim: Usd.Prim, place: Place, computed: Inertia, world: World) -> 
 def _authored_alone(
     prim: Usd.Prim, place: Place, mass: float, world: World, seen: Sequence[tuple[Shape, Pose]], notes: Notes
 ) -> Inertia:
-    moments = _moments(prim, world)
+    moments = _moments(prim, world, notes)
     if not mass or moments is None:
         taken = f"it has {mass or LONE:g} kg" + ("" if moments is not None else _spread(seen))
         remedy = "give it a collider, or mass and diagonalInertia"
@@ -102,7 +102,7 @@ def _authored_alone(
         parts = [(shape, pose, mass * shape.volume / sum(s.volume for s, _ in seen)) for shape, pose in seen]
         ball = Pose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
         spread = inertia(parts or [(Sphere(LONE_RADIUS), ball, mass)])
-        return _override(prim, Place(Gf.Matrix4d(1.0), place.stretch), spread, world)
+        return _override(prim, Place(Gf.Matrix4d(1.0), place.stretch), spread, world, notes)
     center = _center(prim, Place(Gf.Matrix4d(1.0), place.stretch))
     return Inertia(mass, np.zeros(3) if center is None else center, _axes(prim), moments)
 
@@ -128,14 +128,21 @@ def _center(prim: Usd.Prim, place: Place) -> Array | None:
     return vector((place.stretch * place.rigid).Transform(Gf.Vec3d(center)))
 
 
-def _moments(prim: Usd.Prim, world: World) -> Array | None:
+def _moments(prim: Usd.Prim, world: World, notes: Notes) -> Array | None:
     moments = np.array(value(prim, "physics:diagonalInertia", (0, 0, 0)), np.float64)
     if not moments.any():
         return None
-    if not (moments > 0).all() or 2 * moments.max() > moments.sum() * (1 + 1e-6):
-        refuse(
-            prim, f"physics:diagonalInertia = {moments.tolist()}", "expected three moments, none above the others' sum"
+    expected = "expected three moments, none above the others' sum"
+    if not (moments > 0).all():
+        refuse(prim, f"physics:diagonalInertia = {moments.tolist()}", expected)
+    most = moments.sum() - moments.max()
+    if moments.max() > most * (1 + 1e-6):
+        excess = 100 * (moments.max() / most - 1)
+        what = f"physics:diagonalInertia = {moments.tolist()}"
+        notes.instead(
+            prim, what, f"its largest is {excess:.2g} % above the sum of the others, which is taken", expected
         )
+        moments = np.minimum(moments, most)
     return np.asarray(moments * (world.kilograms * world.meters**2))
 
 

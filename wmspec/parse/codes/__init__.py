@@ -47,4 +47,5 @@ CODES: dict[str, str] = {
     "WMS605": "camera that can show nothing",
     "WMS606": "out of all proportion",
     "WMS607": "actions at one instant",
+    "WMS608": "motion that engines get wrong",
 }

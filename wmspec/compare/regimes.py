@@ -1,0 +1,90 @@
+"""Motion that engines get wrong, found on what they executed: their agreement proves nothing there.
+
+`wmspec conform` measures how wrong; `wmspec check` warns of it beforehand, as WMS608.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from wmspec.compare.allow import closing, impacts, sample
+from wmspec.compare.model import Regime
+from wmspec.execute.backends import info, names
+from wmspec.scene.capability import approximated
+from wmspec.scene.contact import colliders, mix
+from wmspec.scene.model import Body, Contact, Scene, Trace
+from wmspec.scene.transform import rotate
+from wmspec.shapes.cylinder import Cylinder
+
+ROW = "what strikes bodies that touch each other is answered by all of them at once"
+ROLL = "SAPIEN rolls cylinders as polygons, which brake"
+#: Restitution of a pair from which on it matters which impact of a row comes first.
+BOUNCY = 0.2
+#: Cosine to the vertical: steeper contacts carry weight, steeper cylinders stand.
+STEEP = 0.7
+#: m/s: slower is at rest.
+SLOW = 0.05
+
+
+def regimes(scene: Scene, traces: tuple[Trace, Trace], apart: float) -> tuple[Regime, ...]:
+    """What a scene and two traces of it enter, each kind once; a pair `apart` (s) for longer touches anew."""
+    engines = [info(t.engine) for t in traces if t.engine in names()]
+    found = [Regime(d.message, str(d.place)) for engine in engines for d in approximated(engine.lacks, scene)]
+    found += [Regime(ROW, where) for trace in traces for where in _rows(scene, trace, apart)]
+    found += [Regime(ROLL, where) for trace in traces if trace.engine == "sapien" for where in _rolls(scene, trace)]
+    return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
+
+
+def _rows(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
+    """Impacts on a body that touches a third one, all of them free and bouncy, and beside each other."""
+    bodies = {body.name: body for body in scene.bodies if body.motion == "dynamic" and colliders(body)}
+    free = [c for c in trace.contacts if c.first in bodies and c.second in bodies]
+    index = {name: i for i, name in enumerate(trace.bodies)}
+    struck = {id(c) for c in impacts(trace, apart)}
+    for hit in (c for c in free if id(c) in struck):
+        if closing(trace, index[hit.first], index[hit.second], hit.start) < SLOW:
+            continue
+        for other in free:
+            shared = {hit.first, hit.second} & {other.first, other.second}
+            meets = len(shared) == 1 and other.start <= hit.start <= other.stop and _beside(scene, trace, hit, other)
+            if meets and min(_bounce(bodies, hit), _bounce(bodies, other)) >= BOUNCY:
+                (middle,) = shared
+                first, third = (c.first if c.second == middle else c.second for c in (hit, other))
+                yield f"`{first}` and `{middle}` meet at {hit.start:.3g} s, when `{middle}` touches `{third}`"
+
+
+def _bounce(bodies: dict[str, Body], contact: Contact) -> float:
+    pair = [colliders(bodies[name])[0].friction for name in (contact.first, contact.second)]
+    return mix(*pair).restitution
+
+
+def _beside(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
+    """Whether bodies that touch are beside each other, not on top."""
+    size = np.linalg.norm(scene.gravity)
+    up = scene.gravity / size if size else np.zeros(3)
+    index = {name: i for i, name in enumerate(trace.bodies)}
+    for contact in contacts:
+        places = trace.position[sample(trace, contact.start)]
+        way = places[index[contact.second]] - places[index[contact.first]]
+        if abs(way @ up) > STEEP * np.linalg.norm(way):
+            return False
+    return True
+
+
+def _rolls(scene: Scene, trace: Trace) -> Iterator[str]:
+    """Cylinders that roll on their sides."""
+    size = np.linalg.norm(scene.gravity)
+    for i, body in enumerate(scene.bodies):
+        for geom in colliders(body) if body.motion == "dynamic" and size else ():
+            if not isinstance(geom.shape, Cylinder):
+                continue
+            axis = rotate(trace.orientation[:, i], rotate(geom.pose.orientation, np.array([0.0, 0.0, 1.0])))
+            rolls = np.abs((axis * trace.angular_velocity[:, i]).sum(axis=1)) * geom.shape.radius > SLOW
+            lying = np.abs(axis @ scene.gravity) / size < STEEP
+            times = trace.time[rolls & lying]
+            touched = [c for c in trace.contacts if body.name in (c.first, c.second)]
+            if any(c.start <= t <= c.stop for t in times.tolist() for c in touched):
+                yield f"`{body.name}` rolls from {times[0]:.3g} s on"
+                break

@@ -1,0 +1,122 @@
+"""Rules on motion that engines get wrong, all of them or some: agreement is not truth; docs/conformance.md measures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+
+from wmspec.check import units
+from wmspec.diagnostics import Note
+from wmspec.layout.geometry import pieces
+from wmspec.layout.solids import Piece
+from wmspec.layout.values import Values
+from wmspec.lint.overlap import separation
+from wmspec.lint.rule import Breach, rule
+from wmspec.lint.scene_rules import Scene
+from wmspec.shapes.cylinder import Cylinder
+from wmspec.shapes.shape import AXES
+from wmspec.space import UP, dot, rotate, times
+
+#: Restitution of a pair from which on it matters which impact of a row comes first.
+BOUNCY = 0.2
+#: How long (s) an impact takes in MuJoCo: what is met within that time is met at once. Others take one step.
+IMPACT = 0.003
+#: Things that are no further (m) apart touch, in every engine.
+TOUCHING = 1e-4
+#: Contacts steeper than this (cosine to the vertical) carry weight; impacts go along the others.
+STEEP = 0.7
+#: What MuJoCo's contacts give way for each m/s (s), with as many steps as it makes for fast impacts; the speed (m/s)
+#: from which on, and the part of a thin body up to which, it makes them.
+GIVES, FAST, ENTERED = 2.2e-3 / 16, 5.0, 0.5
+
+
+@rule("WMS608")
+def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
+    """Bouncy things in a row, touching or nearly: an impact goes through all of them at once."""
+    values = scene.values
+    speed = max(_speeds(values), default=0.0)
+    free = [name for name in _touchable(values) if not values.property(name, "fixed")]
+    for a, b in combinations(free, 2) if speed else ():
+        gap, way = separation(values, a, b)
+        if gap > IMPACT * speed or abs(way[2]) > STEEP or _bounce(values, a, b) < BOUNCY:
+            continue
+        touch = gap < TOUCHING
+        how = "touch" if touch else f"are {_length(gap)} apart"
+        who = "every engine lets both" if touch else "MuJoCo lets both"
+        what = f"`{a}` and `{b}` {how} {scene.where}: {who} answer what strikes one of them, at once"
+        note = Note(f"`{a}` is declared here", values.place(a))
+        engines = "" if touch else ", leave MuJoCo out with `--backend pybullet,sapien`,"
+        remedy = f"leave {_length(IMPACT * speed)} between them{engines} or give them a `restitution` below {BOUNCY:g}"
+        yield Breach(what, values.place(b), remedy, (note,), about=(a, b))
+
+
+@rule("WMS608")
+def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
+    """A cylinder that lies on its side, where it may roll."""
+    values = scene.values
+    joined = _joined(values)
+    for name in _touchable(values):
+        if not values.property(name, "fixed") and name not in joined and any(_lying(values, name)):
+            what = f"`{name}` is a cylinder that lies on its side {scene.where}; SAPIEN brakes it as it rolls"
+            remedy = "use a capsule or a sphere, or leave SAPIEN out with `--backend mujoco,pybullet`"
+            yield Breach(what, values.place(name, "shape"), remedy, about=name)
+
+
+@rule("WMS608")
+def fast_and_thin(scene: Scene) -> Iterator[Breach]:
+    """Something so fast that MuJoCo lets it into, or through, what is thin."""
+    values = scene.values
+    speed = max(_speeds(values), default=0.0)
+    if speed <= FAST:
+        return
+    depth = GIVES * speed
+    for name in _touchable(values):
+        thin = min(_thickness(piece) for piece in pieces(values, name))
+        if depth > ENTERED * thin:
+            fast = f"something moves at {units.told(speed, units.SPEED)} {scene.where}"
+            what = f"`{name}` is {_length(thin)} thick, and {fast}; in MuJoCo that goes {_length(depth)} deep"
+            remedy = "make it thicker, or the other slower, or leave MuJoCo out with `--backend pybullet,sapien`"
+            yield Breach(what, values.place(name), remedy, about=name)
+
+
+RULES = (struck_in_a_row, rolling_cylinder, fast_and_thin)
+
+
+def _touchable(values: Values) -> list[str]:
+    """The objects that are there and can be touched."""
+    objects = (t.name for t in values.spec.things if t.kind == "object")
+    return [name for name in objects if values.there(name) and values.property(name, "solid")]
+
+
+def _speeds(values: Values) -> Iterator[float]:
+    """How fast (m/s) actions set things off or carry them."""
+    for action in values.spec.things:
+        if action.kind == "action" and values.there(action.name) and "speed" in action.properties:
+            yield values.property(action.name, "speed")
+
+
+def _bounce(values: Values, a: str, b: str) -> float:
+    return math.sqrt(values.property(a, "restitution") * values.property(b, "restitution"))
+
+
+def _lying(values: Values, name: str) -> Iterator[bool]:
+    for piece in pieces(values, name):
+        if isinstance(piece.solid, Cylinder):
+            axis = rotate(values.pose(name).orientation, rotate(piece.pose.orientation, UP))
+            yield abs(dot(axis, UP)) < STEEP
+
+
+def _joined(values: Values) -> set[str]:
+    """The objects that have joints."""
+    joints = [t.name for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
+    return {values.property(j, end) for j in joints for end in ("of", "to") if values.has(j, end)}
+
+
+def _thickness(piece: Piece) -> float:
+    """How thick (m) a piece is at least, along its own axes."""
+    return min(piece.solid.reach(axis) + piece.solid.reach(times(-1.0, axis)) for axis in AXES)
+
+
+def _length(metres: float) -> str:
+    return units.told(float(f"{metres:.2g}"), units.LENGTH)
