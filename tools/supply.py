@@ -22,7 +22,7 @@ from wmspec import __version__
 ROOT = Path(__file__).parent.parent
 
 #: What users install, and what those who build wmspec need besides.
-USED = ("mujoco", "pybullet", "sapien", "meshes", "video", "evaluate", "audit", "report", "lsp")
+USED = ("mujoco", "pybullet", "sapien", "meshes", "video", "evaluate", "audit", "ray", "report", "lsp")
 BUILT = (*USED, "dev", "docs", "notebooks")
 
 #: Licences that ask something of those who pass the package on, and what wmspec does about it.
@@ -109,9 +109,9 @@ def licences() -> str:
     rows = [(name, licence(of)) for name, of in tree(USED).items()]
     lines = [*_HEAD.splitlines(), "", "| package | licence |", "|---|---|"]
     lines += [f"| {name} | {told} |" for name, told in rows]
-    said = [(name, told, why) for name, told in rows for word, why in SAID.items() if word in f"{name} {_words(told)}"]
+    noted = [(name, told, why) for name, told in rows for word, why in SAID.items() if word in f"{name} {_words(told)}"]
     lines += ["", "Those that ask something of whoever passes them on:", ""]
-    lines += [f"- {name} ({told}): {why}." for name, told, why in said]
+    lines += [f"- {name} ({told}): {why}." for name, told, why in noted]
     return "\n".join(lines) + "\n"
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TypedDict, Unpack
+from typing import Literal, TypedDict, Unpack
 
 from wmspec import __version__
 from wmspec.api.agreement import Tasks, effort, gathered
@@ -19,6 +20,8 @@ from wmspec.ask.consensus import Consensus
 from wmspec.design.design import share
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import chosen, drawing, engine_version
+from wmspec.execute.cluster import ray_cluster
+from wmspec.execute.pool import Effort
 from wmspec.limits import INSTANCES
 from wmspec.paper import instances
 from wmspec.resources import resource
@@ -56,6 +59,8 @@ class Choices(TypedDict, total=False):
     licence: str
 
 
+Executor = Literal["local", "ray"]
+
 #: The licence of the data that our own specs make, if no other is chosen.
 OURS = "CC-BY-4.0"
 
@@ -68,6 +73,8 @@ def generate(
     force: bool = False,
     workers: int | None = None,
     timeout: float = 300.0,
+    executor: Executor = "local",
+    address: str = "",
     progress: Progress = silent,
     tell: Tell = warn,
     **choices: Unpack[Choices],
@@ -83,6 +90,8 @@ def generate(
         force: whether to replace a different dataset in the folder.
         workers: processes, 0 to have none; one for each core if it is left out.
         timeout: seconds that an instance may take.
+        executor: "local", processes of this machine, or "ray", those of a Ray cluster. What is made is the same.
+        address: of the Ray cluster, such as "auto" or "10.0.0.5:6379"; one of this machine alone if it is left out.
         progress: shows how far it has come; `wmspec.progress_bar` does.
         tell: told what is left out, and what was damaged and is made again.
         **choices: what it is to hold, see `Choices`.
@@ -91,16 +100,32 @@ def generate(
         What was kept and what was rejected, counted.
 
     Raises:
-        WmsError: two choices exclude each other, an engine is missing, or the folder cannot be used.
+        WmsError: two choices exclude each other, an engine is missing, there is no such cluster, or the folder cannot
+            be used.
     """
     plan = planned(tasks, tell, **choices)
     before = Before([Path(folder) for folder in reuse], plan)
     with Dataset.open(Path(output), plan, force) as dataset:
         for notice in dataset.notices:
             tell(notice)
-        with progress(sum(len(shard.indices) for shard in dataset.pending()), "generating") as advance:
-            spent = make(dataset, effort(workers, timeout, plan.engines), advance, before)
+        pending = sum(len(shard.indices) for shard in dataset.pending())
+        with (
+            crew(executor, address, workers, timeout, plan) as hands,
+            progress(pending, "generating") as advance,
+        ):
+            spent = make(dataset, hands, advance, before)
         return replace(dataset.finish(), shared=spent.shared, balance=spent.balance)
+
+
+def crew(
+    executor: Executor, address: str, workers: int | None, timeout: float, plan: Plan
+) -> AbstractContextManager[Effort]:
+    """Who does the work of a plan. Raises WmsError if an address is given for what has none."""
+    if executor == "ray":
+        return ray_cluster(address, workers, timeout, plan.versions)
+    if address:
+        raise WmsError("`address` is that of a Ray cluster", help="give `executor` ray, too")
+    return nullcontext(effort(workers, timeout, plan.engines))
 
 
 def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan:

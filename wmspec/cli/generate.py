@@ -66,6 +66,14 @@ if TYPE_CHECKING:
     "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take."
 )
 @click.option(
+    "--executor",
+    type=click.Choice(["local", "ray"]),
+    default="local",
+    show_default=True,
+    help="Who works: processes of this machine, or those of a Ray cluster.",
+)
+@click.option("--address", default="", help="Where the Ray cluster is: auto, or HOST:PORT.  [default: only here]")
+@click.option(
     "--dry-run", is_flag=True, help="Write nothing: make a few instances of each task and tell what all would take."
 )
 @click.option("--force", is_flag=True, help="Replace a different dataset in the folder.")
@@ -88,6 +96,8 @@ def generate_command(
     licence: str,
     workers: int | None,
     timeout: float,
+    executor: Any,
+    address: str,
     dry_run: bool,
     force: bool,
     as_json: bool,
@@ -99,6 +109,7 @@ def generate_command(
 
     Many machines: each makes its own share into its own folder, a dataset by itself (-o part-2 --shard 2/8). The same
     command without --shard makes one of them (-o whole --reuse part-1 --reuse part-2 ...), as if there had been one.
+    Where they form a Ray cluster, --executor ray does all of it, and writes here.
     """
     from wmspec.api import generate, progress_bar
     from wmspec.api.agreement import effort
@@ -132,6 +143,8 @@ def generate_command(
             force=force,
             workers=workers,
             timeout=timeout,
+            executor=executor,
+            address=address,
             progress=progress_bar,
             tell=tell,
             **choices,

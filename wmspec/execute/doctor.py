@@ -58,9 +58,9 @@ def fit(findings: Sequence[Finding]) -> bool:
 
 
 def _python() -> Finding:
-    found = ".".join(map(str, sys.version_info[:3])) + f" at {sys.executable}"
+    version = ".".join(map(str, sys.version_info[:3])) + f" at {sys.executable}"
     ok = sys.version_info >= OLDEST_PYTHON
-    return Finding("Python", ok, found, "" if ok else "make a virtual environment with Python 3.11 or newer")
+    return Finding("Python", ok, version, "" if ok else "make a virtual environment with Python 3.11 or newer")
 
 
 def _packages() -> Finding:

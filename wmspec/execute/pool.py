@@ -10,13 +10,12 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from itertools import chain, islice
 from multiprocessing.context import SpawnContext, SpawnProcess
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Literal, TypeVar, cast
+from typing import Any, Literal, Protocol, TypeVar, cast
 
 from pebble import ProcessExpired, ProcessPool
 
@@ -29,17 +28,21 @@ Piece = tuple[Any, ...]
 PIECES_PER_WORKER = 500
 #: So many pieces are with a worker at a time, so that it need not wait for the next.
 AHEAD = 2
+#: So many times in a row workers may vanish before they say what they do, until the job that is waited for is lost.
+PATIENCE = 10
 
 
 @dataclass(frozen=True)
 class Effort:
     """How hard to try: worker processes, and the seconds that a piece of work may take.
 
-    Without workers, all is done in this process, where nothing stops a piece that hangs.
+    Without workers, all is done in this process, where nothing stops a piece that hangs. `hire` gives a worker that is
+    not a process of this machine.
     """
 
     workers: int
     timeout: float
+    hire: Callable[[], Workers] | None = None
 
 
 @dataclass(frozen=True)
@@ -86,20 +89,26 @@ def by_units(
         yield from ((piece, _done(work, *piece)) for unit in units for piece in unit)
         return
     first = list(islice(rest := iter(units), effort.workers))
-    waiting = chain(first, rest)
-    with ExitStack() as open_:
-        seats = [_Seat(open_.enter_context(_workers(1))) for _ in first]
+    waiting, seats = chain(first, rest), list[_Seat]()
+    try:
+        seats += (_Seat((effort.hire or LocalWorkers)()) for _ in first)
         while True:
             for seat in seats:
-                seat.fill(waiting, lambda piece: _Job(work, piece, effort.timeout * weight(piece)))
-            running = [seat.jobs[0] for seat in seats if seat.jobs]
-            if not running:
+                seat.fill(waiting, lambda piece: Job(work, piece, effort.timeout * weight(piece)))
+            for seat in [seat for seat in seats if not seat.jobs]:
+                seat.workers.finish()
+                seats.remove(seat)
+            if not seats:
                 return
-            wait([job.future for job in running], timeout=1, return_when=FIRST_COMPLETED)
+            wait([seat.jobs[0].future for seat in seats], timeout=1, return_when=FIRST_COMPLETED)
             for seat in seats:
                 if seat.over:
                     job = seat.jobs.popleft()
-                    yield job.piece, cast(T, _result(job, seat.jobs, seat.workers))
+                    yield job.piece, cast(T, result(job, seat.jobs, seat.workers))
+    except BaseException:
+        for seat in seats:
+            seat.workers.stop()
+        raise
 
 
 def _in_workers(
@@ -109,18 +118,23 @@ def _in_workers(
     workers: int,
     weight: Callable[[tuple[Any, ...]], int],
 ) -> Generator[T | Lost, None, None]:
-    under_way: deque[_Job] = deque()
-    with _workers(workers) as pool:
+    under_way: deque[Job] = deque()
+    pool = LocalWorkers(workers)
+    try:
         for piece in pieces:
-            under_way.append(_Job(work, piece, effort.timeout * weight(piece)))
+            under_way.append(Job(work, piece, effort.timeout * weight(piece)))
             pool.take(under_way[-1], under_way)
             if len(under_way) > 4 * workers:
-                yield cast(T, _result(under_way.popleft(), under_way, pool))
+                yield cast(T, result(under_way.popleft(), under_way, pool))
         while under_way:
-            yield cast(T, _result(under_way.popleft(), under_way, pool))
+            yield cast(T, result(under_way.popleft(), under_way, pool))
+    except BaseException:
+        pool.stop()
+        raise
+    pool.finish()
 
 
-def _result(job: _Job, others: Iterable[_Job], pool: _Workers) -> Any:
+def result(job: Job, others: Iterable[Job], pool: Workers) -> Any:
     """What became of a job, which is tried twice, while others are under way."""
     try:
         try:
@@ -137,7 +151,7 @@ def _result(job: _Job, others: Iterable[_Job], pool: _Workers) -> Any:
 
 
 @dataclass
-class _Job:
+class Job:
     """A piece of work, the seconds that it may take, and its result to come."""
 
     work: Callable[..., Any]
@@ -150,11 +164,11 @@ class _Job:
 class _Seat:
     """One worker, what it has to do of its unit, and the jobs that were given to it."""
 
-    workers: _Workers
+    workers: Workers
     unit: deque[Piece] = field(default_factory=deque)
-    jobs: deque[_Job] = field(default_factory=deque)
+    jobs: deque[Job] = field(default_factory=deque)
 
-    def fill(self, units: Iterator[Sequence[Piece]], job: Callable[[Piece], _Job]) -> None:
+    def fill(self, units: Iterator[Sequence[Piece]], job: Callable[[Piece], Job]) -> None:
         """Give it the next pieces, of another unit if its own is done."""
         while len(self.jobs) < AHEAD:
             if not self.unit:
@@ -170,16 +184,34 @@ class _Seat:
         return bool(self.jobs) and (self.jobs[0].future.done() or not self.workers.active)
 
 
-class _Workers:
+class Workers(Protocol):
+    """Those who do jobs, wherever they are."""
+
+    @property
+    def active(self) -> bool:
+        """Whether they have not given up."""
+
+    def take(self, job: Job, others: Iterable[Job]) -> None:
+        """Have a job done, while others are under way."""
+
+    def result(self, job: Job, others: Iterable[Job]) -> Any:
+        """What a job gives."""
+
+    def finish(self) -> None:
+        """Wait until all that was taken is done."""
+
+    def stop(self) -> None:
+        """End them, whatever they are doing."""
+
+
+class LocalWorkers:
     """The processes that do the work.
 
-    Where a process dies before it has said which job it took, pebble gives up all of them. Others then take over what
+    Where one dies before it has said which job it took, pebble gives up all of them. Others then take over what
     was under way, and only if that happens `PATIENCE` times in a row the job that is waited for is lost.
     """
 
-    PATIENCE = 10
-
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int = 1) -> None:
         self._count = count
         self._begin()
 
@@ -188,15 +220,15 @@ class _Workers:
         """Whether they have not given up."""
         return bool(self._pool.active)
 
-    def take(self, job: _Job, others: Iterable[_Job]) -> None:
+    def take(self, job: Job, others: Iterable[Job]) -> None:
         """Have the job done."""
         if not self._pool.active:
             self._renew(other for other in others if other is not job)
         self._schedule(job)
 
-    def result(self, job: _Job, others: Iterable[_Job]) -> Any:
+    def result(self, job: Job, others: Iterable[Job]) -> Any:
         """What the job gives. Raises what pebble does, BrokenProcessPool if the processes die again and again."""
-        for _ in range(self.PATIENCE):
+        for _ in range(PATIENCE):
             while not wait([job.future], timeout=1).done and self._pool.active:
                 pass
             try:
@@ -220,14 +252,14 @@ class _Workers:
     def _begin(self) -> None:
         self._pool: Any = ProcessPool(max_workers=self._count, max_tasks=PIECES_PER_WORKER, context=_Context())
 
-    def _renew(self, jobs: Iterable[_Job]) -> None:
+    def _renew(self, jobs: Iterable[Job]) -> None:
         undone = [j for j in jobs if not j.future.done() or isinstance(j.future.exception(), BrokenProcessPool)]
         self.stop()
         self._begin()
         for job in undone:
             self._schedule(job)
 
-    def _schedule(self, job: _Job) -> None:
+    def _schedule(self, job: Job) -> None:
         job.future = self._pool.schedule(_done, args=(job.work, *job.piece), timeout=job.timeout)
 
 
@@ -258,12 +290,12 @@ class Helper:
     """One process that stays, for one piece of work after the other: who waits for it is safe from whatever it does."""
 
     def __init__(self, timeout: float) -> None:
-        self._workers = _Workers(1)
+        self._workers = LocalWorkers(1)
         self._timeout = timeout
 
     def do(self, work: Callable[..., T], *piece: Any) -> T | Lost:
         """`work(*piece)`, or what became of it; it is tried once."""
-        job = _Job(work, piece, self._timeout)
+        job = Job(work, piece, self._timeout)
         try:
             self._workers.take(job, ())
             return cast(T, self._workers.result(job, ()))
@@ -295,14 +327,3 @@ class _Worker(SpawnProcess):
 
 class _Context(SpawnContext):
     Process = _Worker
-
-
-@contextmanager
-def _workers(count: int) -> Iterator[_Workers]:
-    workers = _Workers(count)
-    try:
-        yield workers
-    except BaseException:
-        workers.stop()
-        raise
-    workers.finish()

@@ -136,8 +136,8 @@ def _single(action: Prim) -> bool:
 
 def _keys(document: Document, parts: _Parts) -> dict[str, bytes]:
     """The keys of all parts but the materials, which are read with what they are bound to."""
-    own = {part: _said(document, paths) for part, paths in parts.items()}
-    above = _said(document, [path for path in _ABOVE if path in document.prims])
+    own = {part: _bytes_of(document, paths) for part, paths in parts.items()}
+    above = _bytes_of(document, [path for path in _ABOVE if path in document.prims])
     keys = {}
     for part in parts:
         if not part.startswith(_MATERIALS):
@@ -146,16 +146,16 @@ def _keys(document: Document, parts: _Parts) -> dict[str, bytes]:
     return keys
 
 
-def _said(document: Document, paths: Iterable[str]) -> bytes:
+def _bytes_of(document: Document, paths: Iterable[str]) -> bytes:
     """What prims say, without whence it comes."""
-    said = []
+    content = []
     for path in paths:
         prim = document.prims[path]
         attributes = [(n, a.type, a.value, a.uniform, a.connection, a.varies) for n, a in prim.attributes.items()]
         relations = [(name, relation.targets) for name, relation in prim.relations.items()]
-        said.append((path, prim.type, prim.schemas, prim.reference, attributes, relations))
+        content.append((path, prim.type, prim.schemas, prim.reference, attributes, relations))
     try:
-        return marshal.dumps(said, PLAIN_FORMAT)
+        return marshal.dumps(content, PLAIN_FORMAT)
     except ValueError:  # a value that is no number, text or list of them
         raise _Whole from None
 

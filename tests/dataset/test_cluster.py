@@ -1,0 +1,109 @@
+"""A Ray cluster makes what one machine makes, whatever becomes of its machines."""
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from tests.crosscheck.test_pool import square
+from wmspec.api import generate
+from wmspec.cli import main
+from wmspec.diagnostics import WmsError
+from wmspec.execute.cluster import ray_cluster
+from wmspec.execute.pool import Lost, by_units
+from wmspec.resources import resource
+
+ray = pytest.importorskip("ray")
+SPEC = resource("specs") / "perception" / "vision" / "shape_room.wms"
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    """Two machines, as Ray sees it."""
+    from ray.cluster_utils import Cluster
+
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
+    cluster.add_node(num_cpus=1)
+    try:
+        yield cluster
+    finally:
+        cluster.shutdown()
+
+
+def files(folder: Path) -> dict[str, str]:
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def test_a_piece_costs_there_what_it_costs_here(cluster: Any) -> None:
+    units = [[(1,), (2,)], [(6,), (3,)], [(4,)]]
+    with ray_cluster(cluster.address, None, 5, {}) as effort:
+        assert effort.workers == 2
+        done = dict(by_units(square, units, effort))
+    assert done == {
+        (1,): 1,
+        (2,): Lost("crashed", "the worker process died twice (exit code 7)"),
+        (6,): Lost("error", "Unforeseen: at 0x..., all of it"),
+        (3,): Lost("timeout", "took longer than 5 s, twice"),
+        (4,): 16,
+    }
+
+
+def test_other_versions_are_refused(cluster: Any) -> None:
+    with (
+        pytest.raises(WmsError, match=r"has wmspec .*, and this one 0\.0\.0"),
+        ray_cluster(cluster.address, None, 60, {"wmspec": "0.0.0"}),
+    ):
+        pass
+
+
+def test_no_cluster_is_told(tmp_path: Path) -> None:
+    command = ["generate", str(SPEC), "-o", str(tmp_path / "out"), "-b", "mujoco", "--per-task", "1"]
+    told = CliRunner().invoke(main, [*command, "--address", "auto"])
+    assert told.exit_code != 0
+    assert "give `executor` ray" in told.output
+    for address in ("127.0.0.1:1", "ray://127.0.0.1:10001", "somewhere"):
+        told = CliRunner().invoke(main, [*command, "--executor", "ray", "--address", address])
+        assert told.exit_code != 0
+        assert f"there is no Ray cluster at `{address}`" in told.output
+
+
+def test_a_machine_that_is_lost_changes_nothing(cluster: Any, tmp_path: Path) -> None:
+    choices: Any = {"backend": "mujoco", "per_task": 8, "size": 64, "seed": 3}
+    generate(SPEC, tmp_path / "here", workers=1, **choices)
+    lost = cluster.add_node(num_cpus=1)
+
+    class Progress:
+        """Takes a machine away once two instances are there."""
+
+        def __init__(self) -> None:
+            self.count = 0
+
+        def __enter__(self) -> Any:
+            return self
+
+        def __exit__(self, *error: object) -> None: ...
+
+        def __call__(self, task: str, count: int) -> None:
+            self.count += count
+            if self.count == 2:
+                cluster.remove_node(lost, allow_graceful=False)
+
+    watched = Progress()
+    generate(
+        SPEC,
+        tmp_path / "there",
+        executor="ray",
+        address=cluster.address,
+        progress=lambda total, words: watched,
+        **choices,
+    )
+    assert watched.count > 2
+    assert len(cluster.list_all_nodes()) == 2
+    assert files(tmp_path / "there") == files(tmp_path / "here")
