@@ -27,7 +27,7 @@ def measured(records: Sequence[Record]) -> Iterator[str]:
     """The lines of the section. The records are of the same engines and the same seed."""
     engines = ", ".join(f"{name} {version}" for name, version in records[0]["engines"].items())
     lines = sorted((line for record in records for line in record["summary"]), key=lambda line: line["task"])
-    rows = {task: list(found) for task, found in groupby(lines, key=lambda line: line["task"])}
+    rows = {task: list(of_task) for task, of_task in groupby(lines, key=lambda line: line["task"])}
     instances = [instance for record in records for instance in record["instances"]]
     good, total = total_of(lines, "before_gates")
     yield f"{len(rows)} tasks, {len(instances):,} instances, seed {records[0]['seed']}, with {engines}."
@@ -55,19 +55,19 @@ def total_of(lines: Sequence[Record], share: str) -> tuple[int, int]:
 
 def disagreements(instances: Sequence[Record]) -> Iterator[str]:
     """A line for each answer that differs, asked or not, and for each instance that was not executed."""
-    found = [(i, v) for i in instances for v in i["verdicts"] if not v["agree"]]
-    yield f"Answers that differ: {len(found) or 'none'}.\n"
-    for instance, verdict in found:
+    differing = [(i, v) for i in instances for v in i["verdicts"] if not v["agree"]]
+    yield f"Answers that differ: {len(differing) or 'none'}.\n"
+    for instance, verdict in differing:
         yield f"- `{instance['task']}`, instance {instance['index']}: {dispute(verdict_of(verdict))}"
     for instance in instances:
         for failure in instance["failures"]:
             yield f"- `{instance['task']}`, instance {instance['index']} was not executed: {failure['reason']}"
 
 
-def verdict_of(said: Record) -> Verdict:
+def verdict_of(record: Record) -> Verdict:
     """The verdict that was written as JSON."""
-    cause = said["cause"] and Cause(**said["cause"])
-    return Verdict(**{k: v for k, v in said.items() if k not in ("asked", "cause")}, cause=cause)
+    cause = record["cause"] and Cause(**record["cause"])
+    return Verdict(**{k: v for k, v in record.items() if k not in ("asked", "cause")}, cause=cause)
 
 
 def main() -> None:

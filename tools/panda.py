@@ -146,7 +146,7 @@ def body(stage: Usd.Stage, name: str, frame: Array, *, moves: bool) -> str:
 
 def meshes(stage: Usd.Stage, link: str, names: list[tuple[str, Array]]) -> None:
     """The visible meshes of a link, one for each colour, in its frame."""
-    found: dict[tuple[float, ...], list[trimesh.Trimesh]] = {}
+    by_color: dict[tuple[float, ...], list[trimesh.Trimesh]] = {}
     for name, frame in names:
         file = next(f for way in ("visual", "collision") if (f := SOURCE / f"meshes/{way}/{name}.obj").exists())
         loaded = trimesh.load(file)
@@ -154,8 +154,8 @@ def meshes(stage: Usd.Stage, link: str, names: list[tuple[str, Array]]) -> None:
             mesh.apply_transform(frame)
             diffuse = getattr(getattr(mesh.visual, "material", None), "diffuse", None)
             color = (0.9, 0.92, 0.93) if diffuse is None else tuple(round(float(c) / 255, 2) for c in diffuse[:3])
-            found.setdefault((0.96, 0.96, 0.96) if color == (1.0, 1.0, 1.0) else color, []).append(mesh)
-    for i, (color, every) in enumerate(sorted(found.items())):
+            by_color.setdefault((0.96, 0.96, 0.96) if color == (1.0, 1.0, 1.0) else color, []).append(mesh)
+    for i, (color, every) in enumerate(sorted(by_color.items())):
         whole = trimesh.util.concatenate([trimesh.Trimesh(m.vertices, m.faces) for m in every])
         whole.merge_vertices()
         points, faces = whole.vertices, whole.faces
@@ -208,8 +208,8 @@ def pad(stage: Usd.Stage, path: str, look: UsdShade.Material) -> None:
 def material(stage: Usd.Stage, name: str, color: tuple[float, ...], friction: float | None = None) -> UsdShade.Material:
     """A material that is a colour, and rubs if it has a friction."""
     path = Sdf.Path(f"/panda/Looks/{name}")
-    if found := UsdShade.Material.Get(stage, path):
-        return found
+    if existing := UsdShade.Material.Get(stage, path):
+        return existing
     UsdGeom.Scope.Define(stage, "/panda/Looks")
     made = UsdShade.Material.Define(stage, path)
     shader = UsdShade.Shader.Define(stage, path.AppendChild("surface"))

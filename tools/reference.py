@@ -168,8 +168,8 @@ def bounds(slot: Slot) -> str:
     if slot.least is not None and slot.most is not None:
         return f", {slot.least:g} to {slot.most:g}"
     limits = (("more than", slot.above), ("at least", slot.least), ("at most", slot.most))
-    said = "".join(f", {word} {bound:g}" for word, bound in limits if bound is not None)
-    return f"{said}, not 0" if slot.nonzero else said
+    limits_text = "".join(f", {word} {bound:g}" for word, bound in limits if bound is not None)
+    return f"{limits_text}, not 0" if slot.nonzero else limits_text
 
 
 def article(noun: str) -> str:

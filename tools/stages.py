@@ -71,11 +71,11 @@ def robots(folder: Path, bin_: Path) -> None:
 def stages(folder: Path) -> list[Path]:
     """The stages, without what is only a part of others."""
     entries = tomllib.loads(LIST.read_text())["repository"]
-    found = []
+    chosen = []
     for entry in entries:
         below = sorted((folder / entry["name"].replace("/", "+")).rglob("*.usd*"))
-        found += [path for path in below if path.name not in entry.get("parts", ()) and "_gpu" not in path.stem]
-    return found + sorted((folder / "robots").glob("*/*.usda"))
+        chosen += [path for path in below if path.name not in entry.get("parts", ()) and "_gpu" not in path.stem]
+    return chosen + sorted((folder / "robots").glob("*/*.usda"))
 
 
 def outcomes(path: Path) -> dict[str, Any]:

@@ -28,7 +28,7 @@ class Prism(Shape):
     }
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is the diameter of the circle around it, and its height."""
         across, up = across_and_up(words, tall=True)
         sides = words.get("sides", 6)

@@ -97,7 +97,7 @@ def test_a_lathe_makes_cylinders_and_cones(r: float, h: float) -> None:
 
 @given(lengths, st.floats(0.05, 0.9), lengths)
 def test_a_tube_is_a_cylinder_without_another(r: float, part: float, h: float) -> None:
-    tube = Tube.said({"size": 1.0, "radius": r, "height": h, "thickness": r * part})
+    tube = Tube.from_words({"size": 1.0, "radius": r, "height": h, "thickness": r * part})
     outer, inner = Cylinder(r, h), Cylinder(r * (1 - part), h)
     assert tube.volume == pytest.approx(outer.volume - inner.volume)
     whole = [np.array(c.tensor) * c.volume for c in (outer, inner)]
@@ -106,7 +106,7 @@ def test_a_tube_is_a_cylinder_without_another(r: float, part: float, h: float) -
 
 @pytest.mark.parametrize("thickness", [0.02, 0.3])
 def test_a_torus(thickness: float) -> None:
-    shape = Torus.said({"size": 1.0, "thickness": thickness})
+    shape = Torus.from_words({"size": 1.0, "thickness": thickness})
     assert isinstance(shape, Torus)
     fine = trimesh.creation.torus(shape.radius, shape.thick / 2, major_sections=400, minor_sections=200)
     assert_weighs(shape, fine, 1e-3)
@@ -114,7 +114,7 @@ def test_a_torus(thickness: float) -> None:
 
 @given(st.tuples(lengths, lengths, lengths), st.floats(0.01, 0.99))
 def test_a_rounded_box_is_between_a_box_and_a_ball(size: tuple[float, float, float], part: float) -> None:
-    shape = RoundedBox.said({"size": size, "round": min(size) / 2 * part})
+    shape = RoundedBox.from_words({"size": size, "round": min(size) / 2 * part})
     assert isinstance(shape, RoundedBox)
     ball = Sphere(shape.round)
     ways = trimesh.creation.icosphere(4).vertices
@@ -141,7 +141,7 @@ def test_convex_pieces_cover_an_outline(outline: Outline) -> None:
 @given(st.lists(st.tuples(lengths, lengths, lengths), min_size=2, max_size=5))
 def test_a_sweep_weighs_its_section_along_its_path(along: list[tuple[float, float, float]]) -> None:
     try:
-        shape = Sweep.said({"size": 1.0, "along": along, "thickness": 0.02})
+        shape = Sweep.from_words({"size": 1.0, "along": along, "thickness": 0.02})
     except UnfitError:
         return
     assert_weighs(shape, meshed(shape), 1e-6)
@@ -160,7 +160,7 @@ EXAMPLES: list[tuple[str, dict[str, Any]]] = [
 
 @pytest.mark.parametrize(("word", "words"), EXAMPLES, ids=[word for word, _ in EXAMPLES])
 def test_they_are_drawn_closed_and_from_outside(word: str, words: dict[str, Any]) -> None:
-    shape = SHAPES[word].said({"size": 0.1, **words})
+    shape = SHAPES[word].from_words({"size": 0.1, **words})
     facets, mesh = tessellate(shape), meshed(shape)
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(shape.volume, rel=0.02)
@@ -191,7 +191,7 @@ def test_nothing_is_lost_on_the_stage() -> None:
     scene = placed()
     for word, words in EXAMPLES:
         body = next(b for b in scene.bodies if b.name == word)
-        shape = SHAPES[word].said({"size": 0.1, **words})
+        shape = SHAPES[word].from_words({"size": 0.1, **words})
         assert body.geoms[0].shape == shape
         assert body.inertia is not None
         assert body.inertia.mass == pytest.approx(600 * shape.volume, rel=1e-6)
@@ -225,7 +225,7 @@ def test_they_rest_and_hold_what_falls_into_them(engine: str) -> None:
 )
 def test_what_makes_no_shape(word: str, words: dict[str, Any], message: str) -> None:
     with pytest.raises(UnfitError, match=message):
-        SHAPES[word].said({"size": 0.1, **words})
+        SHAPES[word].from_words({"size": 0.1, **words})
     spec = task("t", thing("object", "a", shape=word, at=(0.0, 0.0, 0.0), **words))
     with pytest.raises(ImpossibleValue, match=message):
         pieces(Values(spec, {}), "a")

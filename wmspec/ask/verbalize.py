@@ -99,10 +99,10 @@ def question_text(question: ir.Question, env: Environment, values: Values) -> st
 
 def filled(parts: Sequence[str | ir.Said], env: Environment, values: Values) -> str:
     """A text with its values said."""
-    return "".join(p if isinstance(p, str) else _said(p, env, values) for p in parts)
+    return "".join(p if isinstance(p, str) else _spoken(p, env, values) for p in parts)
 
 
-def _said(part: ir.Said, env: Environment, values: Values) -> str:
+def _spoken(part: ir.Said, env: Environment, values: Values) -> str:
     """A value of a text in words: what it is called, if it is that of a factor whose values have names."""
     value = evaluate(part.value, env)
     factor = next((f for f in values.spec.factors if part.value == ir.Ref(name=f.name)), None)

@@ -89,10 +89,10 @@ def _tested(unit: Unit, first: str, second: str, judged: bool) -> Test:
 
 def _independent(unit: Unit, *names: str) -> Sequence[Case]:
     """The rows that tell something new of these: one of each control group, if all of its rows say the same."""
-    said: dict[int, set[tuple[str, ...]]] = {}
+    combinations: dict[int, set[tuple[str, ...]]] = {}
     for case in unit.once:
-        said.setdefault(case.row["block"], set()).add(tuple(str(_value(case, name)) for name in names))
-    if len(said) < 2 or max(map(len, said.values())) > 1:
+        combinations.setdefault(case.row["block"], set()).add(tuple(str(_value(case, name)) for name in names))
+    if len(combinations) < 2 or max(map(len, combinations.values())) > 1:
         return unit.once
     return list({case.row["block"]: case for case in unit.once}.values())
 

@@ -63,7 +63,7 @@ def colours(cases: Sequence[Case]) -> Array:
 def texts(cases: Sequence[Case]) -> Array:
     """The words of the question with those of the option; with its place, if options are pictures."""
     option = positions(cases) if cases[0].pictured else _words_of(cases)
-    asked = _bag([_said(c.row["text"]) for c in cases])
+    asked = _bag([_words(c.row["text"]) for c in cases])
     asked = asked[:, asked.std(0) > 0]  # what every question says tells nothing
     each = np.split(_crossed(option, np.repeat(asked, [c.count for c in cases], axis=0)), _ends(cases))
     return leading(np.concatenate([of_one - of_one.mean(0) for of_one in each]), MOST_TEXTS)
@@ -121,10 +121,10 @@ def _ranks(texts: Sequence[str]) -> Array:
 
 
 def _words_of(cases: Sequence[Case]) -> Array:
-    return _bag([[*_said(s), f"= {s}"] for c in cases for s in c.row["option_text"]])
+    return _bag([[*_words(s), f"= {s}"] for c in cases for s in c.row["option_text"]])
 
 
-def _said(text: str) -> list[str]:
+def _words(text: str) -> list[str]:
     return _WORD.findall(text.lower())
 
 

@@ -39,9 +39,9 @@ def page(audit: Audit) -> str:
 def verdict(audit: Audit) -> str:
     """The outcome in a sentence."""
     number = {v: sum(s.verdict == v for s in audit.summaries) for v in ("holds", "unclear", "fails")}
-    said = {"holds": "pass", "unclear": "cannot be told", "fails": "fail"}
+    wording = {"holds": "pass", "unclear": "cannot be told", "fails": "fail"}
     many = len(audit.summaries)
-    tasks = ", ".join(f"{number[v]:,} {said[v]}" for v in number if number[v])
+    tasks = ", ".join(f"{number[v]:,} {wording[v]}" for v in number if number[v])
     whole = "" if audit.passed or number["fails"] else "; files of the dataset are gone"
     return f"Of {many:,} {'task' if many == 1 else 'tasks'}, {tasks}{whole}."
 

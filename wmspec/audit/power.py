@@ -87,14 +87,14 @@ def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) 
     places = (random.random(asked.count) * count).astype(np.int64)
     retold = asked.retold(places)
     tells = random.random(asked.count) < size / (1 - (1 / count).mean())
-    said = np.where(tells, places, (random.random(asked.count) * count).astype(np.int64))
+    claimed = np.where(tells, places, (random.random(asked.count) * count).astype(np.int64))
     features = seen.features.copy()
     if seen.of == "options":
         column = _telling(asked.among(features), random)
-        features[:, column] = _first(features[:, column], asked, said, random)
+        features[:, column] = _first(features[:, column], asked, claimed, random)
     else:
         column = _telling(features, random)
-        features[:, column] = _banded(features[:, column], asked.name[asked.starts + said], random)
+        features[:, column] = _banded(features[:, column], asked.name[asked.starts + claimed], random)
     return replace(seen, features=features), retold
 
 
@@ -105,10 +105,10 @@ def _telling(features: Array, random: np.random.Generator) -> int:
     return int(rank[random.integers(min(8, (different > 1).sum() or 1))])
 
 
-def _first(column: Array, asked: Asked, said: np.ndarray, random: np.random.Generator) -> Array:
+def _first(column: Array, asked: Asked, claimed: np.ndarray, random: np.random.Generator) -> Array:
     """The numbers of each question's options in random order, the largest where the truth is said to be."""
     put = column.copy()
-    for start, size, place in zip(asked.starts, asked.sizes, said, strict=True):
+    for start, size, place in zip(asked.starts, asked.sizes, claimed, strict=True):
         values = random.permutation(column[start : start + size])
         best = int(values.argmax())
         values[[best, place]] = values[[place, best]]
@@ -116,9 +116,9 @@ def _first(column: Array, asked: Asked, said: np.ndarray, random: np.random.Gene
     return put
 
 
-def _banded(column: Array, said: np.ndarray, random: np.random.Generator) -> Array:
+def _banded(column: Array, groups: np.ndarray, random: np.random.Generator) -> Array:
     """The same numbers, so that each of the names has a band of them for itself."""
-    order = np.argsort(np.unique(said, return_inverse=True)[1] + random.random(len(said)), kind="stable")
+    order = np.argsort(np.unique(groups, return_inverse=True)[1] + random.random(len(groups)), kind="stable")
     put = np.empty_like(column)
     put[order] = np.sort(column)
     return put

@@ -264,9 +264,11 @@ def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
 def judge(probe: Probe) -> Finding:
     """What a probe says about its task, in words."""
     result = f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.asked:,} answered (chance {probe.chance:.0%})"
-    said = verdict(probe)
-    if said in ("told", "fails"):
-        return Finding("shortcut", probe.task, said, f"{result}; {probe.why}")
+    outcome = verdict(probe)
+    if outcome in ("told", "fails"):
+        return Finding("shortcut", probe.task, outcome, f"{result}; {probe.why}")
     least = f"a shortcut of {100 * probe.least:.0f} points" if probe.least < 1 else "no shortcut that was tried"
     what = f"{result}; {least} would have been found"
-    return Finding("shortcut", probe.task, said, f"{what}; too few questions to tell" if said == "unclear" else what)
+    return Finding(
+        "shortcut", probe.task, outcome, f"{what}; too few questions to tell" if outcome == "unclear" else what
+    )

@@ -41,11 +41,11 @@ class Act:
     def assigned(self) -> list[tuple[str, s.Argument]]:
         """Every argument that is given with its name; without one if the verb does not know it."""
         names = list(self.verb.arguments)
-        found = []
+        arguments = []
         for i, argument in enumerate(self.call.arguments):
             name = argument.name.id if argument.name else names[i] if i < len(names) else ""
-            found.append((name if name in names else "", argument))
-        return found
+            arguments.append((name if name in names else "", argument))
+        return arguments
 
     @property
     def strange(self) -> bool:

@@ -174,7 +174,7 @@ def _common(check: Expressions, function: str, written: list[s.Argument], given:
 
 
 def _options(check: Expressions, e: s.Call, name: str, function: Function) -> tuple[ir.Option, ...]:
-    found: dict[str, ir.Expr] = {}
+    given: dict[str, ir.Expr] = {}
     spans: dict[str, Span] = {}
     for argument in e.arguments:
         if argument.name is None:
@@ -185,24 +185,24 @@ def _options(check: Expressions, e: s.Call, name: str, function: Function) -> tu
                 suggestion(option.id, function.options) if function.options else f"write `{signature(name, function)}`"
             )
             check.fail("WMS205", f"`{name}` has no option `{option.id}`", option.span, hint)
-        if option.id in found:
+        if option.id in given:
             check.fail("WMS205", f"`{option.id}` is given twice", argument.span, "remove one")
         kind = function.options[option.id]
-        found[option.id] = check.value(argument.value, _MEANT.get(kind, (kind,)), f"`{option.id}`").expr
+        given[option.id] = check.value(argument.value, _MEANT.get(kind, (kind,)), f"`{option.id}`").expr
         spans[option.id] = argument.span
-    _in_order(check, name, found, spans)
-    return tuple(ir.Option(name=option, value=found[option]) for option in function.options if option in found)
+    _in_order(check, name, given, spans)
+    return tuple(ir.Option(name=option, value=given[option]) for option in function.options if option in given)
 
 
-def _in_order(check: Expressions, name: str, found: dict[str, ir.Expr], spans: dict[str, Span]) -> None:
+def _in_order(check: Expressions, name: str, given: dict[str, ir.Expr], spans: dict[str, Span]) -> None:
     """Complain of a time beside a span of time, and of a span that ends before it begins."""
-    if "at" in found and (span := spans.get("from", spans.get("to"))):
+    if "at" in given and (span := spans.get("from", spans.get("to"))):
         check.fail("WMS205", f"`{name}` is measured at a time or during a span, not both", span, "remove it, or `at`")
-    start, stop = (constant(found[option]) if option in found else None for option in ("from", "to"))
+    start, stop = (constant(given[option]) if option in given else None for option in ("from", "to"))
     if start is not None and stop is not None and start >= stop:
         check.fail("WMS304", "this span of time ends before it begins", spans["to"], "let `to` be later than `from`")
     for option in ("at", "from", "to"):
-        if option in found and (time := constant(found[option])) is not None and time < 0:
+        if option in given and (time := constant(given[option])) is not None and time < 0:
             check.fail("WMS304", "no time of an episode is before 0 s", spans[option], "make it 0 s or later")
 
 

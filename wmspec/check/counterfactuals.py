@@ -142,8 +142,8 @@ class Counterfactuals:
         wanted = (ACTION,) if change.kind == "action" else _CHANGED
         if owner.type not in wanted or not isinstance(owner.expr, ir.Value):
             what = "an action" if change.kind == "action" else "an object or camera"
-            found = article(str(owner.type))
-            message = f"`{change.kind}` changes {what}, but this is {found}"
+            actual = article(str(owner.type))
+            message = f"`{change.kind}` changes {what}, but this is {actual}"
             if owner.type in wanted:
                 message = f"`{change.kind}` changes one named value, and which {owner.type} this is depends on a factor"
             self.check.fail("WMS503", message, target.value.span)

@@ -168,10 +168,10 @@ def _separate(check: Expressions, e: s.Expr, what: str) -> Written:
 
 def conditions(check: Expressions, written: Written) -> tuple[tuple[Level, ir.Expr], ...]:
     """The different values of a domain in order, each with the condition under which it can be chosen."""
-    found: dict[Level, list[ir.Expr]] = {}
+    ways_of: dict[Level, list[ir.Expr]] = {}
     for option in written.options:
-        found.setdefault(option.value, []).append(_all(check, option.when))
-    return tuple((value, _operation("or", ways)) for value, ways in found.items())
+        ways_of.setdefault(option.value, []).append(_all(check, option.when))
+    return tuple((value, _operation("or", ways)) for value, ways in ways_of.items())
 
 
 def names(written: Written) -> tuple[str, ...] | None:

@@ -68,15 +68,15 @@ class Assets:
         from wmspec.importers.write import Writer
 
         key = (located(named.span.source.name).parent, named.value)
-        found = self._known[key] = self._known.get(key) or read(*key)
+        tree = self._known[key] = self._known.get(key) or read(*key)
         whole = {p.name.id for p in block.properties}
-        if isinstance(found, Refused):
-            self._report(mattering(found, {p.name.id: p.properties for p in block.parts}, whole), named)
-        said = self._said(block, found, named)
-        if mistakes := mattering(found, said, whole):
+        if isinstance(tree, Refused):
+            self._report(mattering(tree, {p.name.id: p.properties for p in block.parts}, whole), named)
+        overrides = self._overrides(block, tree, named)
+        if mistakes := mattering(tree, overrides, whole):
             self._report(mistakes, named)
         bare = s.Block("object", block.name, self._own(block), block.span)
-        return Blocks(bare, found, said, Writer(named.span))
+        return Blocks(bare, tree, overrides, Writer(named.span))
 
     def _own(self, block: s.Block) -> tuple[s.Property, ...]:
         return tuple(p for p in block.properties if p.name.id not in _OF_LINKS)
@@ -92,34 +92,34 @@ class Assets:
         from wmspec.importers.blocks import plain
         from wmspec.importers.tree import names
 
-        found: dict[str, str] = {}
+        by_plain: dict[str, str] = {}
         for name, where in names(tree):
-            taken = found.get(plain(name))
+            taken = by_plain.get(plain(name))
             if taken is not None or plain(name) in PROPERTIES["object"]:
                 whose = f"`{taken}`" if taken is not None else "a property of objects"
                 message = f"its name cannot be told from {whose} in a spec"
                 self._report((Diagnostic(message, where, "rename one of them in the file", "WMS210"),), named)
-            found[plain(name)] = name
-        return found
+            by_plain[plain(name)] = name
+        return by_plain
 
-    def _said(self, block: s.Block, tree: Tree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
+    def _overrides(self, block: s.Block, tree: Tree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
         """What `part NAME { ... }` says of links and joints."""
         from wmspec.importers.blocks import OF_JOINT, OF_LINK, plain
         from wmspec.importers.model import MeshFile
 
         links = {plain(placed.link.name): placed.link for placed in tree.links}
         known = self._names(tree, named)
-        found: dict[str, tuple[s.Property, ...]] = {}
+        overrides: dict[str, tuple[s.Property, ...]] = {}
         for part in block.parts:
             name = part.name.id
             if name not in known:
                 message = f"`{named.value}` has no link or joint `{name}`"
                 self.check.report.add("WMS201", message, part.name.span, suggestion(name, known))
-            elif name in found:
+            elif name in overrides:
                 notes = (Note("said here first", block.parts[0].name.span),)
                 self.check.report.add("WMS202", f"`{name}` is said twice", part.name.span, "make it one", notes)
             what, allowed = ("link", OF_LINK) if name in links else ("joint", OF_JOINT)
-            found[name] = tuple(p for p in part.properties if p.name.id in allowed)
+            overrides[name] = tuple(p for p in part.properties if p.name.id in allowed)
             for p in part.properties if name in known else ():
                 if p.name.id not in allowed:
                     message = f"of a {what} of an asset, a spec cannot say `{p.name.id}`"
@@ -129,4 +129,4 @@ class Assets:
                 ):
                     message = f"`collision` is for a mesh, and nothing that is touched of `{name}` is one"
                     self.check.report.add("WMS203", message, p.name.span, "remove it")
-        return found
+        return overrides

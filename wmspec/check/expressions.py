@@ -104,7 +104,7 @@ class Expressions:
         self.fail(code, message, e.span, help, notes)
 
     def misfit(
-        self, e: s.Expr, found: Type, wanted: tuple[Type, ...], what: str, beside: s.Expr | None = None
+        self, e: s.Expr, actual: Type, wanted: tuple[Type, ...], what: str, beside: s.Expr | None = None
     ) -> NoReturn:
         """Report a value of the wrong kind, which may be the fault of what is `beside` it.
 
@@ -113,15 +113,15 @@ class Expressions:
         span = e.span
         wants = either([article(str(k)) for k in wanted])
         examples = [f"`{example(k)}`" for k in wanted[:2] if example(k)]
-        quantities = isinstance(found, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector)
+        quantities = isinstance(actual, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
-        if found == OBJECT and DIRECTION in wanted:
+        if actual == OBJECT and DIRECTION in wanted:
             help = f"write `toward({span.text})`"
         elif isinstance(e, s.Name):
             help = names.instead(self, e, wanted) or help
-        shown = "a bare 0" if found == Quantity(ZERO) else article(str(found))
+        shown = "a bare 0" if actual == Quantity(ZERO) else article(str(actual))
         message = f"{what} wants {wants}, but this is {shown}"
-        if isinstance(e, s.Name) and names.undeclared(self, e, found) and set(wanted) & set(names.BLOCKS.values()):
+        if isinstance(e, s.Name) and names.undeclared(self, e, actual) and set(wanted) & set(names.BLOCKS.values()):
             self.unknown(e, message, help, "WMS302")
         named = {n.id: d for n in s.names((e, beside)) if isinstance(d := self.scope.names.get(n.id), s.Let | s.Factor)}
         if named.keys() & self.doubtful:

@@ -182,16 +182,16 @@ class Factors:
         return int(count)
 
     def _baseline(self, design: s.Design) -> dict[str, Level]:
-        found: dict[str, Level] = {}
+        levels: dict[str, Level] = {}
         for p in design.baseline:
             name = p.name.id
             factor = self._declared(name, p.name.span)
-            if name in found:
+            if name in levels:
                 self.check.fail("WMS202", f"`{name}` is set twice", p.name.span, "remove one")
             if p.at is not None:
                 self.check.fail("WMS101", "`at` has no meaning here", p.at.span, "write one value")
-            found[name] = self._level(factor, p.value)
-        return found
+            levels[name] = self._level(factor, p.value)
+        return levels
 
     def _level(self, factor: s.Factor, e: s.Expr) -> Level:
         """One of the values of a factor."""

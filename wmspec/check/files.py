@@ -81,9 +81,9 @@ def _mesh(check: Expressions, text: s.Text, folder: Path, file: str, prim: str) 
     """Complain about a mesh in a USD file that cannot be read."""
     from wmspec.importers.usd_file import mesh
 
-    found = mesh(folder / file, folder, file, prim)
-    if isinstance(found, tuple):
-        check.report.include(mistake.named_at(text.span) for mistake in found)
+    read = mesh(folder / file, folder, file, prim)
+    if isinstance(read, tuple):
+        check.report.include(mistake.named_at(text.span) for mistake in read)
         raise Failed
 
 

@@ -24,25 +24,25 @@ def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -
         what = "only the values of a factor or nuisance have names, where it lists them"
         check.fail("WMS302", what, e.text.span, "remove the name")
     inner = tuple(k.item for k in wanted if isinstance(k, List) and k.item) or wanted
-    found: list[Typed] = []
+    checked: list[Typed] = []
     for item in e.items:
-        found.append(check.infer(item, inner or tuple(first.type for first in found[:1])))
+        checked.append(check.infer(item, inner or tuple(first.type for first in checked[:1])))
     if e.unit is not None:
-        found = [_scaled(check, i, e.unit, written.span) for i, written in zip(found, e.items, strict=True)]
-    kind = found[0].type if found else None
-    for typed, written in zip(found, e.items, strict=True):
+        checked = [_scaled(check, i, e.unit, written.span) for i, written in zip(checked, e.items, strict=True)]
+    kind = checked[0].type if checked else None
+    for typed, written in zip(checked, e.items, strict=True):
         common = joined(kind, typed.type) if kind else None
         if kind is not None and common is None:
             if names.undeclared(check, e.items[0], kind):  # a name may be misspelled where it is declared
                 check.misfit(e.items[0], kind, (typed.type,), f"this {e.kind}, like its other items,")
             check.misfit(written, typed.type, (kind,), f"this {e.kind}, like its first item,")
         kind = common
-    expr = ir.Items(items=tuple(i.expr for i in found))
+    expr = ir.Items(items=tuple(i.expr for i in checked))
     if e.kind == "list":
         return Typed(expr, List(kind))
-    if not isinstance(kind, Quantity) or len(found) > 3:
+    if not isinstance(kind, Quantity) or len(checked) > 3:
         check.fail("WMS302", "a tuple holds two or three quantities", e.span, "use `[...]` for a list")
-    return Typed(expr, Vector(kind.dimension, len(found)))
+    return Typed(expr, Vector(kind.dimension, len(checked)))
 
 
 def _scaled(check: Expressions, item: Typed, unit: str, span: Span) -> Typed:

@@ -70,7 +70,7 @@ def thing(
 def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: Any) -> tuple[ir.Thing, ...]:
     """An object made of parts (their properties by name), followed by these. Raises WmsError as `thing` does."""
     whole = _thing(name, thing_type("object", properties, parts=True), properties)
-    return whole, *(_part(whole, part, said) for part, said in parts.items())
+    return whole, *(_part(whole, part, properties_of) for part, properties_of in parts.items())
 
 
 def objects(
@@ -181,10 +181,10 @@ def _thing(name: str, of: ThingType, properties: dict[str, Any], *, model: str =
     return ir.Thing(kind=kind, name=name, model=model, set=set, properties=filled, place=HERE)
 
 
-def _part(whole: ir.Thing, name: str, said: Mapping[str, Any]) -> ir.Thing:
+def _part(whole: ir.Thing, name: str, given: Mapping[str, Any]) -> ir.Thing:
     name = f"{whole.name}.{name}"
-    properties = _filled(slots(thing_type("part", said)), said, f"the part `{name}`")
-    for look in inherited(said, whole.properties):
+    properties = _filled(slots(thing_type("part", given)), given, f"the part `{name}`")
+    for look in inherited(given, whole.properties):
         properties[look] = _setting(ir.Property(owner=ir.Value(value=whole.name), name=look))
     return ir.Thing(kind="part", name=name, of=whole.name, properties=properties, place=HERE)
 
@@ -192,9 +192,9 @@ def _part(whole: ir.Thing, name: str, said: Mapping[str, Any]) -> ir.Thing:
 def _below(member: ir.Thing, index: int, count: ir.Expr) -> ir.Thing:
     """The member, present where its index is below the number."""
     there: ir.Expr = ir.Operation(operator="<", operands=(ir.Value(value=float(index)), count))
-    said = member.properties["present"].value
-    if said != ir.Value(value=True):
-        there = ir.Operation(operator="and", operands=(there, said))
+    present = member.properties["present"].value
+    if present != ir.Value(value=True):
+        there = ir.Operation(operator="and", operands=(there, present))
     return replace(member, properties=member.properties | {"present": _setting(there)})
 
 
@@ -202,10 +202,10 @@ def _filled(table: Mapping[str, Slot], given: Mapping[str, Any], whose: str) -> 
     for key in given:
         if key not in table:
             raise WmsError(f"{whose} has no `{key}`; {suggestion(key, table)}")
-    found = {key: _setting(value) for key, value in given.items()}
+    settings = {key: _setting(value) for key, value in given.items()}
     for key, slot in table.items():
-        if key not in found and slot.default is not None:
-            found[key] = _setting(default_value(slot))
-        elif key not in found and not slot.optional:
+        if key not in settings and slot.default is not None:
+            settings[key] = _setting(default_value(slot))
+        elif key not in settings and not slot.optional:
             raise WmsError(f"{whose} needs `{key}`: {slot.meaning}")
-    return found
+    return settings

@@ -45,8 +45,8 @@ def member(check: Expressions, e: s.Member) -> Typed:
         slot = _row(check, PROPERTIES[kind], e.name, kind)
         return Typed(ir.Property(owner=whole.expr, name=e.name.id), slot.types[0])
     name = str(whole.expr.value)
-    if (found := _of_asset(check, name, e.name)) is not None:
-        return found
+    if (of_asset := _of_asset(check, name, e.name)) is not None:
+        return of_asset
     if whole.type == OBJECT and f"{name}.{e.name.id}" in _parts(check, name):
         return Typed(ir.Value(value=f"{name}.{e.name.id}"), PART)
     return Typed(ir.Property(owner=whole.expr, name=e.name.id), _type(check, named(check, name), e.name))
@@ -118,8 +118,8 @@ def index(check: Expressions, e: s.Index) -> Typed:
     """`blocks[2]`: a member of a set; `blocks[-1]`, the last of those that are there."""
     declared = check.scope.names.get(e.value.id) if isinstance(e.value, s.Name) else None
     if not isinstance(declared, s.Block) or declared.count is None:
-        found = check.infer(e.value)
-        message = f"only a set of objects or joints has members, and this is {article(str(found.type))}"
+        container = check.infer(e.value)
+        message = f"only a set of objects or joints has members, and this is {article(str(container.type))}"
         check.fail("WMS302", message, e.value.span, "declare it with `objects NAME[NUMBER] { ... }`")
     members = check.scope.members(declared.name.id)
     if not members:  # its number is wrong, and that was reported

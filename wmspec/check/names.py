@@ -48,8 +48,8 @@ def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
     word = _word(e.id, wanted)
     declared = check.scope.names.get(e.id)
     if declared is not None:
-        found = _declared(check, e, declared)
-        return found if word is None or any(fits(found.type, k) for k in wanted) else word
+        typed = _declared(check, e, declared)
+        return typed if word is None or any(fits(typed.type, k) for k in wanted) else word
     if e.id == "end":
         return Typed(ir.Ref(name="end"), A_TIME)
     if e.id == "index":
@@ -119,12 +119,12 @@ def instead(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> str:
 def fitting(check: Expressions, wanted: tuple[Type, ...]) -> list[str]:
     """The words and names that are of one of these types whatever the instance."""
     items = [k.item if isinstance(k, List) else k for k in wanted]
-    found = [w for k in items if isinstance(k, Word) for w in WORDS.get(k.vocabulary, ())]
-    found += ["true", "false"] if TRUTH in items else []
+    words = [w for k in items if isinstance(k, Word) for w in WORDS.get(k.vocabulary, ())]
+    words += ["true", "false"] if TRUTH in items else []
     for block, kind in BLOCKS.items():
         if kind in items or (kind == OBJECT and LABEL in items):
-            found += check.scope.blocks(block)
+            words += check.scope.blocks(block)
     for sets, block in SETS.items():
         if BLOCKS[block] in items or (sets == "objects" and LABEL in items):
-            found += check.scope.blocks(sets)
-    return [*found, *(check.scope.of(s.Action) if ACTION in items else ())]
+            words += check.scope.blocks(sets)
+    return [*words, *(check.scope.of(s.Action) if ACTION in items else ())]

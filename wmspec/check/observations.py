@@ -33,9 +33,9 @@ class Observations:
     def _channels(self, e: s.Expr) -> tuple[ir.Channel, ...]:
         expr = self.check.value(e, (List(CHANNEL), CHANNEL), "`as`").expr
         items = expr.items if isinstance(expr, ir.Items) else (expr,)
-        found = [i.value for i in items if isinstance(i, ir.Value)]
-        if len(found) < len(items) or not found:
+        channels = [i.value for i in items if isinstance(i, ir.Value)]
+        if len(channels) < len(items) or not channels:
             self.check.fail("WMS304", "what is kept of a picture is a constant", e.span, "write `[rgb, depth, ids]`")
-        if len(set(found)) < len(found):
+        if len(set(channels)) < len(channels):
             self.check.fail("WMS202", "a channel is named twice here", e.span, "remove one")
-        return cast(tuple[ir.Channel, ...], tuple(found))
+        return cast(tuple[ir.Channel, ...], tuple(channels))

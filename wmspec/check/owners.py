@@ -31,12 +31,12 @@ class Owner:
     @cached_property
     def said(self) -> dict[str, s.Property]:
         """The written properties by name, of two that are alike the first; `on: X at Y` says `at` too."""
-        found: dict[str, s.Property] = {}
+        properties: dict[str, s.Property] = {}
         for p in self.written:
-            found.setdefault(p.name.id, p)
+            properties.setdefault(p.name.id, p)
             if p.at is not None:
-                found.setdefault("at", s.Property(s.Name("at", p.at.span), p.at, None, p.span))
-        return found
+                properties.setdefault("at", s.Property(s.Name("at", p.at.span), p.at, None, p.span))
+        return properties
 
     @property
     def strange(self) -> bool:
@@ -65,9 +65,9 @@ def _meant(name: str, known: list[str]) -> str:
 
 def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
     """A block as an owner of properties; `members` are the links and joints of an asset, for suggestions."""
-    said = {p.name.id for p in block.properties}
+    written = {p.name.id for p in block.properties}
     model = block.model.id if block.model is not None and block.kind == "joint" else ""
-    of = thing_type(block.kind, said, model, bool(block.parts), bool(block.whole))
+    of = thing_type(block.kind, written, model, bool(block.parts), bool(block.whole))
     names = (*members, *(part.name.id for part in block.parts))
     return Owner(block.name.id, of, block.properties, block.name.span, names)
 

@@ -40,11 +40,11 @@ class ThingType:
 
 
 def thing_type(
-    kind: str, said: Collection[str], model: str = "", parts: bool = False, asset: bool = False
+    kind: str, written: Collection[str], model: str = "", parts: bool = False, asset: bool = False
 ) -> ThingType:
     """The type of a thing. Only the properties that decide about others are kept, so that there are few types."""
     deciding = {"file", "image", "on", "scatter", "target", "moments"}
-    return ThingType(kind, frozenset(deciding & set(said)), model, parts, asset)
+    return ThingType(kind, frozenset(deciding & set(written)), model, parts, asset)
 
 
 def unfit(of: ThingType, name: str) -> str:
@@ -86,6 +86,6 @@ def _fitted(of: ThingType, name: str, slot: Slot) -> Slot:
     return slot
 
 
-def inherited(said: Collection[str], whole: Collection[str]) -> tuple[str, ...]:
+def inherited(own: Collection[str], whole: Collection[str]) -> tuple[str, ...]:
     """The looks that a part has from its object: those that the object has (`whole`) and the part does not say."""
-    return tuple(name for name in LOOKS if name in whole and name not in said)
+    return tuple(name for name in LOOKS if name in whole and name not in own)

@@ -132,13 +132,13 @@ class Questions:
 
     def _tried(self, check: Callable[[C], T], clauses: list[C] | tuple[C, ...]) -> list[T]:
         """What became of clauses, without those that have mistakes."""
-        found = []
+        results = []
         for clause in clauses:
             try:
-                found.append(check(clause))
+                results.append(check(clause))
             except Failed:
                 continue
-        return found
+        return results
 
     # ------------------------------------------------------------ answers
 
@@ -295,7 +295,7 @@ class Questions:
 
     def text(self, text: s.Text) -> tuple[str | ir.Said, ...]:
         """Split a text at its `{expression}`s and check them."""
-        found: list[str | ir.Said] = []
+        parts: list[str | ir.Said] = []
         raw = text.span.text
         end = 1
         for brace in _BRACE.finditer(_HOLE.sub(lambda hole: " " * len(hole[0]), raw)):
@@ -304,7 +304,7 @@ class Questions:
             what = "closed" if brace[0] == "{" else "opened"
             self.check.fail("WMS101", f"this brace is never {what}", Span(text.span.source, at, at + 1), remedy)
         for hole in _HOLE.finditer(raw):
-            found.append(_unescape(raw[end : hole.start()]))
+            parts.append(_unescape(raw[end : hole.start()]))
             end = hole.end()
             span = Span(text.span.source, text.span.start + hole.start(1), text.span.start + hole.end(1))
             expr = parse_expression(span, self.report)
@@ -314,9 +314,9 @@ class Questions:
             sort = str(TEXT) if self._named(typed.expr) else _spoken(typed.type)
             if sort is None:
                 self.check.fail("WMS302", f"{article(str(typed.type))} cannot be said in a text", span)
-            found.append(ir.Said(value=typed.expr, sort=sort))
-        found.append(_unescape(raw[end:-1]))
-        return tuple(part for part in found if part != "")
+            parts.append(ir.Said(value=typed.expr, sort=sort))
+        parts.append(_unescape(raw[end:-1]))
+        return tuple(part for part in parts if part != "")
 
     def _texts(self, clauses: dict[str, list[s.Clause]]) -> tuple[ir.Filled, ...]:
         """The texts of options and answers that say values."""

@@ -33,8 +33,8 @@ def from_json(text: str) -> TaskSpec:
 
 def plain(spec: TaskSpec) -> dict[str, Any]:
     """A task as plain values, as they are in its JSON."""
-    found: dict[str, Any] = _adapter().dump_python(spec)
-    return found
+    document: dict[str, Any] = _adapter().dump_python(spec)
+    return document
 
 
 def schema() -> dict[str, Any]:

@@ -87,5 +87,5 @@ class Scope:
 
     def blocks(self, kind: str) -> list[str]:
         """The names of the objects, cameras or lights, but for the members of sets."""
-        found = ((n, d) for n, d in self.names.items() if isinstance(d, s.Block) and d.kind == kind)
-        return [n for n, d in found if n not in self.sets and not d.whole]
+        blocks = ((n, d) for n, d in self.names.items() if isinstance(d, s.Block) and d.kind == kind)
+        return [n for n, d in blocks if n not in self.sets and not d.whole]

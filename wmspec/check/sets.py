@@ -128,8 +128,8 @@ class _Numbers:
 def _present(properties: tuple[s.Property, ...], index: s.Expr, count: s.Expr) -> tuple[s.Property, ...]:
     """The properties with `present: index < count`, beside what was said of it."""
     there: s.Expr = s.Operation("<", (index, count), count.span)
-    said = next((p for p in properties if p.name.id == "present"), None)
-    if said is not None:
-        there = s.Operation("and", (there, said.value), said.value.span)
+    present = next((p for p in properties if p.name.id == "present"), None)
+    if present is not None:
+        there = s.Operation("and", (there, present.value), present.value.span)
     name = s.Name("present", count.span)
-    return *(p for p in properties if p is not said), s.Property(name, there, None, count.span)
+    return *(p for p in properties if p is not present), s.Property(name, there, None, count.span)

@@ -159,7 +159,7 @@ class _Task:
         for block in self.unused:
             with suppress(Failed):
                 self.things.block(block)
-        things = [thing for found in self.each(s.Block, self.things.block) for thing in found]
+        things = [thing for group in self.each(s.Block, self.things.block) for thing in group]
         no_circles(self.check, things)
         return things
 
@@ -234,15 +234,15 @@ class _Task:
     # ------------------------------------------------------------ the task itself
 
     def settings(self) -> dict[str, str]:
-        found: dict[str, s.Setting] = {}
+        settings: dict[str, s.Setting] = {}
         for x in self.statements:
             if isinstance(x, s.Setting):
-                if x.key in found:
-                    notes = (Note("said here first", found[x.key].span),)
+                if x.key in settings:
+                    notes = (Note("said here first", settings[x.key].span),)
                     self.report.add("WMS202", f"`{x.key}` is said twice", x.span, "remove one", notes)
-                found[x.key] = x
-        self._settings = found
-        return {k: x.value.value for k, x in found.items() if isinstance(x.value, s.Text)}
+                settings[x.key] = x
+        self._settings = settings
+        return {k: x.value.value for k, x in settings.items() if isinstance(x.value, s.Text)}
 
     def setting(self, key: str) -> Typed | None:
         if key not in self._settings:

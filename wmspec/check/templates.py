@@ -62,12 +62,12 @@ class Templates:
         for p in template.parameters:  # a default may be made of the parameters before it
             value = given.get(p.name.id)
             values[p.name.id] = self._substitute.expression(p.value, values) if value is None else value
-        said = {p.name.id for p in own} | {"at" for p in own if p.at is not None}
+        written = {p.name.id for p in own} | {"at" for p in own if p.at is not None}
         for either in ({"on", "inside"}, {"mass", "density"}):
-            said |= either if said & either else set()
-        kept = (p for p in template.properties if p.name.id not in said)
+            written |= either if written & either else set()
+        kept = (p for p in template.properties if p.name.id not in written)
         common = tuple(self._substitute.property(p, values) for p in kept)
-        if "at" in said:  # the object's own place goes before the template's
+        if "at" in written:  # the object's own place goes before the template's
             common = tuple(replace(p, at=None) for p in common)
         parts = tuple(self._substitute.part(p, values) for p in template.parts)
         return replace(block, properties=(*common, *own), parts=(*parts, *block.parts))

@@ -143,11 +143,11 @@ class Things:
         if p.at is not None and p.name.id not in ("on", "inside"):
             remedy = "write `at: (x, y, z)`"
             self.check.fail("WMS101", "`at` follows `on:` and `inside:` only", p.at.span, remedy)
-        found = {p.name.id: self._setting(of, p)}
+        settings = {p.name.id: self._setting(of, p)}
         if p.at is not None:
             at = s.Property(s.Name("at", p.at.span), p.at, None, p.span)
-            found["at"] = self._setting(of, at)
-        return found
+            settings["at"] = self._setting(of, at)
+        return settings
 
     def _setting(self, of: Owner, p: s.Property) -> ir.Setting:
         name, slot = p.name.id, of.slots[p.name.id]
@@ -230,7 +230,7 @@ class Things:
             spans.setdefault(lasts, timing.span)
         begin, span = actions.start(self.check, action)
         within(self.check, begin.expr, START, span, "`at`")
-        found = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}
+        settings = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}
         lasting = next((t for t in action.timings if t.kind == "for"), None)
         if lasting is None and does.verb.lasts:
             message = f"`{does.name}` needs to know how long: `for TIME`"
@@ -241,5 +241,5 @@ class Things:
                 self.check.fail("WMS205", message, does.call.span, "remove `for`")
             typed = self.check.value(lasting.value, (A_TIME,), "`for`")
             within(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
-            found["duration"] = ir.Setting(value=typed.expr, place=Location.of(lasting.value.span))
-        return found
+            settings["duration"] = ir.Setting(value=typed.expr, place=Location.of(lasting.value.span))
+        return settings

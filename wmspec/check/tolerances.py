@@ -16,7 +16,7 @@ from wmspec.places import Span
 
 def tolerances(check: Expressions, written: Iterable[s.Tolerance]) -> dict[str, float]:
     """The tolerances (SI) by name; those with mistakes are reported and left out."""
-    found: dict[str, float] = {}
+    checked: dict[str, float] = {}
     spans: dict[str, Span] = {}
     for tolerance in written:
         name = tolerance.name
@@ -25,8 +25,8 @@ def tolerances(check: Expressions, written: Iterable[s.Tolerance]) -> dict[str, 
             check.report.add("WMS202", f"the tolerance `{name.id}` is said twice", name.span, "remove one", notes)
         spans.setdefault(name.id, name.span)
         with suppress(Failed):
-            found[name.id] = _tolerance(check, tolerance)
-    return found
+            checked[name.id] = _tolerance(check, tolerance)
+    return checked
 
 
 def _tolerance(check: Expressions, tolerance: s.Tolerance) -> float:

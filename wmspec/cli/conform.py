@@ -47,12 +47,12 @@ def conform_command(
     runners = [(name, by_backend(name)) for name in engines] + [
         (name, by_traces(Path(folder))) for name, folder in map(_named, traces)
     ]
-    found = [score for name, runner in runners for score in scores(name, runner, wanted)]
+    results = [score for name, runner in runners for score in scores(name, runner, wanted)]
     if as_json:
-        click.echo(json.dumps([score.record() for score in found], indent=2))
+        click.echo(json.dumps([score.record() for score in results], indent=2))
     else:
-        _print(found, [name for name, _ in runners])
-    ctx.exit(0 if all(score.passed for score in found) else 1)
+        _print(results, [name for name, _ in runners])
+    ctx.exit(0 if all(score.passed for score in results) else 1)
 
 
 def _named(text: str) -> tuple[str, str]:
@@ -62,9 +62,9 @@ def _named(text: str) -> tuple[str, str]:
     return name, folder
 
 
-def _print(found: list[Score], engines: list[str]) -> None:
+def _print(results: list[Score], engines: list[str]) -> None:
     rows: dict[tuple[str, str], list[Score]] = {}
-    for score in found:
+    for score in results:
         rows.setdefault((score.case, score.measure.what), []).append(score)
     for (case, what), row in rows.items():
         measure = row[0].measure
@@ -76,5 +76,5 @@ def _print(found: list[Score], engines: list[str]) -> None:
             told = score.refusal if score.measured is None else f"{score.measured:.5g} {measure.unit}"
             click.echo(f"  {mark}  {score.engine:<9} {told}")
     for engine in engines:
-        mine = [score for score in found if score.engine == engine]
+        mine = [score for score in results if score.engine == engine]
         click.echo(f"{engine}: {sum(score.passed for score in mine)} of {len(mine)}")

@@ -37,13 +37,14 @@ def study_command() -> None:
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
 @click.option("--engine", multiple=True, metavar="NAME", help="Only what this engine executed.")
 @seed_option
-def make_command(dataset: Path, output: Path, **said: object) -> None:
+def make_command(dataset: Path, output: Path, **flags: object) -> None:
     """Write a study: who is shown which questions in which order, the page, and texts that you may replace."""
     from wmspec.study.make import Options, make
     from wmspec.study.page import unfinished
     from wmspec.write.reader import DatasetReader
 
-    options = Options(**{{"task": "tasks", "engine": "engines"}.get(name, name): value for name, value in said.items()})  # type: ignore[arg-type]
+    fields = {{"task": "tasks", "engine": "engines"}.get(name, name): value for name, value in flags.items()}
+    options = Options(**fields)  # type: ignore[arg-type]
     study = make(DatasetReader.open(dataset), options, make_folder(output))
     asked = sum(item.kind == "question" for item in study.items)
     click.echo(

@@ -105,7 +105,7 @@ def _closure(members: set[str], ties: Sequence[frozenset[str]]) -> set[str]:
 
 
 def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
-    tying = {c.said: c for c in conditions if len({*c.scope} & {*much.names}) > 1}
+    tying = {c.statement: c for c in conditions if len({*c.scope} & {*much.names}) > 1}
     first, *more = tying.values()
     names = f"{', '.join(much.names[:6])}{', ...' if len(much.names) > 6 else ''}"
     return SpecError(
@@ -120,12 +120,12 @@ def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
 
 def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> SpecError:
     """Names the smallest set of conditions that leaves no combination."""
-    by_require = {c.said: c for c in reversed(conditions)}
+    by_require = {c.statement: c for c in reversed(conditions)}
     guilty = _smallest(
-        sorted(by_require), lambda some: _satisfiable(domains, [c for c in conditions if c.said in some])
+        sorted(by_require), lambda some: _satisfiable(domains, [c for c in conditions if c.statement in some])
     )
     first, *more = (by_require[i] for i in guilty)
-    names = [n for n in domains if any(n in c.scope for c in conditions if c.said in guilty)]
+    names = [n for n in domains if any(n in c.scope for c in conditions if c.statement in guilty)]
     whose = f"{'combination' if len(names) > 1 else 'value'} of {', '.join(names)}" if names else "instance"
     met = " and ".join(by_require[i].text for i in guilty)
     notes = tuple(Note("together with this", c.place) for c in more)

@@ -24,10 +24,10 @@ MOST_TRIED = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Constraint:
-    """A condition on the factors of its scope. `said` is the number of the `require` or domain that it is a part of."""
+    """A condition on the factors of its scope; `statement` numbers the `require` or domain that it is a part of."""
 
     spec: TaskSpec
-    said: int
+    statement: int
     text: str
     place: Location
     scope: tuple[str, ...]

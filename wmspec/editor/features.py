@@ -99,7 +99,7 @@ def rename(ls: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
     if name is None:
         return None
     documents = ls.around(document, name.declared.path)
-    places = _said(lambda: renamed(documents, name, params.new_name))
+    places = _reported(lambda: renamed(documents, name, params.new_name))
     changes = {
         uri_of(path): [lsp.TextEdit(where, params.new_name) for where in ranges]
         for path, ranges in _ranges(ls, documents, places)
@@ -140,10 +140,10 @@ async def preview(ls: Server, uri: str, position: lsp.Position | None = None) ->
     document, positions = ls.document(uri)
     at = lsp.Position(position.line, position.character) if position is not None else lsp.Position(0, 0)
     offset = positions.offset(at)
-    return await asyncio.to_thread(lambda: _said(lambda: _drawn(ls, document, offset)))
+    return await asyncio.to_thread(lambda: _reported(lambda: _drawn(ls, document, offset)))
 
 
-def _said(work: Callable[[], T]) -> T:
+def _reported(work: Callable[[], T]) -> T:
     """What the work gives; a mistake of the user is the answer of the request."""
     try:
         return work()

@@ -236,7 +236,7 @@ class Reader:
             return {}
         kind = _BLOCKS[self._symbol(head)]
         kind = SETS.get(kind, kind)
-        present, parts = self._said(opened)
+        present, parts = self._written_properties(opened)
         model = next((self._text(i) for i in range(head, opened) if self._symbol(i) == "model"), "").lstrip(": \t\n")
         template = self.meaning.scope.names.get(model) if self.meaning else None
         own: dict[str, Slot] = {}
@@ -248,7 +248,7 @@ class Reader:
         table = own | slots(thing_type(kind, present, model if kind == "joint" else "", parts))
         return {name: slot for name, slot in table.items() if name not in present or name == leave}
 
-    def _said(self, opened: int) -> tuple[set[str], bool]:
+    def _written_properties(self, opened: int) -> tuple[set[str], bool]:
         """The names of the properties within these braces so far, and whether there are parts."""
         names, parts = set[str](), False
         for part in self.stack[opened + 1 :]:

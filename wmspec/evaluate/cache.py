@@ -22,7 +22,7 @@ class Cached:
         """Raises WmsError if the file is no cache or cannot be written."""
         self.identity, self.asks = model.identity, model.asks
         self._model, self._path = model, path
-        self._said = json.dumps([model.identity, parameters], sort_keys=True)
+        self._identity = json.dumps([model.identity, parameters], sort_keys=True)
         self._turn = threading.Lock()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -33,7 +33,7 @@ class Cached:
 
     def reply(self, ask: Ask) -> Reply:
         """The reply kept, or the model's, which is kept unless it is an error."""
-        key = hashlib.sha256(f"{self._said}\n{ask.request.digest}\n{ask.sample}".encode()).hexdigest()
+        key = hashlib.sha256(f"{self._identity}\n{ask.request.digest}\n{ask.sample}".encode()).hexdigest()
         known = self._run("SELECT reply FROM replies WHERE key = ?", key)
         if known:
             return replace(Reply(**json.loads(known[0][0])), cost=0.0)

@@ -171,8 +171,8 @@ def _alone(reply: str, shown: _Shown) -> set[int]:
     return _named(reply, shown) if len(reply) < 500 else set()
 
 
-def _named(said: str, shown: _Shown) -> set[int]:
-    plain = _plain(said)
+def _named(reply: str, shown: _Shown) -> set[int]:
+    plain = _plain(reply)
     if shown.numbered and (place := shown.label(plain)) is not None:
         return {place}
     same = {place for place, words in enumerate(shown.words) if words and words == plain}

@@ -51,11 +51,11 @@ class Request:
     @cached_property
     def digest(self) -> str:
         """The SHA-256 of everything in it."""
-        content = [self.system, *(_said(part) for part in self.parts)]
+        content = [self.system, *(_part_text(part) for part in self.parts)]
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
-def _said(part: Part) -> list[str]:
+def _part_text(part: Part) -> list[str]:
     match part:
         case Text(text):
             return ["text", text]

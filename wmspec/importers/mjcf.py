@@ -38,7 +38,7 @@ class _Mjcf:
         self.geoms = Geoms(self.read)
         self.joints = Joints(self.read)
         self.links: dict[str, Link] = {}
-        self.found: dict[str, Joint] = {}
+        self.by_name: dict[str, Joint] = {}
         self.shapes = 0
 
     def asset(self) -> Asset:
@@ -52,8 +52,8 @@ class _Mjcf:
         base = self._base(worlds[0])
         for body, parent, inherited in self._bodies(worlds[0], base):
             self._body(body, parent, inherited)
-        self.joints.drive(self.root, self.found)
-        return Asset(self.links, self.found)
+        self.joints.drive(self.root, self.by_name)
+        return Asset(self.links, self.by_name)
 
     def _base(self, world: Element) -> str:
         """The link that bodies of the world are held by."""
@@ -64,7 +64,7 @@ class _Mjcf:
             return WORLD
         self.links["base"] = replace(link, mass=None)
         held = Joint("", world.where, "fixed", WORLD, "base", identity(), np.zeros(3), X)
-        self.found[""] = held
+        self.by_name[""] = held
         return "base"
 
     def _bodies(self, world: Element, base: str) -> Iterator[tuple[Element, str, str]]:
@@ -98,6 +98,6 @@ class _Mjcf:
             self.faults.add(body.where, what, "give it an `inertial`, or one of its geoms a mass")
         self.links[name] = link
         joint = self.joints.of(body, parent, inherited)
-        if joint.name in self.found:
+        if joint.name in self.by_name:
             self.faults.add(joint.where, "there is another joint of this name", "rename one of them")
-        self.found[joint.name] = joint
+        self.by_name[joint.name] = joint

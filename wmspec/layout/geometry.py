@@ -80,7 +80,7 @@ def _shape(values: Values, owner: str) -> Shape:
         many = f"only {having} has {'two' if edges == 2 else 'three'} edges"
         raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.place(owner, "size"))
     try:
-        return kind.said(words)
+        return kind.from_words(words)
     except UnfitError as error:
         place = values.place(owner, error.name) if error.name in words else values.place(owner)
         raise ImpossibleValue(f"the {word} `{owner}` {error}", place) from None

@@ -12,7 +12,7 @@ from wmspec.lint.rule import Breach, rule
 def idle_require(design: Design) -> Iterator[Breach]:
     """A condition that every combination meets."""
     for number, require in enumerate(design.spec.requires):
-        if all(len(c.allowed) == c.tries for c in design.conditions if c.said == number):
+        if all(len(c.allowed) == c.tries for c in design.conditions if c.statement == number):
             yield Breach("this `require` excludes nothing", require.place, "remove it, or mend its condition")
 
 

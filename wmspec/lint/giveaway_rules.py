@@ -20,13 +20,13 @@ _LOOKS = ("form", "color", "material", "image", "scale")
 def told_by_text(task: Task) -> Iterator[Breach]:
     """A text that says all that decides between the options, or the answer itself."""
     for question in task.spec.questions:
-        said = [part.value for part in question.text if isinstance(part, Said)]
+        mentioned = [part.value for part in question.text if isinstance(part, Said)]
         decisive = {varied.factor for varied in question.orbit}
-        if decisive and decisive <= {value.name for value in said if isinstance(value, Ref)}:
+        if decisive and decisive <= {value.name for value in mentioned if isinstance(value, Ref)}:
             names = " and ".join(f"`{name}`" for name in sorted(decisive))
             what = f"the text says {names}, which is all that decides between the options"
             yield Breach(what, question.place, "leave one of them to the pictures", about=("text", question.place))
-        elif question.answer in said:
+        elif question.answer in mentioned:
             what = "the text says the answer"
             yield Breach(what, question.place, "leave it to the pictures", about=("text", question.place))
 

@@ -54,8 +54,8 @@ RULES = (idle_factor, factor_in_words_alone, constant_answer)
 
 def _texts(spec: TaskSpec) -> Iterator[Expr]:
     for question in spec.questions:
-        said = (*question.text, *(part for text in question.texts for part in text.parts))
-        yield from (part.value for part in said if isinstance(part, Said))
+        parts = (*question.text, *(part for text in question.texts for part in text.parts))
+        yield from (part.value for part in parts if isinstance(part, Said))
 
 
 def _deciding(spec: TaskSpec) -> Iterator[Expr]:

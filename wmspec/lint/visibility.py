@@ -53,8 +53,8 @@ def subjects(values: Values) -> list[str]:
 def _asked(spec: TaskSpec) -> Iterator[Expr]:
     for question in spec.questions:
         yield question.answer
-        said = (*question.text, *(part for text in question.texts for part in text.parts))
-        yield from (part.value for part in said if isinstance(part, Said))
+        parts = (*question.text, *(part for text in question.texts for part in text.parts))
+        yield from (part.value for part in parts if isinstance(part, Said))
         yield from (question.options,) if question.options else ()
 
 

@@ -21,8 +21,8 @@ def rgb(color: str) -> Color:
 def word(parts: Color) -> str:
     """The word for a colour by its sRGB parts, or else `rgb:r,g,b`."""
     clipped = tuple(min(max(part, 0.0), 1.0) for part in parts)
-    said = next((name for name, known in COLORS.items() if known == clipped), None)
-    return said or "rgb:" + ",".join(f"{part:.6g}" for part in clipped)
+    known_name = next((name for name, known in COLORS.items() if known == clipped), None)
+    return known_name or "rgb:" + ",".join(f"{part:.6g}" for part in clipped)
 
 
 @lru_cache(maxsize=4096)

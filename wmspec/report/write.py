@@ -26,11 +26,11 @@ def write(report: Report, folder: Path) -> Path:
     content |= {f"tables/{name}.tex": latex(caption, frame) for name, (caption, frame) in printed.items()}
     if "thresholds" in printed:
         content["tables/thresholds.csv"] = printed["thresholds"][1].to_csv(lineterminator="\n")
-    for name, said in content.items():
+    for name, written in content.items():
         path = folder / name
         with explained(path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(said, encoding="utf-8")
+            path.write_text(written, encoding="utf-8")
     return folder / "report.html"
 
 

@@ -45,10 +45,10 @@ class Arm:
 
     def links(self, q: Array, base: Array) -> list[Array]:
         """The frames of the base, of each link and of the hand, for the joint angles `q` (n,)."""
-        found = [base]
+        frames = [base]
         for frame, angle in zip(self.frames, q, strict=True):
-            found.append(found[-1] @ frame @ about(2, float(angle)))
-        return [*found, found[-1] @ self.hand]
+            frames.append(frames[-1] @ frame @ about(2, float(angle)))
+        return [*frames, frames[-1] @ self.hand]
 
     def tool(self, q: Array, base: Array) -> Array:
         """Where the tool is (4, 4)."""

@@ -71,26 +71,26 @@ def joints(arm: Arm, base: Array, q: Array, width: float, legs: Sequence[Leg]) -
         s = smooth((time - before) / (legs[i].until - before))
         places.append(legs[i].tool(s))
         widths.append((1 - s) * opened + s * legs[i].width)
-    found = _angles(arm, base.tobytes(), q.tobytes(), np.array(places).tobytes())
-    speed = np.abs(np.diff(found, axis=0)) / np.diff(times(legs[-1].until))[:, None]
+    angles = _angles(arm, base.tobytes(), q.tobytes(), np.array(places).tobytes())
+    speed = np.abs(np.diff(angles, axis=0)) / np.diff(times(legs[-1].until))[:, None]
     if (over := float((speed / arm.speed).max())) > FAST:
         raise OutOfReachError(f"it would have to move {over / FAST:.2g} times as fast as it can; give it more time")
     fingers = np.array(widths)[:, None] / 2
-    return np.round(np.concatenate([found, fingers, fingers], axis=1), DIGITS)
+    return np.round(np.concatenate([angles, fingers, fingers], axis=1), DIGITS)
 
 
 @lru_cache(maxsize=256)
 def _angles(arm: Arm, base: bytes, q: bytes, places: bytes) -> Array:
     """The joint angles (n, 7) for places of the tool, each found from the one before."""
-    near, found = np.frombuffer(q), []
+    near, solved = np.frombuffer(q), []
     for place in np.frombuffer(places).reshape(-1, 4, 4):
         angles = solve(arm, place, np.frombuffer(base).reshape(4, 4), near)
         if angles is None:
             x, y, z = place[:3, 3] * 100
             raise OutOfReachError(f"({x:.0f}, {y:.0f}, {z:.0f}) cm is out of its reach")
         near = angles
-        found.append(angles)
-    return np.array(found)
+        solved.append(angles)
+    return np.array(solved)
 
 
 def spun(vector: Array) -> Array:

@@ -113,8 +113,8 @@ def _one_at_a_time(made: Plan, acts: Sequence[Thing]) -> None:
 
 def matrix(pose: Pose) -> Array:
     """A pose as a matrix (4, 4)."""
-    found = np.eye(4)
-    found[:3, 3] = pose.position
+    transform = np.eye(4)
+    transform[:3, 3] = pose.position
     for i, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
-        found[:3, i] = np.array(pose.apply(axis)) - found[:3, 3]
-    return found
+        transform[:3, i] = np.array(pose.apply(axis)) - transform[:3, 3]
+    return transform

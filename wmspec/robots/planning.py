@@ -100,11 +100,11 @@ class Plan:
         """Note the way of the arm, which is then where it ends."""
         arm = self.arms[action.of]
         try:
-            found = joints(arm.arm, arm.base, arm.q, arm.width, legs)
+            angles = joints(arm.arm, arm.base, arm.q, arm.width, legs)
         except OutOfReachError as error:
             raise Unable(action, str(error)) from None
-        self.reaches[action.name] = Reach(action.of, times(legs[-1].until), found, None)
-        arm.q, arm.width = found[-1, : len(arm.q)], legs[-1].width
+        self.reaches[action.name] = Reach(action.of, times(legs[-1].until), angles, None)
+        arm.q, arm.width = angles[-1, : len(arm.q)], legs[-1].width
 
     def hold(self, action: Thing, name: str, start: float, points: Sequence[tuple[float, float, float]]) -> None:
         """Let the arm hold a thing from `start` (s) on, by points as its tool sees them."""

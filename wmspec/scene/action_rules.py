@@ -53,8 +53,8 @@ def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Jo
         if action.body not in motions:
             yield Diagnostic(f"there is no body '{action.body}'", help=f"there are {', '.join(motions)}")
         elif motions[action.body] not in needed:
-            found, wanted = motions[action.body], " or ".join(needed)
-            yield Diagnostic(f"it moves '{action.body}', which is {found}, expected a {wanted} body")
+            motion, wanted = motions[action.body], " or ".join(needed)
+            yield Diagnostic(f"it moves '{action.body}', which is {motion}, expected a {wanted} body")
     if isinstance(action, Grip) and motions.get(action.hand) != "kinematic":
         yield Diagnostic(f"there is no kinematic body '{action.hand}' that could hold anything")
     if not (action.start >= 0 and all(np.isfinite(v).all() for v in _numbers(action))):

@@ -25,10 +25,10 @@ class Box(Shape):
     prims: ClassVar[tuple[str, ...]] = ("Cube",)
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is its three edges, or all of them."""
         if "round" in words:
-            return RoundedBox.said(words)
+            return RoundedBox.from_words(words)
         x, y, z = edges(words)
         return Box((x / 2, y / 2, z / 2))
 

@@ -27,7 +27,7 @@ class Capsule(Shape):
     symmetry = "axis"
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` and its `height` are the whole height; with a `size` alone it is half as wide."""
         across, up = across_and_up(words, slim=0.5, tall=True)
         if up <= across:

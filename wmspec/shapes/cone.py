@@ -30,7 +30,7 @@ class Cone(Shape):
     rim = True
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is its diameter and its height."""
         across, up = across_and_up(words, tall=True)
         return cls(across / 2, up)

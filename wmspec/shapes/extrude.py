@@ -33,7 +33,7 @@ class Extrude(Shape):
     convex = False
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """The middle is where the outline has (0, 0). It is as deep as its `size` unless its `depth` is said."""
         depth = words.get("depth", words["size"])
         if isinstance(depth, tuple):

@@ -38,7 +38,7 @@ class Lathe(Shape):
     convex = False
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """The middle is where the profile has (0, 0)."""
         profile = sound(words.get("profile", ()), "profile")
         if any(r < 0 for r, _ in profile):

@@ -31,7 +31,7 @@ class Plane(Shape):
     prims = ("Plane",)
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is its two edges, or both of them."""
         size = words["size"]
         return cls(*size) if isinstance(size, tuple) else cls(size, size)

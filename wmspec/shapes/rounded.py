@@ -31,7 +31,7 @@ class RoundedBox(Shape):
     }
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is that of the box around it."""
         x, y, z = edges(words)
         radius = words.get("round", min(x, y, z) / 10)

@@ -131,7 +131,7 @@ class Shape:
         return name in cls.parameters or name in cls.properties
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """The shape that the language's properties describe. Raises UnfitError if they describe none.
 
         `words` holds `size`, and of `radius`, `height` and its own properties those that are given.

@@ -26,7 +26,7 @@ class Sphere(Shape):
     symmetry = "ball"
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is its diameter."""
         return cls(across_and_up(words)[0] / 2)
 

@@ -38,7 +38,7 @@ class Sweep(Shape):
     convex = False
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """The middle is where the path has (0, 0, 0). It is 1 cm thick unless its `thickness` is said."""
         along = words.get("along", ())
         if len(along) < 2 or any(a == b for a, b in pairwise(along)):

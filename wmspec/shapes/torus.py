@@ -34,7 +34,7 @@ class Torus(Shape):
     convex = False
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is its outer diameter; the ring is a quarter of that thick unless it is said."""
         across, _ = across_and_up(words)
         thick = words.get("thickness", across / 4)

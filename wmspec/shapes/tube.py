@@ -20,7 +20,7 @@ class Tube(Lathe):
     properties: ClassVar[Mapping[str, Parameter]] = {"thickness": THICKNESS}
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is its outer diameter and its height; its wall is a tenth of the diameter unless it is said."""
         across, up = across_and_up(words, tall=True)
         wall = words.get("thickness", across / 10)

@@ -27,7 +27,7 @@ class Wedge(Shape):
     lengths = frozenset({1, 3})
 
     @classmethod
-    def said(cls, words: Mapping[str, Any]) -> Shape:
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is the three edges of the box around it, or all of them."""
         return cls(*edges(words))
 

@@ -98,17 +98,17 @@ def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: flo
 def _visits(study: Study, folder: Path, files: Sequence[Path]) -> list[Visit]:
     """The visits of all sources, one for each session."""
     served = folder / store.FILE
-    found: list[Visit] = []
+    all_visits: list[Visit] = []
     if served.exists():
         try:
             opened = Store(served, study)
-            found += opened.visits()
+            all_visits += opened.visits()
             opened.close()
         except (sqlite3.Error, ValueError) as error:
             raise WmsError(f"cannot be read ({error})", FilePlace(str(served)), "take it from a copy") from None
-    found += [answers.read(path, study) for path in files]
+    all_visits += [answers.read(path, study) for path in files]
     visits: dict[str, Visit] = {}
-    for visit in found:
+    for visit in all_visits:
         before = visits.setdefault(visit.session, visit)
         if before.slot != visit.slot:
             raise WmsError(f"two files of answers say different things of the visit {visit.session[:8]}")

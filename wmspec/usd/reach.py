@@ -40,19 +40,19 @@ def follows(prim: Usd.Prim, bodies: Mapping[str, Body], world: World) -> list[Fo
     """
     joints = [prim.GetStage().GetPrimAtPath(path) for path in targets(prim, "wms:joints")]
     times, values = _spline(prim, len(joints))
-    found: dict[str, _Ways] = {}
+    moves: dict[str, _Ways] = {}
     for joint, coordinate in zip(joints, values.T, strict=True):
         if not joint or joint.GetTypeName() not in _KINDS or value(joint, "physics:jointEnabled", True):
             refuse(prim, "its wms:joints are not all disabled hinges and sliders", "target such joints")
         (above,), (below,) = targets(joint, "physics:body0"), targets(joint, "physics:body1")
         if below not in bodies or bodies[below].motion != "kinematic":
             refuse(joint, f"{below} is no kinematic body, so {prim.GetPath()} cannot move it", "make it kinematic")
-        outer = found.get(above) or _still(prim.GetStage().GetPrimAtPath(above), len(times), world)
-        found[below] = _moved(joint, outer, coordinate)
+        outer = moves.get(above) or _still(prim.GetStage().GetPrimAtPath(above), len(times), world)
+        moves[below] = _moved(joint, outer, coordinate)
     start = seconds(prim, "wms:start")
     return [
         Follow(prim.GetName(), bodies[path].name, start, times, ways.points, _near(ways.turns))
-        for path, ways in found.items()
+        for path, ways in moves.items()
     ]
 
 

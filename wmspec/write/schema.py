@@ -84,8 +84,8 @@ def _miscounted(manifest: Any) -> str:
     for path, shard in manifest["shards"].items():
         kept[path.split("/")[1]] += shard["rows"]
     for name, task in manifest["tasks"].items():
-        if (said := sum(task["rows"].values())) != kept[name]:
-            return f"it counts {said:,} rows of `{name}`, and {kept[name]:,} in its files"
+        if (counted := sum(task["rows"].values())) != kept[name]:
+            return f"it counts {counted:,} rows of `{name}`, and {kept[name]:,} in its files"
         if unknown := task["rows"].keys() - set(manifest["engines"]):
             return f"`{name}` has rows of {sorted(unknown)[0]}, which is none of its engines"
     if unknown := kept.keys() - manifest["tasks"].keys():

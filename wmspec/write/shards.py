@@ -114,10 +114,10 @@ def _recorded(finished: dict[str, Any], shard: Shard) -> Record | None:
     """What a manifest says of a shard."""
     if shard.path not in finished.get("shards", {}):
         return None
-    said, lost = finished["shards"][shard.path], finished["lost"].get(shard.task.spec.name, {})
+    entry, lost = finished["shards"][shard.path], finished["lost"].get(shard.task.spec.name, {})
     rejected = tuple(r for index in shard.indices for r in lost.get(index, ()))
     try:
-        return Record(finished["fingerprint"], said["sha256"], said["rows"], rejected)
+        return Record(finished["fingerprint"], entry["sha256"], entry["rows"], rejected)
     except (TypeError, KeyError):
         return None
 

@@ -113,8 +113,8 @@ def _compared(
     elif there is not None and id_ not in here:
         yield Difference(id_, "", f"it is asked in the dataset, and rejected here ({rejected.get(id_, '')})", False)
     elif there is not None:
-        found = [d for name in there for d in _column(id_, name, there[name], here[id_].get(name))]
-        yield from sorted(found, key=lambda d: d.near)[:1]
+        differences = [d for name in there for d in _column(id_, name, there[name], here[id_].get(name))]
+        yield from sorted(differences, key=lambda d: d.near)[:1]
 
 
 def _column(id_: str, name: str, there: Any, here: Any) -> Iterator[Difference]:
