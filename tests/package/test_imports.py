@@ -13,7 +13,8 @@ STATE = """
 import atexit, gc, importlib, locale, os, pkgutil, signal, sys
 
 # What these do as they are imported is theirs.
-import click, lark, multiprocessing.util, numpy, PIL.Image, pebble, pyarrow, pydantic, rich.progress, scipy, sklearn, trimesh
+import click, lark, multiprocessing.util, numpy, PIL.Image, pebble, pyarrow, pydantic
+import rich.progress, scipy, sklearn, trimesh
 from concurrent.futures import ProcessPoolExecutor
 from pxr import Usd
 for engine in {modules}: importlib.import_module(engine)
