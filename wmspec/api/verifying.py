@@ -50,7 +50,7 @@ def verify(
     dataset = DatasetReader.open(Path(folder))
     dataset.intact()
     with TemporaryDirectory() as scratch:
-        tasks = gathered(_unpacked(dataset, Path(scratch)), dataset.manifest["seed"], tell)
+        tasks = gathered(unpacked(dataset, Path(scratch)), dataset.manifest["seed"], tell)
     known = {task.name: task for task in tasks}
     if unknown := [name for name in dataset.tasks if name not in known]:
         raise WmsError(f"the specs in {dataset.folder / files.MANIFEST} have no task `{unknown[0]}`")
@@ -59,7 +59,7 @@ def verify(
         return compare(dataset, plan, effort(workers, timeout, plan.engines), advance)
 
 
-def _unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
+def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
     """The specs of a manifest as files, each with all libraries beside it."""
     texts = {name: spec["text"] for name, spec in dataset.manifest["specs"].items()}
     tasks = {name: text for name, text in texts.items() if not name.startswith(LIBRARY)}

@@ -31,6 +31,7 @@ COMMANDS = (
     "generate",
     "crosscheck",
     "verify",
+    "seal",
     "view",
     "audit",
     "evaluate",

@@ -1,0 +1,60 @@
+"""A sealed dataset tells nothing of itself, and is known again."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.endtoend.test_commands import SPEED, wmspec
+from tests.engines import installed
+from wmspec.api import generate
+from wmspec.api.sealing import check, seal
+from wmspec.diagnostics import WmsError
+
+SEED = 2**62 + 12345
+
+
+@pytest.fixture(scope="module")
+def private(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    installed("mujoco")
+    folder = tmp_path_factory.mktemp("seal") / "private"
+    generate(SPEED, folder, per_task=2, backend="mujoco", size=64, seed=SEED, workers=0)
+    return folder
+
+
+def test_what_was_sealed_is_known_again_and_nothing_else(private: Path, tmp_path: Path) -> None:
+    seal(private, tmp_path / "public", workers=0)
+    public = [path for path in (tmp_path / "public").rglob("*") if path.is_file()]
+    assert all(str(SEED).encode() not in path.read_bytes() for path in public)
+    ids = [shard["sha256"] for shard in json.loads((private / "manifest.json").read_bytes())["shards"].values()]
+    debug = json.loads((tmp_path / "public" / "debug" / "manifest.json").read_bytes())
+    assert debug["seed"] == 0
+    assert not {shard["sha256"] for shard in debug["shards"].values()} & {*ids}
+
+    done = wmspec("seal", private, "--check", tmp_path / "public" / "seal.json", folder=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "this is the dataset that was sealed\n")
+    again = tmp_path / "again"
+    generate(SPEED, again, per_task=2, backend="mujoco", size=64, seed=SEED, workers=0)
+    assert check(again, tmp_path / "public" / "seal.json") == ()
+    other = tmp_path / "other"
+    generate(SPEED, other, per_task=2, backend="mujoco", size=64, seed=SEED + 1, workers=0)
+    assert check(other, tmp_path / "public" / "seal.json")[0] == "the seed is another"
+
+
+def test_a_seed_that_can_be_guessed_is_refused(tmp_path: Path) -> None:
+    generate(SPEED, tmp_path / "out", per_task=1, backend="mujoco", size=64, seed=7, workers=0)
+    with pytest.raises(WmsError, match="anyone can find by trying"):
+        seal(tmp_path / "out", tmp_path / "public")
+    assert not (tmp_path / "public").exists()
+
+
+def test_a_seed_that_no_column_holds_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(WmsError, match="a seed is a number from"):
+        generate(SPEED, tmp_path / "out", per_task=1, backend="mujoco", seed=2**63)
+
+
+def test_what_is_no_seal_is_told(private: Path, tmp_path: Path) -> None:
+    (tmp_path / "seal.json").write_text("{}")
+    for path in (tmp_path / "seal.json", tmp_path / "none.json"):
+        with pytest.raises(WmsError, match="is no seal"):
+            check(private, path)
