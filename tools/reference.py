@@ -73,7 +73,7 @@ def reference() -> Iterator[str]:
     for name, verb in VERBS.items():
         yield from described(name, verb)
     yield "### Robots\n"
-    yield "What arms do is executed; what cars and walkers do is checked, and not executed yet.\n"
+    yield "What they do is planned when a stage is made: see [robots](robots.md).\n"
     for model, verbs in ROBOTS.items():
         yield f"A `{model}`:\n"
         calls = (

@@ -141,8 +141,9 @@ def _sun(scene: Scene) -> Any:
     mjrf, context = filament()
     kind = mjrf.LightType.LIGHT_DIRECTIONAL
     color = np.array([1.0, 0.97, 0.92], np.float32)
+    shadows = scene.light.shadows
     sun = context.create_light(
-        mjrf.LightParams(type=kind, color=color, cast_shadow=True, shadow_map_size=2048, bulb_radius=RADIUS)
+        mjrf.LightParams(type=kind, color=color, cast_shadow=shadows, shadow_map_size=2048, bulb_radius=RADIUS)
     )
     sun.set_pose(np.zeros(3, np.float32), scene.light.direction.astype(np.float32))
     return sun

@@ -187,7 +187,7 @@ def _lights(spec: Any, scene: Scene) -> None:
             name=name,
             type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
             dir=light.direction,
-            castshadow=shadow,
+            castshadow=shadow and light.shadows,
             diffuse=np.full(3, light.diffuse * share),
             ambient=np.full(3, 0.0 if shadow else light.ambient),
             specular=np.zeros(3),

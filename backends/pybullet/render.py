@@ -126,6 +126,8 @@ class Renderer:
 
     def _occlusion(self, camera: Camera, shot: Shot, depth: NDArray[np.float32]) -> Image:
         """How much of each point of a picture, at `depth` (h, w), lies in shadow: 0..1."""
+        if not self._scene.light.shadows:
+            return np.zeros_like(depth)
         region = self._casters.region(camera, shot)
         sun, side = Sun(region, self._scene.light.direction), round(TEXELS * max(self._size))
         self._place(shot.poses, sun.camera, region.casts)

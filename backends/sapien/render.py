@@ -8,6 +8,7 @@ SAPIEN's own compile for seconds at every start, light with every kind of lamp, 
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,8 @@ with silence():
 SHADERS = Path(__file__).parent / "shaders"
 SHADOW_MAP = 1024
 SAMPLES = 4
+ASIDE = np.array([1e5, 1e5, 0.0])
+"""So far (m) from everything looks the shadow map of a light that throws none: the shaders know no other light."""
 TURN = quaternion(np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]))
 """SAPIEN's camera looks along +x with +z up; this turns it into USD's."""
 
@@ -86,6 +89,8 @@ class Renderer:
     def _place(self, shot: Shot, camera: Camera) -> None:
         place(self._bodies, shot)
         region = self._casters.region(camera, shot)
+        if not self._scene.light.shadows:  # its shaders know no such light: its map looks where nothing is
+            region = replace(region, center=region.center + ASIDE, half=1.0)
         turn = sapien.math.shortest_rotation([1, 0, 0], self._scene.light.direction.tolist())
         self._sun.pose = sapien.Pose(region.center, turn)
         self._sun.shadow_half_size = region.half

@@ -11,7 +11,6 @@ from tests.language.specs import DEEDS, SPECS, busy_text, random_spec, task_from
 from wmspec.check.ir import TaskSpec
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design
-from wmspec.stage.agents import without
 from wmspec.stage.diff import Difference, diff
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document
@@ -32,7 +31,7 @@ def assert_law(spec: TaskSpec, before: Document, after: Document, *changed: str)
 @settings(max_examples=3, deadline=None)
 @given(data=st.data())
 def test_neighbours_differ_in_one_factor_alone(path: Path, data: st.DataObject) -> None:
-    spec = without(task_of(path))
+    spec = task_of(path)
     design = Design(spec, seed=data.draw(st.integers(0, 3)))
     index = data.draw(st.integers(0, len(design) - 1))
     factor = data.draw(st.sampled_from([f.name for f in design.factors]))
@@ -47,7 +46,7 @@ def test_neighbours_differ_in_one_factor_alone(path: Path, data: st.DataObject) 
 @settings(max_examples=2, deadline=None)
 @given(data=st.data())
 def test_a_counterfactual_changes_its_target_alone(path: Path, data: st.DataObject) -> None:
-    spec = without(task_of(path))
+    spec = task_of(path)
     design = Design(spec)
     here = design[data.draw(st.integers(0, len(design) - 1))]
     names = {thing.name for thing in spec.things}

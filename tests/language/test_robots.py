@@ -1,46 +1,247 @@
-"""What cars and walkers do is checked, listed and refused where it would have to be executed, with its place."""
+"""Cars keep to their lanes, walkers stop before walls; what they cannot do is refused with its place and a remedy."""
 
-import json
-import re
+from __future__ import annotations
+
+import math
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
-from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from tests.language.specs import SPECS, task_of
-from wmspec.cli import main
+from tests.language.specs import SPECS, task_from, task_of
+from wmspec.check.ir import TaskSpec
 from wmspec.design.design import Design
 from wmspec.diagnostics import WmsError
-from wmspec.robots.plan import ARMS
-from wmspec.stage.agents import without
-from wmspec.stage.episode import document
+from wmspec.layout.values import Values
+from wmspec.robots.obstacles import hull, obstacles
+from wmspec.robots.travel import CLEAR, GIRTH, WALKERS, Travel, travels
+from wmspec.robots.ways import gone
+
+TOWN = """
+task t : custom {{
+  factor tone in [red, blue]
+  object ground {{ shape: box  size: (200 m, 200 m, 1 m)  at: (0, 0, -0.5 m)  fixed: true }}
+  object street {{ shape: box  size: ({wide} m, 120 m, 4 mm)  at: (0, 0, 2 mm)  fixed: true  solid: false }}
+  object avenue {{ shape: box  size: (120 m, {wide} m, 4 mm)  at: (0, 0, 2 mm)  fixed: true  solid: false }}
+  {more}
+  robot taxi : car {{
+    on: ground at ({at[0]:.9f} m, {at[1]:.9f} m)  yaw: {yaw:.6f} deg  color: tone  roads: [street, avenue]  {says}
+  }}
+  camera eye {{ ride: taxi  at: (80 cm, 0, 140 cm)  look_at: (9 m, 0, 1 m) }}
+  {acts}
+  horizon 60 s
+  observe eye at [0 s]
+}}
+"""
+ROOM = """
+task t : custom {{
+  factor tone in [red, blue]
+  object floor {{ shape: box  size: (20 m, 20 m, 1 m)  color: tone  at: (0, 0, -0.5 m)  fixed: true }}
+  {more}
+  robot someone : walker {{ on: floor at ({at[0]:.9f} m, {at[1]:.9f} m)  yaw: {yaw:.6f} deg }}
+  camera eyes {{ ride: someone  at: (0, 0, 150 cm)  look_at: (2 m, 0, 140 cm) }}
+  {acts}
+  horizon 60 s
+  observe eyes at [0 s]
+}}
+"""
 
 
-def acts(path: Path) -> list[str]:
-    """What cars and walkers do in a spec."""
-    spec = task_of(path)
-    return [t.name for t in spec.things if t.kind == "action" and t.of and spec.thing(t.of).model not in ARMS]
+def planned(spec: TaskSpec, index: int = 0) -> dict[str, Travel]:
+    instance = Design(spec)[index]
+    return travels(Values(spec, instance.values, None, instance.key))
 
 
-@pytest.mark.parametrize("path", SPECS, ids=lambda p: f"{p.parent.stem}-{p.stem}")
-def test_what_robots_do_is_refused_with_its_place_and_the_rest_is_staged(path: Path) -> None:
-    spec = task_of(path)
+def town(
+    acts: str, at: tuple[float, float] = (2, -30), yaw: float = 90, wide: float = 8, says: str = "", more: str = ""
+) -> TaskSpec:
+    return task_from(TOWN.format(acts=acts, at=at, yaw=yaw, wide=wide, says=says, more=more))
+
+
+def room(acts: str, at: tuple[float, float] = (0, 0), yaw: float = 0, more: str = "") -> TaskSpec:
+    return task_from(ROOM.format(acts=acts, at=at, yaw=yaw, more=more))
+
+
+def yaw_of(travel: Travel, i: int = -1) -> float:
+    w, _, _, z = travel.turns[i]
+    return 2 * math.atan2(z, w)
+
+
+# ---------------------------------------------------------------- cars
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    quarter=st.integers(0, 3),
+    way=st.sampled_from(["left", "right"]),
+    keeps=st.sampled_from(["left", "right"]),
+    before=st.floats(16, 50),
+    wide=st.sampled_from([7.0, 8.0, 14.0]),
+)
+def test_a_turn_ends_in_the_lane_behind_the_crossing(
+    quarter: int, way: str, keeps: str, before: float, wide: float
+) -> None:
+    side = 1 if keeps == "left" else -1
+    cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarter]
+    x, y = -before * cos - side * 1.8 * sin, -before * sin + side * 1.8 * cos
+    spec = town(f"action go = taxi.turn({way}) for 8 s", (x, y), 90 * quarter, wide, f"keeps: {keeps}")
+    travel = planned(spec)["go"]
+    turned = yaw_of(travel) - math.radians(90 * quarter)
+    to = 1 if way == "left" else -1
+    assert math.remainder(turned - to * math.pi / 2, 2 * math.pi) == pytest.approx(0, abs=1e-6)
+    (end_x, end_y, _), (out_x, out_y) = travel.points[-1], (-to * sin, to * cos)
+    lanes = max(1, math.floor(wide / 2 / 3.5 + 1e-9))
+    lane = 3.5 * ((lanes - 0.5) if to == side else 0.5)
+    assert end_x * out_x + end_y * out_y >= wide / 2 + 1.9, "it is through the crossing"
+    assert -end_x * out_y + end_y * out_x == pytest.approx(side * lane, abs=1e-6), "in the middle of its lane"
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.1, 50), st.floats(0.5, 10), st.floats(0, 3), st.floats(0, 3))
+def test_nobody_goes_back_on_the_way(length: float, lasts: float, enters: float, leaves: float) -> None:
+    pace = length / lasts
+    ways = [gone(length, lasts, enters * pace, leaves * pace, lasts * i / 100) for i in range(101)]
+    assert ways[0] == 0
+    assert ways[-1] == pytest.approx(length)
+    assert all(b >= a - 1e-9 for a, b in pairwise(ways))
+
+
+def test_speed_goes_on_from_one_action_to_the_next_and_stop_brakes_evenly() -> None:
+    spec = town(
+        """
+        action one = taxi.forward(12 m) for 3 s
+        action two = taxi.forward(12 m) for 3 s after one
+        action three = taxi.stop() for 2 s after two
+        """
+    )
+    plans = planned(spec)
+
+    def speed(name: str, i: int) -> float:
+        travel = plans[name]
+        far = math.dist(travel.points[i], travel.points[i - 1])
+        return far / (travel.times[i] - travel.times[i - 1])
+
+    assert speed("one", -1) == pytest.approx(4, rel=0.02)
+    assert speed("two", 1) == pytest.approx(4, rel=0.02)
+    assert math.dist(plans["three"].points[0], plans["three"].points[-1]) == pytest.approx(4)
+    assert speed("three", 30) == pytest.approx(2, rel=0.02), "half of its time, half of its speed"
+    assert plans["one"].points[-1] == plans["two"].points[0]
+
+
+def test_a_car_changes_lanes() -> None:
+    spec = town("action over = taxi.change_lane(left) for 4 s", (5.4, -40), wide=14)
+    travel = planned(spec)["over"]
+    assert travel.points[-1][0] == pytest.approx(1.75)
+    assert yaw_of(travel) == pytest.approx(math.pi / 2)
+    assert max(abs(yaw_of(travel, i) - math.pi / 2) for i in range(len(travel.times))) > 0.1, "it leads with its nose"
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        (("action a = taxi.forward(80 m) for 9 s", (2, 0)), "`street` ends 57.9 m ahead of it"),
+        (("action a = taxi.turn(left) for 9 s", (2, 10)), "no road that it can turn into goes off to the left"),
+        (("action a = taxi.forward(5 m) for 2 s", (-2, -30)), "on the wrong side of `street`"),
+        (("action a = taxi.forward(5 m) for 2 s", (2, -30), 45), "it is headed along none of its roads"),
+        (("action a = taxi.change_lane(left) for 3 s",), "there is no lane for it on the left in `street`"),
+        (("action a = taxi.stop() for 3 s",), "it stands still by then"),
+        (
+            (
+                "action a = taxi.forward(20 m) for 3 s",
+                (2, -30),
+                90,
+                8,
+                "",
+                "object van { shape: cube  size: 2 m  color: red  on: ground at (3 m, -15 m)  fixed: true }",
+            ),
+            "`taxi` would drive into `van`, 12.0 m after `a` begins",
+        ),
+    ],
+)
+def test_what_a_car_cannot_do_is_refused(spec: tuple[Any, ...], message: str) -> None:
+    with pytest.raises(WmsError, match=message) as caught:
+        planned(town(*spec))
+    (diagnostic,) = caught.value.diagnostics
+    assert diagnostic.place is not None
+    assert diagnostic.help
+
+
+# ---------------------------------------------------------------- walkers
+
+
+def test_a_walker_stops_before_a_wall_and_comes_through_a_door() -> None:
+    wall = "object wall { shape: box  size: (10 cm, 4 m, 2 m)  color: oak  on: floor at (2 m, %s)  fixed: true }"
+    (go,) = planned(room("action go = someone.move(3 m) for 3 s", more=wall % "0 m")).values()
+    assert go.points[-1][0] == pytest.approx(1.95 - GIRTH - CLEAR, abs=6e-3)
+    (go,) = planned(room("action go = someone.move(3 m) for 3 s", more=wall % "2.3 m")).values()
+    assert go.points[-1][0] == pytest.approx(3)
+    (go,) = planned(room("action go = someone.back(3 m) for 3 s", yaw=180, more=wall % "0 m")).values()
+    assert go.points[-1][0] == pytest.approx(1.95 - GIRTH - CLEAR, abs=6e-3)
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    boxes=st.lists(st.tuples(st.floats(-4, 4), st.floats(-4, 4), st.floats(0, 180)), min_size=1, max_size=5),
+    yaw=st.floats(0, 360),
+    angle=st.floats(1, 180),
+)
+def test_a_walker_goes_through_nothing(boxes: list[tuple[float, float, float]], yaw: float, angle: float) -> None:
+    more = "\n".join(
+        f"object b{i} {{ shape: box  size: (1.2 m, 50 cm, 1 m)  color: oak  at: ({x:.6f} m, {y:.6f} m, 50 cm)  "
+        f"yaw: {turned:.6f} deg  fixed: true }}"
+        for i, (x, y, turned) in enumerate(boxes)
+        if math.hypot(x, y) > 1
+    )
+    acts = f"""
+        action one = someone.move(4 m) for 3 s
+        action two = someone.turn(left, angle: {angle:.6f} deg) for 2 s after one
+        action three = someone.move(5 m) for 3 s after two
+    """
+    spec = room(acts, yaw=yaw, more=more)
     instance = Design(spec)[0]
-    if acts(path):
-        with pytest.raises(WmsError, match="cannot be executed yet") as caught:
-            document(spec, instance)
-        file, line = re.match(r"(.+):(\d+):\d+: ", str(caught.value)).groups()  # type: ignore[union-attr]
-        assert f"action {acts(path)[0]}" in Path(file).read_text().splitlines()[int(line) - 1]
-    prims = document(without(spec), instance).prims
-    actions = [t.name for t in spec.things if t.kind == "action"]
-    assert [a for a in actions if f"/World/Episode/Actions/{a}" not in prims] == acts(path)
+    standing = obstacles(Values(spec, instance.values, None, instance.key), *WALKERS)
+    for travel in planned(spec).values():
+        for x, y, _ in travel.points:
+            assert min((o.distance((x, y)) for o in standing), default=1.0) >= GIRTH - 1e-3
 
 
-def test_they_are_listed_as_such() -> None:
-    listed = json.loads(CliRunner().invoke(main, ["list", "--json"]).stdout)
-    assert {row["file"] for row in listed if not row["executable"]} == {str(path) for path in SPECS if acts(path)}
-    assert "arm_push *" not in CliRunner().invoke(main, ["list"]).stdout
+def test_a_walker_looks_up_about_its_neck() -> None:
+    up = planned(room("action up = someone.look(30 deg) for 1 s"))["up"]
+    w, _, y, _ = up.turns[-1]
+    assert 2 * math.atan2(y, w) == pytest.approx(-math.pi / 6)
+    x, _, z = up.points[-1]
+    assert (x, z) == pytest.approx((1.2 * math.sin(math.pi / 6), 1.2 - 1.2 * math.cos(math.pi / 6)))
 
 
-def test_there_are_tasks_of_both_sorts() -> None:
-    assert {bool(acts(path)) for path in SPECS} == {True, False}
+def test_nobody_stands_in_a_thing() -> None:
+    more = "object crate { shape: cube  size: 1 m  color: red  on: floor at (60 cm, 0)  fixed: true }"
+    with pytest.raises(WmsError, match="`someone` stands less than 25 cm from `crate`"):
+        planned(room("action go = someone.move(1 m) for 1 s", more=more))
+
+
+def test_one_thing_at_a_time() -> None:
+    acts = "action one = someone.move(1 m) for 2 s\n  action two = someone.turn(left) for 1 s at 1 s"
+    with pytest.raises(WmsError, match="`someone` is still busy when `two` starts"):
+        planned(room(acts))
+
+
+def test_a_hull_goes_around_anticlockwise() -> None:
+    assert hull([(1, 1), (0, 0), (2, 0), (0, 2), (2, 2), (1, 0)]) == ((0, 0), (2, 0), (2, 2), (0, 2))
+
+
+# ---------------------------------------------------------------- the tasks
+
+NAVIGATION = [p for p in SPECS if p.stem in ("drive", "walk") and p.parent.name in ("mechanistic", "transitivity")]
+
+
+@pytest.mark.parametrize("path", NAVIGATION, ids=lambda p: f"{p.parent.stem}-{p.stem}")
+def test_the_tasks_of_navigation_can_be_planned(path: Path) -> None:
+    spec = task_of(path)
+    design = Design(spec)
+    assert spec.plan.kind == "groups"
+    assert design.draws >= 100
+    for index in range(0, len(design), len(design) // 12):
+        assert planned(spec, index)

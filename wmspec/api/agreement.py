@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wmspec.api.loading import Tell, executable, load_all, of_dimensions, warn
+from wmspec.api.loading import Tell, load_all, of_dimensions, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.check.record import to_json
@@ -129,7 +129,7 @@ def crosscheck(
 
 
 def gathered(tasks: Tasks, seed: int, tell: Tell, dimensions: Sequence[str] = ()) -> tuple[Task, ...]:
-    """The tasks meant, of these dimensions, that can be executed; what else a folder holds is told and left out.
+    """The tasks meant, of these dimensions.
 
     Raises WmsError if they have different seeds, or if there is none.
     """
@@ -141,7 +141,7 @@ def gathered(tasks: Tasks, seed: int, tell: Tell, dimensions: Sequence[str] = ()
     seeds = {task.seed for task in loaded}
     if len(seeds) > 1:
         raise WmsError(f"these tasks have different seeds, {sorted(seeds)}; load them with one")
-    return executable(of_dimensions(loaded, dimensions), paths, tell)
+    return of_dimensions(loaded, dimensions)
 
 
 def effort(workers: int | None, timeout: float, engines: Iterable[str]) -> Effort:

@@ -139,25 +139,6 @@ def of_dimensions(tasks: Sequence[Task], dimensions: Sequence[str]) -> tuple[Tas
     return tuple(t for t in tasks if not dimensions or any(_within(t.dimension, d) for d in dimensions))
 
 
-def executable(tasks: Sequence[Task], named: Iterable[Path], tell: Tell = warn) -> tuple[Task, ...]:
-    """The tasks that can be executed. What else a folder holds is told and left out.
-
-    Raises WmsError for a task of a file that was `named` itself, and where nothing is left.
-    """
-    kept, files = [], set(named)
-    for task in tasks:
-        try:
-            task.refuse()
-            kept.append(task)
-        except WmsError as error:
-            if task.path in files or len(tasks) == 1:
-                raise
-            tell(f"left out `{task.name}`: {error}")
-    if not kept:
-        raise WmsError("none of these tasks can be executed yet; `wmspec list` shows all that there are")
-    return tuple(kept)
-
-
 def _within(dimension: str, wanted: str) -> bool:
     return f"{dimension}.".startswith(f"{wanted}.")
 

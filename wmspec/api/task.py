@@ -16,7 +16,6 @@ from wmspec.design.design import Instance as Drawn
 from wmspec.diagnostics import WmsError, suggestion
 from wmspec.draws import Level
 from wmspec.parse.load import Program
-from wmspec.stage import agents
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -139,15 +138,6 @@ class Task(Sequence["Instance"]):
     def paper(self) -> paper.Column | None:
         """The column of WM-ABench that it rebuilds, if it does."""
         return paper.column(self.name)
-
-    @property
-    def executable(self) -> bool:
-        """Whether it can be executed: whether no robot acts in it."""
-        return agents.executable(self.spec)
-
-    def refuse(self) -> None:
-        """Raise WmsError with the place of what cannot be executed, if there is something."""
-        agents.refuse(self.spec)
 
     def sample(self, count: int) -> tuple[Instance, ...]:
         """So many different instances, in a random order that depends on the seed alone; all if there are fewer."""

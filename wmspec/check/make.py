@@ -95,7 +95,7 @@ def robot(name: str, model: str, **properties: Any) -> ir.Thing:
     """A robot of a model. Raises WmsError as `thing` does."""
     if model not in ROBOTS:
         raise WmsError(f"there is no kind of robot `{model}`; {suggestion(model, ROBOTS)}")
-    return _thing(name, thing_type("robot", properties), properties, model=model)
+    return _thing(name, thing_type("robot", properties, model), properties, model=model)
 
 
 def action(

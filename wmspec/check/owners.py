@@ -66,7 +66,7 @@ def _meant(name: str, known: list[str]) -> str:
 def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
     """A block as an owner of properties; `members` are the links and joints of an asset, for suggestions."""
     written = {p.name.id for p in block.properties}
-    model = block.model.id if block.model is not None and block.kind == "joint" else ""
+    model = block.model.id if block.model is not None and block.kind in ("joint", "robot") else ""
     of = thing_type(block.kind, written, model, bool(block.parts), bool(block.whole))
     names = (*members, *(part.name.id for part in block.parts))
     return Owner(block.name.id, of, block.properties, block.name.span, names)

@@ -11,6 +11,7 @@ from wmspec.check.vocabulary import MEASURES, PROPERTIES, Slot
 
 _FORM = ("shape", *MEASURES)
 _MESH = ("file", "scale", "collision")
+_TRAFFIC = ("roads", "lane", "keeps")
 _DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping", "pace", "strength")
 #: A property that says nothing without another, and what it is for.
 _NEEDS = {
@@ -27,7 +28,7 @@ LOOKS = ("color", "material", "image", "repeats", "roughness", "metallic")
 
 @dataclass(frozen=True)
 class ThingType:
-    """What decides which properties a thing has: its kind, a joint's model, what is said, whether it has parts.
+    """What decides which properties a thing has: its kind, a joint's or robot's model, what is said, if it has parts.
 
     `asset` is whether it is a link or a joint of one.
     """
@@ -61,6 +62,8 @@ def unfit(of: ThingType, name: str) -> str:
             return f"`{name}` is for {what}, and there is no `{other}`"
     if of.kind == "joint" and of.model not in ("hinge", "slider") and name in _DRIVEN:
         return f"`{name}` is for a hinge or a slider"
+    if of.kind == "robot" and of.model not in ("", "car") and name in _TRAFFIC:
+        return f"`{name}` is for a car"
     if name == "start" and not of.asset:
         return "`start` is for a joint of an asset; this one holds its objects as they are placed"
     return ""

@@ -167,13 +167,14 @@ ROBOTS: dict[str, dict[str, Verb]] = {
     "panda": _ARM,
     "car": {
         "forward": Verb("drives on along its lane", {"distance": _FAR}, True),
-        "turn": Verb("turns at the next crossing", {"direction": _SIDE}, True),
+        "turn": Verb("drives on to the next crossing, turns into the road on that side, and a little further", {"direction": _SIDE}, True),
         "change_lane": Verb("moves over to the next lane", {"direction": _SIDE}, True),
-        "stop": Verb("brakes to a halt", {}, True),
+        "stop": Verb("brakes to a halt in its lane", {}, True),
     },
     "walker": {
-        "move": Verb("walks straight ahead, until a wall stops it", {"distance": _FAR}, True),
+        "move": Verb("walks straight ahead, until something stops it", {"distance": _FAR}, True),
+        "back": Verb("walks straight back, until something stops it", {"distance": _FAR}, True),
         "turn": Verb("turns on the spot", {"direction": _SIDE, "angle": _BY}, True),
-        "look": Verb("looks up or down", {"angle": Slot((AN_ANGLE,), "upwards; negative is down", least=-1.6, most=1.6)}, True),
+        "look": Verb("looks up or down", {"angle": Slot((AN_ANGLE,), "how far up from level; negative is down", least=-1.5, most=1.5)}, True),
     },
 }  # fmt: skip

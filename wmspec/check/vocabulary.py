@@ -15,6 +15,7 @@ from wmspec.check.types import (
     AN_ANGLE,
     COLLISION,
     COLOR,
+    DIRECTION,
     MATERIAL,
     OBJECT,
     PLACE,
@@ -257,12 +258,14 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "at": Slot((POINT3,), "where it is"),
         "look_at": Slot((POINT3,), "what it looks at", "(0 m, 0 m, 0 m)"),
         "fov": Slot((AN_ANGLE,), "its vertical field of view", "40 deg", above=0, most=2.6),
+        "far": Slot((A_LENGTH,), "how far it sees; 50 m if left out", optional=True, above=0, most=1000),
         "ride": Slot((OBJECT, ROBOT), "the object that carries it; then `at` and `look_at` are seen from there", optional=True),
     },
     "light": {
         "direction": Slot((TRIPLE,), "where its light goes", "(0.35, 0.45, -1)"),
         "diffuse": Slot((A_NUMBER,), "how much light comes from the sun", "0.65", least=0, most=2),
         "ambient": Slot((A_NUMBER,), "how much light comes from everywhere", "0.35", least=0, most=2),
+        "shadows": Slot((TRUTH,), "whether things throw shadows in it; it shines through ceilings if they do not", "true"),
     },
     "world": {
         "gravity": Slot((Quantity(ACCELERATION),), "downwards", "9.81 m/s^2", least=0),
@@ -289,6 +292,9 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "at": Slot((POINT2, POINT3), "where it stands", "(0 m, 0 m)"),
         "yaw": Slot((AN_ANGLE,), "where it faces, anticlockwise from +x", "0 deg"),
         "color": Slot((COLOR,), "its colour", "white"),
+        "roads": Slot((List(OBJECT),), "of a car: the objects that it drives on, which cross each other", optional=True),
+        "lane": Slot((A_LENGTH,), "of a car: how wide the lanes of its roads are", "3.5 m", above=0),
+        "keeps": Slot((DIRECTION,), "of a car: to which side of a road it keeps, `left` or `right`", "right", among=("left", "right")),
     },
 }  # fmt: skip
 

@@ -53,7 +53,6 @@ def _row(task: Task) -> dict[str, Any]:
         "factors": {f.name: None if f.values is None else len(f.values) for f in task.factors},
         "nuisances": [n.name for n in task.nuisances],
         "questions": task.questions,
-        "executable": task.executable,
         "file": task.file,
     }
 
@@ -70,14 +69,13 @@ def _print(rows: Sequence[dict[str, Any]]) -> None:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
         factors = ", ".join(f"{name} ({_levels(row, name)})" for name in row["factors"])
         asked = f" × {row['questions']}" if row["questions"] > 1 else ""
-        name = row["task"] if row["executable"] else f"{row['task']} *"
-        table.add_row(name, row["dimension"], f"{row['instances']:,}{asked}", f"{row['groups']:,}", paper, factors)
+        table.add_row(
+            row["task"], row["dimension"], f"{row['instances']:,}{asked}", f"{row['groups']:,}", paper, factors
+        )
     console = Console()
     if not console.is_terminal:  # programs read lines: one a task, however long
         console.width = 10_000
     console.print(table)
-    if not all(row["executable"] for row in rows):
-        console.print("* a car or walker acts in these: they are checked, and cannot be executed yet", highlight=False)
     console.print(_covered(rows), highlight=False)
 
 

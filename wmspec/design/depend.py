@@ -144,7 +144,8 @@ class Dependencies:
     def _way(self, action: Thing) -> Iterator[str]:
         yield f"{action.name}.start"
         if action.of:
-            yield from self._robots()
+            arm = "object" in action.properties
+            yield from self._robots() if arm else self._travels(self._things[action.of])
             return
         for owner in self._named(action.properties["object"].value):
             yield f"{owner}.pose"
@@ -168,6 +169,17 @@ class Dependencies:
                 for name in {"object", "on"} & thing.properties.keys():
                     for owner in self._named(thing.properties[name].value):
                         yield from (f"{owner}.{aspect}" for aspect in ("pose", "form", "mass", "density", "friction"))
+
+    def _travels(self, robot: Thing) -> Iterator[str]:
+        """What the way of a car or a walker goes by: where it starts, what it does, what may stand in its way."""
+        yield from (f"{robot.name}.{name}" for name in ("on", "at", "yaw", "roads", "lane", "keeps"))
+        for thing in self._things.values():
+            if thing.kind == "action" and thing.of == robot.name:
+                yield from (f"{thing.name}.{name}" for name in ("there", "start", *thing.properties))
+            elif thing.kind == "object":
+                yield from (f"{thing.name}.{name}" for name in ("pose", "form", "present", "drawn", "solid"))
+            elif thing.kind == "action" and thing.verb in CARRYING and not thing.of:
+                yield from (f"{thing.name}.{name}" for name in ("there", "object"))
 
     # ------------------------------------------------------------ who is who
 

@@ -26,7 +26,6 @@ from wmspec.lint.rule import Linter
 from wmspec.lint.scene_rules import Scene
 from wmspec.lint.task_rules import Task
 from wmspec.parse.load import pointed
-from wmspec.stage.agents import without
 from wmspec.stage.episode import built
 
 #: How many instances are built, and how many of them with every counterfactual.
@@ -34,21 +33,17 @@ TRIED, TRIED_CHANGED = 12, 4
 
 
 def dry_run(spec: TaskSpec, report: Report) -> Design | None:
-    """Report what goes wrong with the values of a spec; returns its design, if it has one.
-
-    What robots do is left out.
-    """
+    """Report what goes wrong with the values of a spec; returns its design, if it has one."""
     linter, depend, design = Linter(), Dependencies(spec), None
     with linter.going_on():
         linter.check(Task(spec, depend), (*task_rules.RULES, *giveaway_rules.TASK_RULES))
         design = Design(spec)
         linter.check(design, design_rules.RULES)
-        executed = without(spec)
         tried: list[Values] = []
         for count, index in enumerate(design.sample(TRIED)):
             instance = design[index]
             with linter.going_on():
-                scene = Scene(Values(executed, instance.values, None, instance.key), depend, design, instance)
+                scene = Scene(Values(spec, instance.values, None, instance.key), depend, design, instance)
                 tried.append(scene.values)
                 _scene(scene, linter, changed=count < TRIED_CHANGED)
         for question in spec.questions:

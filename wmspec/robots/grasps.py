@@ -14,7 +14,8 @@ from wmspec.layout import surfaces
 from wmspec.robots.arm import Array, down, shift
 from wmspec.robots.goods import Goods, goods
 from wmspec.robots.legs import Leg, stay, straight
-from wmspec.robots.planning import ABOVE, OPENS, Plan, Unable, only
+from wmspec.robots.planning import ABOVE, Plan, Unable, only
+from wmspec.robots.schedule import OPENS
 
 LEEWAY = 0.0005  # m: what the fingers leave
 SOFTLY = 0.0002  # m: from how high something is put down

@@ -13,14 +13,15 @@ import numpy as np
 
 from wmspec.check.ir import Thing
 from wmspec.diagnostics import ImpossibleValue
-from wmspec.layout import surfaces
 from wmspec.robots import grasps, moves
 from wmspec.robots.arm import Arm, Array
 from wmspec.robots.clear import collision
 from wmspec.robots.franka import PANDA
 from wmspec.robots.goods import Goods
 from wmspec.robots.planning import Plan, Reach, State, Unable
-from wmspec.space import Pose, turn
+from wmspec.robots.schedule import in_turn
+from wmspec.robots.stand import base
+from wmspec.space import Pose
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
@@ -42,18 +43,6 @@ _VERBS: dict[str, Callable[[Plan, Sequence[Thing], Goods], Goods]] = {
     "close": moves.close,
 }
 """Verb -> what plans it, given the actions that do it together, and the thing; returns the thing as it is then."""
-
-
-def base(values: Values, robot: str) -> Pose:
-    """Where a robot stands."""
-    at, yaw = values.property(robot, "at"), values.property(robot, "yaw")
-    if values.has(robot, "on"):
-        if len(at) == 3:
-            raise ImpossibleValue(
-                f"`{robot}` stands on something, so its place there is (x, y)", values.place(robot, "at")
-            )
-        return Pose(surfaces.top(values, values.property(robot, "on"), at).middle, turn(yaw))
-    return Pose(at if len(at) == 3 else (*at, 0.0), turn(yaw))
 
 
 def plan(values: Values) -> dict[str, Reach]:
@@ -85,9 +74,7 @@ def _tried(values: Values, choice: int) -> dict[str, Reach]:
         if t.kind == "robot" and t.model in ARMS
     }
     made = Plan(values, choice, arms)
-    acts = [t for t in values.spec.things if t.kind == "action" and t.of in arms and values.there(t.name)]
-    acts.sort(key=lambda a: made.number(a, "start"))
-    _one_at_a_time(made, acts)
+    acts = in_turn(values, tuple(ARMS))
     for _, together in groupby(
         acts, key=lambda a: (a.verb, made.number(a, "start"), values.property(a.name, "object"))
     ):
@@ -99,16 +86,6 @@ def _tried(values: Values, choice: int) -> dict[str, Reach]:
                 raise Unable(action, *touched)
         made.things[thing.name] = after
     return made.reaches
-
-
-def _one_at_a_time(made: Plan, acts: Sequence[Thing]) -> None:
-    free: dict[str, float] = {}
-    for action in acts:
-        start = made.number(action, "start")
-        if start < free.get(action.of, 0.0) - 1e-9:
-            what = f"`{action.of}` is still busy when `{action.name}` starts"
-            raise ImpossibleValue(what, action.place, f"let it start at {free[action.of]:g} s or later")
-        free[action.of] = start + made.lasts(action)
 
 
 def matrix(pose: Pose) -> Array:

@@ -13,12 +13,12 @@ from wmspec.diagnostics import ImpossibleValue
 from wmspec.robots.arm import Arm, Array
 from wmspec.robots.goods import Goods, goods
 from wmspec.robots.legs import Leg, OutOfReachError, joints, times
+from wmspec.robots.schedule import lasts
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
 
 ABOVE = 0.12  # m: so high above where it takes or touches something the hand comes and goes
-OPENS = 0.4  # s: how long a hand takes to open
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class Plan:
 
     def lasts(self, action: Thing) -> float:
         """How long (s) an action takes."""
-        return self.number(action, "duration") if "duration" in action.properties else OPENS
+        return lasts(self.values, action)
 
     def go(self, action: Thing, legs: Sequence[Leg]) -> None:
         """Note the way of the arm, which is then where it ends."""

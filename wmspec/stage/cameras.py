@@ -45,7 +45,8 @@ def add_camera(doc: Document, name: str, values: Values) -> None:
     prim.set("focalLength", "float", focal, f"{name}.fov")
     prim.set("horizontalAperture", "float", APERTURE)
     prim.set("verticalAperture", "float", APERTURE)
-    prim.set("clippingRange", "float2", (NEAR, FAR))
+    far = values.property(name, "far") if values.has(name, "far") else FAR
+    prim.set("clippingRange", "float2", (NEAR, far), *((f"{name}.far",) if values.has(name, "far") else ()))
 
 
 def _looking(eye: Vector, target: Vector, values: Values, name: str) -> Matrix:
@@ -66,7 +67,11 @@ def add_light(doc: Document, name: str, world: str | None, values: Values) -> No
     direction = values.property(name, "direction")
     if math.hypot(*direction) < 1e-9:
         raise ImpossibleValue(f"the light `{name}` has no direction", values.place(name))
-    sun = doc.add(f"/World/Lights/{name}", "DistantLight")
+    shadows = f"{name}.shadows"
+    shining = () if values.property(name, "shadows") else ("ShadowAPI",)
+    sun = doc.add(f"/World/Lights/{name}", "DistantLight", shining, (shadows,))
+    if shining:
+        sun.set("inputs:shadow:enable", "bool", False, shadows)
     aim = _looking((0.0, 0.0, 0.0), direction, values, name)
     sun.set("xformOp:transform", "matrix4d", aim, f"{name}.direction")
     sun.set("xformOpOrder", "token[]", ("xformOp:transform",), uniform=True)

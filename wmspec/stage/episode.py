@@ -7,7 +7,6 @@ from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.design.design import Instance
 from wmspec.diagnostics import ImpossibleValue, Report
 from wmspec.layout.values import Values
-from wmspec.stage import agents
 from wmspec.stage.actions import add_action, carrier_sources, carriers
 from wmspec.stage.cameras import add_camera, add_light, camera_path
 from wmspec.stage.document import Document
@@ -30,7 +29,6 @@ def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None =
 def built(values: Values) -> Document:
     """The same from the values of an instance."""
     spec = values.spec
-    agents.refuse(spec)
     doc = Document({})
     doc.add("/World", "Xform")
     _physics(doc, values)

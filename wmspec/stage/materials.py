@@ -33,6 +33,20 @@ def add_material(doc: Document, part: str, owner: str, values: Values) -> str:
     return path
 
 
+def plain(doc: Document, path: str, shade: tuple[float, float, float], *sources: str) -> str:
+    """A material of one colour (sRGB) and no pattern, for what nothing touches; returns its path."""
+    material = doc.add(path, "Material")
+    material.connect("outputs:surface", "token", f"{path}/surface.outputs:surface")
+    surface = doc.add(f"{path}/surface", "Shader")
+    surface.set("info:id", "token", "UsdPreviewSurface", uniform=True)
+    red, green, blue = (linear(c) for c in shade)
+    surface.set("inputs:diffuseColor", "color3f", (red, green, blue), *sources)
+    surface.set("inputs:roughness", "float", MATERIALS["plastic"].roughness)
+    surface.set("inputs:metallic", "float", MATERIALS["plastic"].metallic)
+    surface.set("outputs:surface", "token", None)
+    return path
+
+
 def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, there: tuple[str, ...]) -> None:
     """The colour itself, or an image that it tints."""
     red, green, blue = (linear(c) for c in rgb(values.property(part, "color")))

@@ -88,14 +88,10 @@ def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
         prim.relate("material:binding", materials.add_material(doc, part, name, values))
 
 
-def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values: Values, solid: bool) -> Prim:
-    made = piece.solid.prim()
-    mesh = isinstance(made, Polygons)
-    touched = ("PhysicsCollisionAPI", "PhysicsMassAPI") if solid else ()
-    meshed = ("PhysicsMeshCollisionAPI",) if solid and mesh else ()
-    sources = (f"{part}.form", f"{name}.solid", f"{name}.present")
-    prim = doc.add(path, made.type, (*touched, *meshed, "MaterialBindingAPI"), sources)
-    form = f"{part}.form"
+def geometry(doc: Document, path: str, piece: Piece, schemas: tuple[str, ...], sources: tuple[str, ...]) -> Prim:
+    """The prim of a solid where it is in its object; the first of the `sources` is what decides its form."""
+    made, form = piece.solid.prim(), sources[0]
+    prim = doc.add(path, made.type, (*schemas, "MaterialBindingAPI"), sources)
     if isinstance(made, Polygons):
         _place(prim, piece.pose, None, form)
         _mesh(prim, made, form)
@@ -104,6 +100,15 @@ def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values:
         for attribute, type, value, uniform in made.attributes:
             prim.set(attribute, type, value, form, uniform=uniform)
         prim.set("extent", "float3[]", made.extent, form)
+    return prim
+
+
+def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values: Values, solid: bool) -> Prim:
+    mesh = isinstance(piece.solid.prim(), Polygons)
+    touched = ("PhysicsCollisionAPI", "PhysicsMassAPI") if solid else ()
+    meshed = ("PhysicsMeshCollisionAPI",) if solid and mesh else ()
+    form = f"{part}.form"
+    prim = geometry(doc, path, piece, (*touched, *meshed), (form, f"{name}.solid", f"{name}.present"))
     shown = dict.fromkeys((part, name))
     if not all(values.property(owner, "drawn") for owner in shown if values.has(owner, "drawn")):
         prim.set("visibility", "token", "invisible", *(f"{owner}.drawn" for owner in shown))

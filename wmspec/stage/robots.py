@@ -1,33 +1,76 @@
-"""Arms on the stage: a reference to what one is made of, and what it does as ways of its joints and as holds."""
+"""Robots on the stage: an arm as a reference to what it is made of, its ways of joints and holds; cars and walkers as
+
+bodies that are carried along.
+"""
 
 from __future__ import annotations
 
 from wmspec.check.ir import Thing
 from wmspec.layout.values import Values
+from wmspec.materials.colors import rgb
 from wmspec.resources import resource
-from wmspec.robots.plan import ARMS, base, plan
+from wmspec.robots import car
+from wmspec.robots.plan import ARMS, plan
+from wmspec.robots.stand import base
+from wmspec.robots.travel import travels
+from wmspec.stage import materials
 from wmspec.stage.document import Document
-from wmspec.stage.objects import object_path
+from wmspec.stage.objects import geometry, object_path
 
 
 def add_robot(doc: Document, robot: Thing, values: Values) -> None:
-    """The prim of an arm, with the hand drawn back. Raises WmsError with its place if it cannot stand there."""
-    pose = base(values, robot.name)
-    prim = doc.add(object_path(robot.name), "Xform")
-    prim.reference = str(resource(ARMS[robot.model].asset))
+    """The prim of a robot before it does anything: an arm's hand is drawn back.
+
+    Raises WmsError with its place if it cannot stand there.
+    """
+    pose, arm = base(values, robot.name), ARMS.get(robot.model)
+    path = object_path(robot.name)
+    prim = doc.add(path, "Xform", () if arm else ("PhysicsRigidBodyAPI",))
     sources = [f"{robot.name}.{name}" for name in ("on", "at", "yaw")]
     if values.has(robot.name, "on"):
         sources.append(f"{values.property(robot.name, 'on')}.pose")
     prim.set("xformOp:translate", "double3", pose.position, *sources)
     prim.set("xformOp:orient", "quatd", pose.orientation, *sources)
     prim.set("xformOpOrder", "token[]", ("xformOp:translate", "xformOp:orient"), uniform=True)
+    if arm:
+        prim.reference = str(resource(arm.asset))
+        return
+    prim.set("physics:kinematicEnabled", "bool", True)
+    if robot.model == "car":
+        _paint(doc, robot.name, values)
+
+
+def _paint(doc: Document, name: str, values: Values) -> None:
+    """The forms of a car in its colours."""
+    doc.add(f"/World/Materials/{name}", "Scope")
+    for part, piece, tone in car.parts():
+        source = () if tone else (f"{name}.color",)
+        shade = rgb(tone or values.property(name, "color"))
+        material = materials.plain(doc, f"/World/Materials/{name}/{part}", shade, *source)
+        prim = geometry(doc, f"{object_path(name)}/{part}", piece, (), (f"{name}.form",))
+        prim.relate("material:binding", material)
 
 
 def add_action(doc: Document, action: Thing, values: Values) -> None:
-    """What an arm does: a `reach`, and a `hold` below it if it takes something.
+    """What a robot does. Raises WmsError with its place if it cannot."""
+    (_reach if values.spec.thing(action.of).model in ARMS else _follow)(doc, action, values)
 
-    Raises WmsError with its place if it cannot.
-    """
+
+def _follow(doc: Document, action: Thing, values: Values) -> None:
+    """A way that carries a car or a walker."""
+    travel, way = travels(values)[action.name], (f"{action.name}.way", f"{action.name}.duration")
+    prim = doc.add(f"/World/Episode/Actions/{action.name}", "WmsAction", (), (f"{action.name}.there",))
+    prim.set("wms:verb", "token", "follow", uniform=True)
+    prim.relate("wms:object", object_path(action.of))
+    prim.set("wms:start", "double", values.property(action.name, "start"), f"{action.name}.start", uniform=True)
+    prim.set("wms:duration", "double", travel.times[-1], f"{action.name}.duration", uniform=True)
+    prim.set("wms:points", "double3[]", travel.points, *way, uniform=True)
+    prim.set("wms:times", "double[]", travel.times, f"{action.name}.duration", uniform=True)
+    prim.set("wms:orientations", "quatd[]", travel.turns, *way, uniform=True)
+
+
+def _reach(doc: Document, action: Thing, values: Values) -> None:
+    """A way of an arm's joints, and a `hold` below it if it takes something."""
     reach = plan(values)[action.name]
     path, here = f"/World/Episode/Actions/{action.name}", object_path(action.of)
     there, way = (f"{action.name}.there", f"{action.name}.object"), f"{action.name}.way"

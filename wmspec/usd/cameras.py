@@ -75,10 +75,11 @@ def daylight(
         notes.instead(extra, reason, "the first one shines", "deactivate the others")
     direction = vector(split(world.matrix(suns[0]), suns[0]).rigid.TransformDir(Gf.Vec3d(0, 0, -1))) if suns else _SUN
     background = _background(skies[0], notes) if skies else BACKGROUND
+    shadows = not suns or bool(value(suns[0], "inputs:shadow:enable", True))
     diffuse, ambient = (float(value(p[0], "inputs:intensity", 1.0)) if p else 0.0 for p in (suns, skies))
     if suns and skies and math.isclose(diffuse + ambient, 1.0, abs_tol=1e-4):
-        return Light(direction, diffuse, ambient), background
-    return Light(direction), background
+        return Light(direction, diffuse, ambient, shadows=shadows), background
+    return Light(direction, shadows=shadows), background
 
 
 def _background(sky: Usd.Prim, notes: Notes) -> tuple[float, float, float]:

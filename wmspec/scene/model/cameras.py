@@ -28,11 +28,15 @@ class Camera:
 
 @dataclass(frozen=True)
 class Light:
-    """The sun: unit `direction` (3,) in which the light goes; `diffuse` + `ambient` = 1 lights a facing white fully."""
+    """The sun: unit `direction` (3,) in which the light goes; `diffuse` + `ambient` = 1 lights a facing white fully.
+
+    Without `shadows` it shines through everything, as light from all around seems to.
+    """
 
     direction: Array
     diffuse: float = 0.65
     ambient: float = 0.35
+    shadows: bool = True
 
 
 @dataclass(frozen=True)
