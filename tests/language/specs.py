@@ -55,7 +55,7 @@ FACTORS = {"pace": '[0.3 m/s called "slow", 0.6 m/s called "fast"]',
 def random_text(draw: st.DrawFn, grouped: bool = False) -> str:
     """A task of a few objects whose properties depend on random factors, directly or through others.
 
-    If it is `grouped`, its design is in groups, and the options are the siblings in the group.
+    If it is `grouped`, its design is in groups, the options are the siblings in the group, and answers may be balanced.
     """
     names = ["a", "b", "c"][: draw(st.integers(1, 3))]
     domains = {
@@ -66,7 +66,8 @@ def random_text(draw: st.DrawFn, grouped: bool = False) -> str:
         **FACTORS,
     }
     lines = [f"  factor {name} in {domain}" for name, domain in domains.items()]
-    lines += ["  nuisance turn in -20 deg .. 20 deg", "  let half = big / 2", "  let place = half + 20 cm"]
+    lines += ["  nuisance turn in -20 deg .. 20 deg", "  let half = big / 2", "  let place = half + reach"]
+    lines += [draw(st.sampled_from(SETTINGS))]
     lines += [_object(draw, names, i) for i in range(len(names))]
     lines += ["  object spare { shape: cube  size: 3 cm  material: stuff  at: (0, 1 m, 1 m) }",
               "  action shove = impulse(spare, direction: left, impulse: 0.1 kg * pace) at 0.3 s"]  # fmt: skip
@@ -75,10 +76,12 @@ def random_text(draw: st.DrawFn, grouped: bool = False) -> str:
     changes = [*_CHANGES, *["counterfactual swapped { order go, on }"] * ("action on" in deeds)]
     lines += [f"  {deeds}", "  observe front at 0 s .. 1 s in 3 frames"]
     if grouped:
-        lines.append("  design groups of 7 { cross: [pace, stuff]  turn: [tone, big] }")
+        balance = draw(st.sampled_from(["", "balance: low"]))
+        lines.append(f"  design groups of 7 {{ cross: [pace, stuff]  turn: [tone, big]  {balance} }}")
         changes = ["options orbit of pace, stuff"]
     lines.append(f'  question "And then, {{pace}}?" {{ answer frame(front, end) {" ".join(changes)} }}')
-    return "use tabletop\n" + SHELF + "task random : custom {\n" + "\n".join(lines) + "\n}\n"
+    lines.append('  question low "Is it low?" { answer height(spare) < 5 cm }')
+    return SHELF + "task random : custom {\n" + "\n".join(lines) + "\n}\n"
 
 
 def _object(draw: st.DrawFn, names: list[str], i: int) -> str:
@@ -100,6 +103,13 @@ def _object(draw: st.DrawFn, names: list[str], i: int) -> str:
         f"size: {size} {mass} yaw: {one('turn', '0 deg')} pitch: {one('lean', '0 deg')} on: {on} }}"
     )
 
+
+SETTINGS = (
+    "  use tabletop  let reach = 20 cm",
+    "  variant wide { use tabletop  let reach = 20 cm }\n  variant close { use tabletop_cool  let reach = 16 cm }",
+    "  variant close { use tabletop_cool  let reach = 16 cm }\n  variant wide { use tabletop  let reach = 20 cm }",
+)
+"""Where it is: one place, or one of two variants, of which the first is taken."""
 
 OTHERS = (
     """
@@ -128,6 +138,8 @@ OTHERS = (
   object dolly { shape: sphere  size: 2 cm  solid: false  drawn: n > 1  at: (0, -60 cm, place) }
   camera riding { ride: dolly  at: (0, 0, 10 cm)  look_at: (0, 60 cm, 0) }
   action roam = follow(dolly, arc, direction: lean, length: place, width: half, facing: n > 1) for 0.4 s at 0.1 s""",
+    """
+  use rope(top: (-60 cm, 40 cm, 80 cm), length: place, lean: lean) as string""",
 )
 """More that a scene may have."""
 

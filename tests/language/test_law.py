@@ -73,7 +73,8 @@ def test_the_law_holds_whatever_happens(deeds: str) -> None:
 @settings(max_examples=30, deadline=None)
 @given(spec=random_spec() | random_spec(grouped=True), data=st.data())
 def test_the_law_holds_on_random_specs(spec: TaskSpec, data: st.DataObject) -> None:
-    design, depend = Design(spec), Dependencies(spec)
+    redrawn = data.draw(st.integers(0, 2)) if spec.plan.balance else 0
+    design, depend = Design(spec).redrawn(redrawn), Dependencies(spec)
     here = design[data.draw(st.integers(0, len(design) - 1))]
     truth = document(spec, here)
     changed = {
@@ -91,7 +92,7 @@ def test_the_law_holds_on_random_specs(spec: TaskSpec, data: st.DataObject) -> N
 @given(spec=random_spec(grouped=True), seed=st.integers(0, 3), data=st.data())
 def test_a_member_of_a_closed_set_is_its_sibling(spec: TaskSpec, seed: int, data: st.DataObject) -> None:
     """What an instance would be with a sibling's levels is the sibling, to the last property."""
-    design = Design(spec, seed)
+    design = Design(spec, seed).redrawn(data.draw(st.integers(0, 2)))
     here = design[data.draw(st.integers(0, len(design) - 1))]
     changes = spec.questions[0].alternatives(here.factors)
     assert len(changes) + 1 == len(spec.questions[0].counterfactuals)

@@ -52,6 +52,13 @@ MISTAKES = {
         8,
         "is this the unit",
     ),
+    "inside a pipe that is no part": (
+        "object crate {",
+        "object pipe { shape: tube  on: floor at (60 cm, 40 cm) }  object pea { inside: pipe }  object crate {",
+        "WMS304",
+        9,
+        "part wall { shape: tube",
+    ),
     "a ball of a millionth of a gram": (
         "size: 14 cm  color: tone",
         "size: 14 cm  mass: 0.001 mg  color: tone",

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 #: What `left_of(...)` and the like give: a place on the ground of the world, `("place", x, y)`.
 WORLD = "place"
+#: Shapes that are hollow, or can be.
+HOLLOW = ("tube", "lathe", "extrude")
 
 
 def under(values: Values, owner: str, at: tuple[Any, ...]) -> Face | None:
@@ -28,7 +30,10 @@ def under(values: Values, owner: str, at: tuple[Any, ...]) -> Face | None:
     way, base = held
     if way == "inside" and not values.parts(base):
         place = values.place(owner, "inside")
-        raise ImpossibleValue(f"`{base}` has no parts, so nothing can be inside it", place, f"use `on: {base}`")
+        shape = values.property(base, "shape")
+        hollow = shape in HOLLOW and not values.has(base, "file")
+        remedy = f"put its shape into a part: `part wall {{ shape: {shape} ... }}`" if hollow else f"use `on: {base}`"
+        raise ImpossibleValue(f"`{base}` has no parts, so nothing can be inside it", place, remedy)
     return bottom(values, base, at) if way == "inside" else top(values, base, at)
 
 
