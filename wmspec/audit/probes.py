@@ -22,8 +22,8 @@ from wmspec.audit.classify import Array, Asked, Seen, held_out, hits
 from wmspec.audit.model import Finding, Probe
 from wmspec.audit.statistics import clopper_pearson, independence
 
-#: A shortcut is worth mending if it is more than this above chance.
-SLACK = 0.05
+#: A shortcut is worth mending if it is more than this above chance: of what sees no picture, of what sees some.
+SLACK, SLACK_SEEN = 0.05, 0.12
 #: A probe that could have overlooked a larger shortcut than this says nothing: there are too few questions.
 ROOM = 0.3
 #: Fewer questions, or groups of them, are not worth fitting to.
@@ -39,6 +39,7 @@ _BLIND = "it sees none of the pictures"
 _FEWER = "it takes more moments than it sees"
 _ENOUGH = "it takes no more moments than it sees"
 _NOTHING = "the question shows no picture, so its options are all there is"
+_FRAMED = "options that differ in the action alone begin at one place, so that how far it has come shows in one picture"
 _UNASKED = "without the question, any of what is shown may be meant"
 
 
@@ -52,7 +53,7 @@ class _Line:
     why: str
     seen: Look | None = None
     scores: Array | None = None  # of a rule, which learns nothing
-    pictured: bool = False  # whether it sees what is there, and may strike out options that speak of nothing
+    pictured: bool = False  # whether it sees a picture shown, and may strike out options (`state.struck_out`)
 
 
 def probes(unit: Unit) -> list[Probe]:
@@ -98,7 +99,7 @@ class _Task:
     def _right(self, line: _Line, asked: Asked, chance: Array) -> tuple[Array, tuple[float, ...] | None]:
         """How right it is of every question, and what such a probe learns; nothing, if it is a rule."""
         if line.scores is not None:
-            return hits(line.scores, asked), None
+            return hits(line.scores[self._kept] if line.pictured else line.scores, asked), None
         assert line.seen is not None
         seen = line.seen()
         if line.pictured and seen.of == "options":
@@ -141,7 +142,8 @@ def _lines(cases: Sequence[Case]) -> Iterator[_Line]:
         if state.known(cases):
             yield _Line("the options' objects", "options", *blind, _forest(state.of_options, cases, ()))
         for name, scores in likeness.rules(cases).items():
-            yield _Line(name, "rule", *blind, scores=scores)
+            last = "last picture" in name
+            yield _Line(name, "rule", *((True, _FEWER) if last else blind), scores=scores, pictured=last)
     for views in _views(shown):
         yield from _seeing(cases, views)
     if shown:
@@ -163,11 +165,14 @@ def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
     family: Family = "picture" if len(views) == 1 else "pair"
     name = f"picture {views[0] + 1}" if len(views) == 1 else f"pictures {views[0] + 1} and {views[1] + 1}"
     rest = (family, judged, _FEWER if judged else _ENOUGH)
-    yield _Line(f"{name}: pixels", *rest, _pixels(cases, views), pictured=True)
-    if not state.known(cases):
+    known = state.known(cases)
+    if len(views) == 1 or not known:  # of two pictures, objects tell more, and every probe more makes all see less
+        yield _Line(f"{name}: pixels", *rest, _pixels(cases, views), pictured=True)
+    if not known:
         return
     if cases[0].pictured:
-        yield _Line(f"{name}: objects", *rest, _forest(state.of_options, cases, views), pictured=True)
+        framed = (family, False, _FRAMED) if judged and state.framed(cases) else rest
+        yield _Line(f"{name}: objects", *framed, _forest(state.of_options, cases, views), pictured=True)
         return
     objects = _forest(state.of_questions, cases, views, "questions")
     yield _Line(f"{name}: objects", *rest, objects, pictured=True)
@@ -256,7 +261,8 @@ def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
     """What a judged probe says of its task."""
     if not probe.judged:
         return "told"
-    if not probe.luck and probe.accuracy > probe.chance + SLACK:
+    slack = SLACK_SEEN if probe.family in ("picture", "pair") else SLACK
+    if not probe.luck and probe.accuracy > probe.chance + slack:
         return "fails"
     return "unclear" if probe.least > ROOM else "holds"
 

@@ -41,12 +41,18 @@ def known(cases: Sequence[Case]) -> bool:
 
 
 def of_questions(cases: Sequence[Case], views: Sequence[int], about: bool = True) -> Array:
-    """The objects of the pictures `views`, a row for each question: by name, first those that it is `about`."""
+    """The objects of the pictures `views` and how they go from one to the next, a row for each question.
+
+    By name; first those that it is `about`, and of these the ones that it speaks of most: the one that it asks of, if it
+    tells of several.
+    """
     rows = []
     for case in cases:
         pictures = pictured(case, "context_objects")
-        names = _named(pictures, about)
-        rows.append(np.concatenate([_numbers(pictures[view].get(name)) for view in views for name in names]))
+        names = _named(pictures, about, case.row["text"])
+        seen = [[_numbers(pictures[view].get(name)) for name in names] for view in views]
+        steps = [_step(a, b) for here, there in pairwise(seen) for a, b in zip(here, there, strict=True)]
+        rows.append(np.concatenate([*(numbers for here in seen for numbers in here), *steps]))
     width = max(map(len, rows))
     return np.stack([np.pad(row, (0, width - len(row))) for row in rows])
 
@@ -88,13 +94,33 @@ def spoken_of(case: Case) -> list[str | None]:
 
 
 def struck_out(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
-    """Of each question, the options that whoever sees any picture strikes out: they speak of what is not there.
+    """Of each question, the options that whoever sees any picture strikes out.
+
+    Of words, those that speak of what is not there. Of the pictures of a closed set, those that begin in another state:
+    the state is there to be seen or told, and what follows from it is what the question is about.
+    """
+    return [_other_state(case) for case in cases] if cases[0].pictured else _unseen(cases)
+
+
+def framed(cases: Sequence[Case]) -> bool:
+    """Whether the options tell where all began: some differ from the truth in the action alone, so they began there too."""
+    return any("action" in case.row["option_kind"] for case in cases)
+
+
+def _other_state(case: Case) -> NDArray[np.bool_]:
+    """The options that begin in another state, if there are others that differ in the action alone."""
+    kinds = np.array(case.row["option_kind"])
+    return np.isin(kinds, ("state", "both")) & bool((kinds == "action").any())
+
+
+def _unseen(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
+    """The options that speak of a look that nothing in the pictures has.
 
     Such as a colour that nothing has. A word such as "neither", which is no name and no look of anything in any of the
     questions, may always be true. Nothing is struck out if that could be the truth.
     """
     there = [_spoken(case) for case in cases]
-    known = set().union(*there) if not cases[0].pictured else set()
+    known = set().union(*there)
     struck = [
         np.array([o in known - words for o in c.row["option_name"]]) for c, words in zip(cases, there, strict=True)
     ]
@@ -108,10 +134,20 @@ def _spoken(case: Case) -> set[str]:
     return {w for seen in case.row.get("context_objects") or () for w in (seen["name"], *seen["look"].split())}
 
 
-def _named(pictures: Sequence[Objects], about: bool) -> list[str]:
+def _named(pictures: Sequence[Objects], about: bool, text: str = "") -> list[str]:
     """The names of the objects in order, so many of them as are looked at."""
-    asked = {name: about and seen["asked"] for picture in pictures for name, seen in picture.items()}
-    return sorted(asked, key=lambda name: (not asked[name], name))[:MOST_OBJECTS]
+    said = text.lower().replace("?", " ").replace(",", " ").replace(".", " ").split()
+    asked: dict[str, tuple[bool, int]] = {}
+    for picture in pictures:
+        for name, seen in picture.items():
+            asked[name] = not (about and seen["asked"]), -sum(said.count(word) for word in seen["look"].split())
+    return sorted(asked, key=lambda name: (*asked[name], name))[:MOST_OBJECTS]
+
+
+def _step(a: Array, b: Array) -> Array:
+    """How far an object goes across, down, and in all."""
+    across, down = (b - a)[:2]
+    return np.array([across, down, np.hypot(across, down)])
 
 
 def _numbers(seen: Row | None) -> Array:

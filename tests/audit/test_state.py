@@ -1,0 +1,47 @@
+"""What a perfect eye reads off pictures, and which options it strikes out before it guesses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from wmspec.audit import state
+from wmspec.audit.cases import Case
+
+
+def thing(picture: int, name: str, look: str, across: float) -> dict[str, Any]:
+    where = {"across": across, "down": 0.5, "share": 0.1, "red": 0.0, "green": 0.0, "blue": 0.0}
+    turn = {"qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
+    return {"picture": picture, "name": name, "look": look, "asked": True} | where | turn
+
+
+def pictured(kinds: Sequence[str]) -> Case:
+    return Case({"option_kind": list(kinds), "answer": kinds.index("truth")}, (), (b"",) * len(kinds))
+
+
+def test_of_a_closed_set_what_begins_in_another_state_is_struck_out() -> None:
+    (struck,) = state.struck_out([pictured(["both", "truth", "action", "state"])])
+    assert struck.tolist() == [True, False, False, True]
+    (kept,) = state.struck_out([pictured(["state", "truth", "both", "state"])])  # all that differs is the state
+    assert not kept.any()
+
+
+def test_the_object_that_is_asked_for_comes_first_whatever_its_name() -> None:
+    def asked(color: str) -> Case:
+        seen = [thing(p, n, f"{n} ball", a) for p in (0, 1) for n, a in (("blue", 0.2 + 0.1 * p), ("red", 0.7))]
+        row = {
+            "context_objects": seen,
+            "text": f"A red and a blue ball move. Which path does the {color} one take?",
+        }
+        return Case(row, (b"", b""), ())
+
+    red, blue = state.of_questions([asked("red"), asked("blue")], (0,))
+    assert (red[0], blue[0]) == (0.7, 0.2)
+
+
+def test_of_two_pictures_it_sees_how_far_things_go() -> None:
+    seen = [thing(0, "ball", "red ball", 0.2), thing(1, "ball", "red ball", 0.5)]
+    (row,) = state.of_questions([Case({"context_objects": seen, "text": "Where to?"}, (b"", b""), ())], (0, 1))
+    assert np.allclose(row[-3:], [0.3, 0.0, 0.3])
