@@ -43,8 +43,7 @@ def known(cases: Sequence[Case]) -> bool:
 def of_questions(cases: Sequence[Case], views: Sequence[int], about: bool = True) -> Array:
     """The objects of the pictures `views` and how they go from one to the next, a row for each question.
 
-    By name; first those that it is `about`, and of these the ones that it speaks of most: the one that it asks of, if it
-    tells of several.
+    By name; first those that it is `about`, and of these the ones that it speaks of most, since it asks of one of them.
     """
     rows = []
     for case in cases:
@@ -103,7 +102,7 @@ def struck_out(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
 
 
 def framed(cases: Sequence[Case]) -> bool:
-    """Whether the options tell where all began: some differ from the truth in the action alone, so they began there too."""
+    """Whether the options tell where all began: some differ from the truth in the action alone, and began there."""
     return any("action" in case.row["option_kind"] for case in cases)
 
 
