@@ -5,12 +5,13 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: sbom help setup browser inspect demo quick test test-all check format docs oracles agreement clean
+.PHONY: sbom help setup browser inspect demo quick lowest test test-all check format docs oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
 	@echo "make demo      two tasks in every engine, and a picture of what came out"
 	@echo "make quick     the language, the stage, physics in one engine: a minute on two cores, for every change"
+	@echo "make lowest    the same with the oldest versions that are allowed, in build/lowest"
 	@echo "make check     style, types, architecture, dependencies"
 	@echo "make test      that and all tests but the slow ones"
 	@echo "make test-all  the same with the slow tests"
@@ -46,8 +47,17 @@ check: setup
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
 
+QUICK := -n auto --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
+
 quick: setup
-	$(BIN)/pytest -n auto --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
+	$(BIN)/pytest $(QUICK)
+
+lowest: setup
+	$(BIN)/python -m venv --clear build/lowest
+	$(BIN)/python -m tools.supply lowest > build/lowest/lowest.txt
+	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt hypothesis pytest pytest-xdist
+	build/lowest/bin/pip install --quiet --no-deps -e .
+	build/lowest/bin/pytest $(QUICK)
 
 test: check browser
 	$(BIN)/pytest -n auto

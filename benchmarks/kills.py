@@ -4,8 +4,11 @@
     python -m benchmarks.kills --of evaluate --kills 100
     python -m benchmarks.kills --of study --kills 100
 
-Every process of a run is killed at once (SIGKILL), as when a machine goes down. Nothing that was kept may be lost, and
-no byte of what comes out may differ; the exit code is 1 if it does.
+What happens to a run is drawn at random: all its processes are killed at once (SIGKILL), as when a machine goes down;
+the run alone, which leaves its workers behind; one worker, as where memory runs out; or it is told to end, by SIGTERM
+or by Ctrl-C (SIGINT to all its processes), once or again before it has ended. The server of a study is killed. Nothing
+that was kept may be lost, no byte of what comes out may differ, no process may stay, and whoever is told to end may not
+answer with a traceback; the exit code is 1 if it does.
 """
 
 from __future__ import annotations
@@ -22,6 +25,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -44,26 +48,95 @@ SPEC = ROOT / "tests/endtoend/specs/speed_tabletop.wms"
 INSTANCES = 80
 #: Seconds.
 SOON = 1.5
+#: Seconds that processes may take to see that the run they worked for is gone.
+LINGER = 30.0
 
 
 class Failed(Exception):
     """A run lost something, or came to something else."""
 
 
-def start(arguments: Sequence[str]) -> subprocess.Popen[bytes]:
+class Victim:
     """The command line in a process group of its own."""
-    quiet = subprocess.DEVNULL
-    command = [sys.executable, "-m", "wmspec", *arguments]
-    return subprocess.Popen(command, stdout=quiet, stderr=quiet, start_new_session=True)
+
+    def __init__(self, arguments: Sequence[str]) -> None:
+        self._told = tempfile.TemporaryFile()  # noqa: SIM115  it lasts as long as the run
+        command = [sys.executable, "-m", "wmspec", *arguments]
+        self.run = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=self._told, start_new_session=True)
+
+    @property
+    def alive(self) -> bool:
+        """Whether it is still going on."""
+        return self.run.poll() is None
+
+    def end(self) -> int:
+        """Wait until it has ended, with every process that it began; returns its exit code."""
+        code = self.run.wait()
+        until = time.monotonic() + LINGER
+        while self._left():
+            if time.monotonic() > until:
+                os.killpg(self.run.pid, signal.SIGKILL)
+                raise Failed(f"processes of it are there {LINGER:g} s later")
+            time.sleep(0.05)
+        self._told.seek(0)
+        if b"Traceback" in (told := self._told.read()):
+            raise Failed(f"it said {told.decode(errors='replace')[-2000:]}")
+        return code
+
+    def _left(self) -> bool:
+        try:
+            os.killpg(self.run.pid, 0)
+        except ProcessLookupError:
+            return False
+        return True
+
+    def workers(self) -> list[int]:
+        """The processes that do its work."""
+        children = Path(f"/proc/{self.run.pid}/task/{self.run.pid}/children")
+        with suppress(FileNotFoundError):
+            pids = [int(pid) for pid in children.read_text().split()]
+            return [pid for pid in pids if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+        return []
 
 
-def kill(run: subprocess.Popen[bytes]) -> bool:
-    """Kill a run with its workers; returns whether it was still going on."""
-    alive = run.poll() is None
-    if alive:
-        os.killpg(run.pid, signal.SIGKILL)
-    run.wait()
-    return alive
+def _all(victim: Victim) -> None:
+    os.killpg(victim.run.pid, signal.SIGKILL)
+
+
+def _alone(victim: Victim) -> None:
+    victim.run.kill()
+
+
+def _worker(victim: Victim) -> None:
+    for pid in victim.workers()[:1]:
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+
+
+def _told(victim: Victim) -> None:
+    victim.run.terminate()
+
+
+def _interrupted(victim: Victim) -> None:
+    os.killpg(victim.run.pid, signal.SIGINT)
+
+
+def _interrupted_again(victim: Victim) -> None:
+    _interrupted(victim)
+    time.sleep(0.05)
+    with suppress(ProcessLookupError):
+        _interrupted(victim)
+
+
+#: What can happen to a run, and how it may end then; None: it goes on.
+BLOWS: dict[str, tuple[Callable[[Victim], None], set[int] | None]] = {
+    "all": (_all, {-signal.SIGKILL}),
+    "run": (_alone, {-signal.SIGKILL}),
+    "worker": (_worker, None),
+    "SIGTERM": (_told, {128 + signal.SIGTERM, -signal.SIGTERM}),
+    "SIGINT": (_interrupted, {128 + signal.SIGINT, -signal.SIGINT}),
+    "SIGINT twice": (_interrupted_again, {128 + signal.SIGINT, -signal.SIGINT}),
+}
 
 
 class Rounds:
@@ -75,50 +148,65 @@ class Rounds:
         progress: Callable[[], set[str]],
         made: Callable[[], object],
         clear: Callable[[], None],
+        blows: Sequence[str] = tuple(BLOWS),
     ) -> None:
         self.arguments, self.progress, self.made, self.clear = arguments, progress, made, clear
-        self.kills = self.early = self.rounds = 0
+        self.blows = blows
+        self.kills: Counter[str] = Counter()
+        self.early = self.rounds = 0
 
     def run(self, kills: int, chance: random.Random) -> None:
         """Kill it so often. Raises Failed if something was lost or differs."""
         began = time.monotonic()
-        self._end(start(self.arguments))
+        self._done(Victim(self.arguments))
         whole, longest = self.made(), time.monotonic() - began
         self.clear()
         before: set[str] = set()
         under_way = True
-        while self.kills < kills or under_way:
-            run = start(self.arguments)
-            if self.kills < kills:
-                self._wait(run, before, chance, longest)
-                killed = kill(run)
-            else:
-                killed = False
-            if killed:
+        while self.kills.total() < kills or under_way:
+            victim = Victim(self.arguments)
+            ended = self.kills.total() < kills and self._ended(victim, before, chance, longest)
+            if ended:
                 kept, under_way = self.progress(), True
                 if before - kept:
                     raise Failed(f"lost: {sorted(before - kept)[:3]}")
-                self.kills, self.early, before = self.kills + 1, self.early + (kept == before), kept
+                self.early, before = self.early + (kept == before), kept
             else:
-                self._end(run)
+                self._done(victim)
                 if (result := self.made()) != whole:
                     raise Failed(f"another result than without kills: {_differing(result, whole)}")
                 self.clear()
                 self.rounds, before, under_way = self.rounds + 1, set(), False
 
-    def _wait(self, run: subprocess.Popen[bytes], before: set[str], chance: random.Random, longest: float) -> None:
+    def _ended(self, victim: Victim, before: set[str], chance: random.Random, longest: float) -> bool:
+        """Strike at a random moment; returns whether that ended it before it was done."""
+        blow = chance.choice(self.blows)
+        self._wait(victim, before, chance, longest)
+        if not victim.alive:
+            return False
+        strike, codes = BLOWS[blow]
+        strike(victim)
+        self.kills[blow] += 1
+        if codes is None:
+            return False
+        code = victim.end()
+        if code not in {*codes, 0}:
+            raise Failed(f"{blow}: it ended with exit code {code}")
+        return code != 0
+
+    def _wait(self, victim: Victim, before: set[str], chance: random.Random, longest: float) -> None:
         """Wait for a random moment: three times of four, for one soon after something new was kept."""
         until = time.monotonic() + chance.uniform(0.0, longest)
         if chance.random() < 0.75:
-            while run.poll() is None and self.progress() == before:
+            while victim.alive and self.progress() == before:
                 time.sleep(0.02)
             until = time.monotonic() + chance.uniform(0.0, SOON)
-        while run.poll() is None and time.monotonic() < until:
+        while victim.alive and time.monotonic() < until:
             time.sleep(0.002)
 
-    def _end(self, run: subprocess.Popen[bytes]) -> None:
-        if run.wait() != 0:
-            raise Failed(f"it ended with exit code {run.returncode}")
+    def _done(self, victim: Victim) -> None:
+        if (code := victim.end()) != 0:
+            raise Failed(f"it ended with exit code {code}")
 
 
 def _differing(result: object, whole: object) -> str:
@@ -163,7 +251,8 @@ def evaluate(home: Path, address: str) -> Rounds:
         table = pq.read_table(out)
         return table.drop_columns(["seconds"]).to_pylist()  # how long the server took is no matter of kills
 
-    return Rounds([*arguments, "--concurrency", "3"], progress, made, lambda: shutil.rmtree(out.parent))
+    blows = [blow for blow in BLOWS if blow != "worker"]  # threads ask
+    return Rounds([*arguments, "--concurrency", "3"], progress, made, lambda: shutil.rmtree(out.parent), blows)
 
 
 def main() -> None:
@@ -182,11 +271,13 @@ def main() -> None:
         try:
             rounds.run(options.kills, chance)
         except Failed as error:
-            print(f"FAILED after {rounds.kills} kills: {error}")
+            print(f"FAILED after {rounds.kills.total()} kills: {error}")
             sys.exit(1)
+    kinds = ", ".join(f"{count} {blow}" for blow, count in sorted(rounds.kills.items()))
     print(
-        f"{options.of}: {rounds.kills} kills in {rounds.rounds} runs that came to their end, {rounds.early} of them "
-        "before anything new was kept: nothing lost, the same result every time"
+        f"{options.of}: {rounds.kills.total()} kills ({kinds}) "
+        f"in {rounds.rounds} runs that came to their end, {rounds.early} of them before anything new was kept: "
+        "nothing lost, the same result every time"
     )
 
 

@@ -136,8 +136,8 @@ set_up_venv() {
 # pip's own words go to a log; what failed is told from it.
 pip_install() { "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check "$@" 2>>"$LOG"; }
 
-# PyBullet has wheels for few Pythons. It is compiled with NumPy in sight, or its pictures come back as tuples;
-# GCC 14 takes its pointers for errors where older compilers warn.
+# PyBullet has wheels for few Pythons. It is compiled with NumPy in sight, or its pictures come back as tuples, which
+# takes longer; GCC 14 takes its pointers for errors where older compilers warn.
 compile_pybullet() {
     local headers
     headers=$("$VENV/bin/python" -c 'import sysconfig; print(sysconfig.get_path("include"))')

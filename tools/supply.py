@@ -1,6 +1,7 @@
-"""What wmspec stands on, as it is installed here: versions for CI, licences, a bill of materials.
+"""What wmspec stands on, as it is installed here: versions for CI, licences, a bill of materials; and the oldest.
 
 python -m tools.supply constraints > constraints.txt
+python -m tools.supply lowest > out/lowest.txt
 python -m tools.supply licences > docs/licences.md
 python -m tools.supply sbom > out/sbom.json
 """
@@ -95,6 +96,12 @@ def constraints() -> str:
     return "\n".join(["# What CI installs: `python -m tools.supply constraints`.", *lines]) + "\n"
 
 
+def lowest() -> str:
+    """The oldest version of each package that users may have: the lower bounds of what wmspec itself asks for."""
+    bounds = {name_of(r): s.version for r in own(USED) for s in r.specifier if s.operator == ">="}
+    return "".join(f"{name}=={version}\n" for name, version in sorted(bounds.items()))
+
+
 _HEAD = """\
 # Licences
 
@@ -163,4 +170,4 @@ def _purl(of: Distribution) -> str:
 
 
 if __name__ == "__main__":
-    sys.stdout.write({"constraints": constraints, "licences": licences, "sbom": sbom}[sys.argv[1]]())
+    sys.stdout.write({"constraints": constraints, "lowest": lowest, "licences": licences, "sbom": sbom}[sys.argv[1]]())

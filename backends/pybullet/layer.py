@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,16 @@ class Layer:
     rgba: NDArray[np.uint8]
     depth: NDArray[np.float32]
     numbers: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, image: Sequence[Any]) -> Layer:
+        """What `getCameraImage` gives: arrays, or flat tuples where PyBullet was compiled without NumPy in sight."""
+        width, height, rgba, depth, numbers = image
+        return cls(
+            np.asarray(rgba, np.uint8).reshape(height, width, 4),
+            np.asarray(depth, np.float32).reshape(height, width),
+            np.asarray(numbers, np.int32).reshape(height, width),
+        )
 
     def over(self, other: Layer) -> Layer:
         """The nearer of both at every pixel: the same as if both had been drawn at once."""

@@ -157,7 +157,7 @@ class Renderer:
             renderer=pybullet.ER_TINY_RENDERER,
             physicsClientId=self._client,
         )
-        return Layer(*image[2:])
+        return Layer.of(image)
 
 
 def _metres(z: NDArray[np.float32], camera: Camera) -> NDArray[np.float32]:

@@ -17,14 +17,22 @@ def pinned() -> dict[str, str]:
 
 
 def test_every_requirement_has_a_lower_and_an_upper_bound() -> None:
-    for requirement in supply.own(supply.USED):
+    for requirement in supply.own(supply.BUILT):
         assert {s.operator for s in requirement.specifier} >= {">=", "<"}, requirement
 
 
 def test_the_constraints_name_versions_that_fit_and_no_hosts() -> None:
     assert all(re.fullmatch(r"[a-z0-9-]+", name) and re.fullmatch(r"[0-9][\w.]*", v) for name, v in pinned().items())
-    for requirement in supply.own(supply.USED):
+    for requirement in supply.own(supply.BUILT):
         assert requirement.specifier.contains(pinned()[supply.name_of(requirement)]), requirement
+
+
+def test_the_oldest_versions_are_those_of_the_bounds() -> None:
+    oldest = dict(line.split("==") for line in supply.lowest().splitlines())
+    for requirement in supply.own(supply.USED):
+        version = oldest[supply.name_of(requirement)]
+        assert requirement.specifier.contains(version), requirement
+        assert f">={version}" in str(requirement.specifier), "another extra asks for a newer one: raise this one, too"
 
 
 def test_the_page_of_licences_names_all_that_is_installed() -> None:
