@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import errno
 import io
+import os
 import re
+import stat
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wmspec.diagnostics import WmsError
-from wmspec.limits import PIXELS
+from wmspec.limits import PIXELS, RECORDS, Limit
 
 if TYPE_CHECKING:  # most specs have no pictures, and checking those should not wait for Pillow
     from PIL import Image
@@ -28,6 +31,29 @@ def inside(folder: Path, path: Path) -> bool:
         return path.is_file() and path.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError):  # a name that is too long, a null character, links in a circle
         return False
+
+
+class Endless(OSError):
+    """What is to be read is no file: a pipe waits for whoever writes to it, a device may go on for ever."""
+
+
+def plain(path: Path) -> Path:
+    """The path of a file that has an end: pipes and devices may have none. Raises OSError if there is no such file."""
+    kind = path.stat().st_mode
+    if stat.S_ISDIR(kind):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(kind):
+        raise Endless(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
+    return path
+
+
+def read_plain(path: Path, limit: Limit = RECORDS) -> bytes:
+    """All of a file. Raises OSError if it cannot be read, is no plain file, or is larger than that."""
+    with plain(path).open("rb") as file:
+        read = file.read(limit.most + 1)
+    if len(read) > limit.most:
+        raise OSError(errno.EINVAL, f"it {limit.sentence}", str(path))
+    return read
 
 
 def picture(source: Path | bytes, *formats: str) -> Image.Image:

@@ -34,6 +34,8 @@ RIGHT_FILE = "is this the right file?"
 #: Of a file, and of one that is written by hand.
 BYTES = Limit(100_000_000, "bytes", RIGHT_FILE)
 MARKUP = Limit(4_000_000, "bytes", RIGHT_FILE)
+#: Of a table, and of what is said of a dataset.
+RECORDS = Limit(500_000_000, "bytes", RIGHT_FILE)
 #: Of a picture: 8192 x 8192.
 PIXELS = Limit(2**26, "pixels", "save it smaller")
 #: Of a mesh: its points and the corners of its faces.

@@ -47,7 +47,7 @@ INFO = Info(
         ),
         Lack(friction_above(MOST_FRICTION), f"Bullet's own limit is {MOST_FRICTION:g}; lower the friction"),
     ),
-    # Built without NumPy in sight, it gives pictures as tuples, which takes longer; GCC 14 takes its pointers for errors.
+    # Without NumPy in sight its pictures come back as tuples, which takes longer. GCC 14 takes its pointers for errors.
     compiled=Compiled(
         wheels_until=(3, 11), needs=("setuptools>=70.1",), variables="CFLAGS=-Wno-incompatible-pointer-types"
     ),

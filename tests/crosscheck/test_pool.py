@@ -2,6 +2,8 @@
 
 import multiprocessing
 import os
+import subprocess
+import sys
 import time
 
 import pytest
@@ -96,3 +98,36 @@ def test_a_pool_that_is_closed_stops_its_work() -> None:
     started = time.monotonic()
     results.close()
     assert time.monotonic() - started < 300, "it was not waited for"
+
+
+INTERRUPTED = """
+import signal, threading, time
+from wmspec.execute.pool import Effort, by_units
+
+notify = threading.Condition.notify
+
+def interrupted(self, n=1):
+    if on and self._waiters and threading.current_thread() is threading.main_thread():
+        on.clear()
+        self._waiters[0].release()  # as `notify` does, which a signal interrupts before the next line
+        signal.raise_signal(signal.SIGINT)
+        self._waiters.popleft()
+    else:
+        notify(self, n)
+
+on = []
+threading.Condition.notify = interrupted
+results = by_units(time.sleep, [[(0.2,)] * 20, [(30,)] * 2], Effort(workers=2, timeout=60))
+next(results)
+on.append(True)
+try:
+    list(results)
+except KeyboardInterrupt:
+    print("ended", on)
+"""
+
+
+def test_a_signal_while_work_is_handed_over_ends_all_the_same() -> None:
+    """A run that was told to end waited for ever, as one of 38 did."""
+    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=False, timeout=120)
+    assert done.stdout == "ended []\n", done.stderr

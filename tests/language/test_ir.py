@@ -6,6 +6,7 @@ import pickle
 from pathlib import Path
 from typing import Any
 
+import pydantic
 import pytest
 from click.testing import CliRunner
 from hypothesis import given, settings
@@ -35,9 +36,22 @@ def test_random_specs_survive_json(spec: TaskSpec) -> None:
     assert from_json(to_json(spec)) == spec
 
 
+#: Older ones leave out what the classes say of themselves.
+DESCRIBED = tuple(map(int, pydantic.VERSION.split(".")[:2])) >= (2, 13)
+
+
+def undescribed(part: Any) -> Any:
+    if isinstance(part, list):
+        return [undescribed(each) for each in part]
+    if isinstance(part, dict):
+        return {k: undescribed(v) for k, v in part.items() if not (k == "description" and isinstance(v, str))}
+    return part
+
+
 def test_the_published_schema_is_current() -> None:
     """If it is not: `wmspec schema > docs/schema.json`."""
-    assert json.loads((DOCS / "schema.json").read_text()) == schema()
+    published = json.loads((DOCS / "schema.json").read_text())
+    assert (published if DESCRIBED else undescribed(published)) == schema()
     assert json.loads(CliRunner().invoke(main, ["schema"]).output) == schema()
 
 

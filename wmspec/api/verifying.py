@@ -14,7 +14,7 @@ from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import chosen, engine_version
-from wmspec.foreign import is_name
+from wmspec.foreign import is_name, read_plain
 from wmspec.write import files
 from wmspec.write.plan import Plan
 from wmspec.write.plan import Task as PlannedTask
@@ -79,7 +79,7 @@ def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
 def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan:
     """The dataset's plan, with some of its instances."""
     try:
-        planned = json.loads((dataset.folder / files.PLAN).read_bytes())
+        planned = json.loads(read_plain(dataset.folder / files.PLAN))
     except (OSError, ValueError):
         planned = {}  # an older dataset, or one that was copied without it: in the look that is usual
     manifest = dataset.manifest

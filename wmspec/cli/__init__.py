@@ -8,6 +8,7 @@ import importlib
 import os
 import signal
 import sys
+from contextlib import suppress
 from types import FrameType
 from typing import Any
 
@@ -46,10 +47,28 @@ COMMANDS = (
 
 #: The exit code where the reader of a pipe has gone, as in `wmspec list | head`: as of what SIGPIPE ends.
 CLOSED_PIPE = 128 + 13
+#: That of what Ctrl-C ends.
+INTERRUPTED = 128 + 2
 
 
 def _end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  a handler is called with both
     raise SystemExit(128 + number)
+
+
+def _open_streams() -> None:
+    """Have all three streams: what is opened next would take the place of one that is closed, and be written into."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(descriptor)
+    sys.stdin = sys.stdin or open(0, encoding="utf-8", closefd=False)  # noqa: SIM115  as long as the process
+    sys.stdout = sys.stdout or open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stderr = sys.stderr or open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+
+
+def _drop_streams() -> None:
+    """What is left in them has nowhere to go either."""
+    for stream in (sys.stdout, sys.stderr):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class _Commands(click.Group):
@@ -61,9 +80,17 @@ class _Commands(click.Group):
         gc.set_threshold(100_000, 20, 20)
         # Nor is anything worth finding when the process ends: another tenth.
         atexit.register(gc.freeze)
+        _open_streams()
         # Told to end, a run ends its workers first, and says nothing of what they share.
         signal.signal(signal.SIGTERM, _end)
-        return super().__call__(*arguments, **options)
+        try:
+            return super().__call__(*arguments, **options)
+        except OSError as error:  # what nobody foresaw, such as that the disk is full to which the output goes
+            file = f"{error.filename}: " if error.filename else ""
+            with suppress(OSError):
+                click.echo(f"error: {file}{error.strerror or error}", err=True)
+            _drop_streams()
+            sys.exit(2)
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click calls it by name
         return list(COMMANDS)
@@ -94,9 +121,11 @@ class _Commands(click.Group):
 
             click.echo(WmsError.of(pointed(error.diagnostics)).render(paint()), err=True)
             ctx.exit(2)
+        except KeyboardInterrupt:
+            click.echo("\nstopped", err=True)
+            ctx.exit(INTERRUPTED)
         except BrokenPipeError:
-            for stream in (sys.stdout, sys.stderr):  # what is left in them has nowhere to go either
-                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+            _drop_streams()
             ctx.exit(CLOSED_PIPE)
 
 

@@ -21,7 +21,7 @@ from wmspec.evaluate.journal import Key, Replies
 from wmspec.evaluate.model import Outcome, Reply
 from wmspec.evaluate.question import Question
 from wmspec.evaluate.request import Ask
-from wmspec.foreign import is_name
+from wmspec.foreign import is_name, plain, read_plain
 from wmspec.places import FilePlace
 from wmspec.write.files import explained
 
@@ -169,7 +169,7 @@ def check_free(path: Path) -> None:
     """Raises WmsError if what would be written beside results is there, and is something else."""
     beside = sidecar(path)
     try:
-        ours = "asked" in json.loads(beside.read_bytes())
+        ours = "asked" in json.loads(read_plain(beside))
     except FileNotFoundError:
         return
     except (OSError, ValueError, TypeError, RecursionError):
@@ -203,7 +203,7 @@ def _whole(path: Path, content: bytes) -> None:
 def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
     """The rows of results and what they are about. Raises WmsError if the file is none of ours."""
     try:
-        table = pq.read_table(path)
+        table = pq.read_table(plain(path))
         about = json.loads((table.schema.metadata or {})[_ABOUT])
     except (OSError, pa.ArrowException, KeyError, ValueError, RecursionError):
         raise WmsError(f"{path} holds no results; they are made with `wmspec evaluate DATASET -o {path}`") from None

@@ -13,7 +13,7 @@ from pxr import Sdf, Usd
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.diagnostics import Diagnostic, WmsError
-from wmspec.foreign import is_name
+from wmspec.foreign import is_name, plain
 from wmspec.limits import TRACE, TooLarge
 from wmspec.places import FilePlace
 from wmspec.scene.model import Contact, Trace
@@ -49,7 +49,7 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
     """
     place = FilePlace(str(path))
     try:
-        _sized(path)
+        _sized(plain(path))
         with np.load(path, allow_pickle=False) as file:
             arrays: dict[str, Any] = dict(file)
         contacts = zip(arrays["contacts"].tolist(), arrays["contact_times"].tolist(), strict=True)

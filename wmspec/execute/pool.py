@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import signal
 import sys
+import threading
 import traceback
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
@@ -241,16 +243,20 @@ class LocalWorkers:
 
     def finish(self) -> None:
         """Wait until all that was taken is done."""
-        self._pool.close()
-        self._pool.join()
+        with _undisturbed():
+            self._pool.close()
+            self._pool.join()
 
     def stop(self) -> None:
         """End the processes, whatever they are doing."""
-        self._pool.stop()
-        self._pool.join()
+        with _undisturbed():
+            self._pool.stop()
+            self._pool.join()
 
     def _begin(self) -> None:
         self._pool: Any = ProcessPool(max_workers=self._count, max_tasks=PIECES_PER_WORKER, context=_Context())
+        with _undisturbed():
+            assert self._pool.active, "asked for it, it begins"
 
     def _renew(self, jobs: Iterable[Job]) -> None:
         undone = [j for j in jobs if not j.future.done() or isinstance(j.future.exception(), BrokenProcessPool)]
@@ -260,7 +266,8 @@ class LocalWorkers:
             self._schedule(job)
 
     def _schedule(self, job: Job) -> None:
-        job.future = self._pool.schedule(_done, args=(job.work, *job.piece), timeout=job.timeout)
+        with _undisturbed():
+            job.future = self._pool.schedule(_done, args=(job.work, *job.piece), timeout=job.timeout)
 
 
 def _done(work: Callable[..., T], *piece: Any) -> T | Lost:
@@ -284,6 +291,30 @@ def _reason(error: Exception) -> str:
     text = re.sub(r"0x[0-9a-f]{6,}", "0x...", " ".join(str(error).split()))[:300]
     place = f" ({'/'.join(Path(ours[-1].filename).parts[-2:])}:{ours[-1].lineno})" if ours else ""
     return f"{type(error).__name__}: {text}{place}"
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """What signals do, they do afterwards.
+
+    Where one raises an exception while a queue wakes its reader, the next word to the reader is lost (in
+    `threading.Condition.notify`): the processes never end, nor does what waits for them.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    ours = {number: handler for number, handler in handlers.items() if callable(handler)}
+    for number in ours:
+        signal.signal(number, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in ours.items():
+            signal.signal(number, handler)
+        for number in came:
+            signal.raise_signal(number)
 
 
 class Helper:

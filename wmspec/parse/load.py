@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
-from wmspec.foreign import inside
+from wmspec.foreign import inside, read_plain
+from wmspec.limits import MARKUP
 from wmspec.parse.parser import parse
 from wmspec.parse.syntax import File, Name, Statement, Task, Use, Variant
 from wmspec.places import FilePlace, Location, Place, Source, Span
@@ -56,7 +57,7 @@ def load_source(source: Source, folder: Path, report: Report) -> Program:
 def read_source(path: Path) -> Source:
     """The text of a file. Raises WmsError with the reason if it cannot be read."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_plain(path, MARKUP).decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise WmsError(
             f"not UTF-8 text (byte {error.start})", FilePlace(str(path)), "a .wms file is plain UTF-8 text"

@@ -10,6 +10,7 @@ from typing import Any
 
 from wmspec import __version__
 from wmspec.diagnostics import WmsError
+from wmspec.foreign import read_plain
 from wmspec.places import FilePlace
 from wmspec.recast.pictures import Pictures
 from wmspec.recast.rows import CAMERA, rows, schema
@@ -87,7 +88,7 @@ def _clear(output: Path) -> None:
     if not there:
         return
     try:
-        manifest: Any = json.loads((output / files.MANIFEST).read_bytes())
+        manifest: Any = json.loads(read_plain(output / files.MANIFEST))
     except (OSError, ValueError, RecursionError):
         manifest = None
     if manifest_fault(manifest) or manifest.get("made by") != MADE_BY:

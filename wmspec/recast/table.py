@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from wmspec.diagnostics import Diagnostic, Report, WmsError, suggestion
+from wmspec.foreign import read_plain
 from wmspec.places import FilePlace
 from wmspec.recast.pictures import CLIPS, STILLS, Pictures
 
@@ -97,13 +98,13 @@ def read(path: Path, pictures: Pictures) -> tuple[Entry, ...]:
 def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
     """Every row by column, with the line where it begins; nothing if the names of the columns are wrong."""
     try:
-        content = path.read_bytes().decode("utf-8-sig")
+        text = read_plain(path).decode("utf-8-sig")
     except OSError as error:
         raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path)), "give a .csv file") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise WmsError("this is not UTF-8", FilePlace(str(path), line), "save the table as CSV in UTF-8") from None
-    reader = csv.reader(io.StringIO(content, newline=""), strict=True)
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         head = [name.strip() for name in next(reader, [])]
         if not _named(path, head, report):

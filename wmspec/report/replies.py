@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 from wmspec.diagnostics import WmsError, suggestion
 from wmspec.evaluate.agreement import majority
 from wmspec.evaluate.results import checked
+from wmspec.foreign import plain
 from wmspec.places import FilePlace
 from wmspec.report.questions import Questions
 
@@ -141,7 +142,7 @@ def _files(paths: Sequence[Path]) -> list[Path]:
 
 def _file(path: Path) -> pd.DataFrame:
     try:
-        file = pq.ParquetFile(path)
+        file = pq.ParquetFile(plain(path))
         lacking = [name for name in COLUMNS if name not in file.schema_arrow.names]
         if lacking:
             raise WmsError(

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from wmspec.diagnostics import WmsError
 from wmspec.evaluate.reply import LETTERS
+from wmspec.foreign import plain
 from wmspec.places import FilePlace
 from wmspec.study.model import Item, Study
 
@@ -57,7 +58,7 @@ class Visit(Person):
 def read(path: Path, study: Study) -> Visit:
     """A file of answers that the page gave. Raises WmsError if it is none, or of another study."""
     try:
-        if path.stat().st_size > LARGEST:
+        if plain(path).stat().st_size > LARGEST:
             raise WmsError(f"more than {LARGEST >> 20} MiB: no file of answers is as large", FilePlace(str(path)))
         visit = Visit.model_validate_json(path.read_bytes())
     except OSError as error:

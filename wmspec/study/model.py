@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from wmspec.diagnostics import WmsError
 from wmspec.evaluate.question import Question
 from wmspec.evaluate.reply import LETTERS
+from wmspec.foreign import read_plain
 from wmspec.places import FilePlace
 from wmspec.write.files import explained
 from wmspec.write.words import READABLE
@@ -135,7 +136,7 @@ def load(folder: Path) -> Study:
     """The study in a folder. Raises WmsError if there is none, or if its file is damaged."""
     path = folder / FILE
     try:
-        return Study.model_validate_json(path.read_bytes())
+        return Study.model_validate_json(read_plain(path))
     except OSError:
         raise WmsError(f"{folder} holds no study; make one with `wmspec study make DATASET -o {folder}`") from None
     except ValidationError:

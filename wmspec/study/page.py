@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wmspec.diagnostics import WmsError
+from wmspec.foreign import plain
 from wmspec.places import FilePlace
 from wmspec.resources import resource
 from wmspec.study.model import PAGE, TEXTS, Item, Study
@@ -69,10 +70,10 @@ def _instructions(item: Item) -> str:
 
 def _read(path: Path) -> str:
     try:
-        content = path.read_bytes()[: _LONGEST + 1]
-        if len(content) > _LONGEST:
+        text = plain(path).read_bytes()[: _LONGEST + 1]
+        if len(text) > _LONGEST:
             raise WmsError(f"longer than {_LONGEST >> 10} KiB", FilePlace(str(path)), "shorten it")
-        return content.decode("utf-8")
+        return text.decode("utf-8")
     except OSError:
         raise WmsError("is missing", FilePlace(str(path)), "`wmspec study make` writes it again") from None
     except UnicodeDecodeError:

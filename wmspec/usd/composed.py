@@ -11,7 +11,10 @@ from typing import Any
 
 from pxr import Sdf, Tf
 
+from wmspec.diagnostics import WmsError
+from wmspec.foreign import Endless, plain
 from wmspec.limits import BYTES, COMPOSED, DEPTH
+from wmspec.places import FilePlace
 from wmspec.usd.crate import trusted
 
 #: Where a prim is: the layer and the path in it.
@@ -95,7 +98,9 @@ def _at(layer: Sdf.Layer, asset: str, path: Sdf.Path) -> Iterator[Site]:
 
 def _small(path: Path) -> None:
     try:
-        if path.stat().st_size > BYTES.most:
+        if plain(path).stat().st_size > BYTES.most:
             raise BYTES.exceeded()
+    except Endless as error:
+        raise WmsError(str(error.strerror), FilePlace(path.name)) from None
     except (OSError, ValueError):  # USD tells it
         return

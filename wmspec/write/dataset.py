@@ -14,6 +14,7 @@ from typing import Any
 
 from wmspec.ask.model import Rejected
 from wmspec.diagnostics import WmsError
+from wmspec.foreign import read_plain
 from wmspec.write import checkpoint, files
 from wmspec.write.baselines import Baselines, baselines
 from wmspec.write.card import bibtex, card
@@ -54,6 +55,7 @@ class Dataset:
         Raises:
             WmsError: the folder holds something else or another plan, is being written to, or cannot be written to.
         """
+        _today()  # if it cannot be told, better now than when all is made
         scratch = folder / files.PROGRESS
         with files.explained(folder):
             scratch.mkdir(parents=True, exist_ok=True)
@@ -132,11 +134,10 @@ class Dataset:
     def _published(self) -> str:
         """The day (YYYY-MM-DD) on which it was first finished, or that SOURCE_DATE_EPOCH says."""
         try:
-            there = json.loads((self.folder / files.CROISSANT).read_bytes())
+            there = json.loads(read_plain(self.folder / files.CROISSANT))
             return str(date.fromisoformat(there["datePublished"]))
         except (OSError, ValueError, TypeError, KeyError, RecursionError):
-            at = float(os.environ.get("SOURCE_DATE_EPOCH") or time.time())
-            return str(datetime.fromtimestamp(at, UTC).date())
+            return _today()
 
     # ------------------------------------------------------------ beginning
 
@@ -167,7 +168,7 @@ class Dataset:
     def _plan(self) -> dict[str, Any] | None:
         """The plan that the folder holds, as JSON values; None if it holds none, {} if it cannot be read."""
         try:
-            record = json.loads((self.folder / files.PLAN).read_bytes())
+            record = json.loads(read_plain(self.folder / files.PLAN))
         except FileNotFoundError:
             return rebuilt(self.folder, self.plan)
         except (ValueError, RecursionError):
@@ -231,3 +232,12 @@ class Dataset:
 
     def _put(self, name: str, content: bytes) -> None:
         files.write(self.folder, name, content)
+
+
+def _today() -> str:
+    """The day (YYYY-MM-DD) that SOURCE_DATE_EPOCH says, or this one. Raises WmsError if it says none."""
+    said = os.environ.get("SOURCE_DATE_EPOCH")
+    try:
+        return str(datetime.fromtimestamp(float(said) if said else time.time(), UTC).date())
+    except (ValueError, OverflowError, OSError):
+        raise WmsError(f"SOURCE_DATE_EPOCH is no time: {said}", help="give seconds since 1970, or unset it") from None

@@ -12,6 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.diagnostics import WmsError
+from wmspec.foreign import plain, read_plain
 from wmspec.places import FilePlace
 from wmspec.write import files
 from wmspec.write.plan import fingerprint
@@ -39,7 +40,7 @@ class DatasetReader:
         """Raises WmsError if there is no finished dataset in the folder, or if its manifest is damaged."""
         place = folder / files.MANIFEST
         try:
-            manifest = json.loads(place.read_bytes())
+            manifest = json.loads(read_plain(place))
         except OSError:
             raise WmsError(f"{folder} holds no finished dataset; make one with `wmspec generate`") from None
         except (ValueError, RecursionError):
@@ -132,7 +133,7 @@ def foreign(folder: Path, known: Collection[str]) -> list[str]:
 def _planned(folder: Path, manifest: dict[str, Any]) -> None:
     """Raise WmsError if a manifest says otherwise than the plan beside it; a folder may have come without that."""
     try:
-        plan = json.loads((folder / files.PLAN).read_bytes())
+        plan = json.loads(read_plain(folder / files.PLAN))
     except (OSError, ValueError, RecursionError):
         return
     if not isinstance(plan, dict):
@@ -164,7 +165,7 @@ def _group(
 
 def _opened(path: Path) -> pq.ParquetFile:
     try:
-        file = pq.ParquetFile(path)
+        file = pq.ParquetFile(plain(path))
         fault = columns_fault(file.schema_arrow)
     except (OSError, pa.ArrowException, ValueError) as error:
         raise _unreadable(path, error) from None

@@ -10,6 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.diagnostics import WmsError
+from wmspec.foreign import plain
 from wmspec.write import files
 from wmspec.write.plan import Plan, Task
 from wmspec.write.reader import DatasetReader
@@ -44,5 +45,5 @@ def _indices(dataset: DatasetReader, task: str) -> list[int]:
     """The instances of a task, in order."""
     asked = {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task}
     for path in dataset.shards(task):
-        asked.update(pq.read_table(dataset.folder / path, columns=["index"])["index"].to_pylist())
+        asked.update(pq.read_table(plain(dataset.folder / path), columns=["index"])["index"].to_pylist())
     return sorted(asked)

@@ -15,6 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.ask.model import Rejected
+from wmspec.foreign import read_plain
 from wmspec.write import files
 from wmspec.write.plan import Plan, Shard
 from wmspec.write.rows import Row, identity, schema, table
@@ -91,7 +92,7 @@ def read_records(folder: Path, shards: Iterable[Shard]) -> dict[str, Record]:
 
 def _record(path: Path) -> Record | None:
     try:
-        record: dict[str, Any] = json.loads(path.read_bytes())
+        record: dict[str, Any] = json.loads(read_plain(path))
         rejected = tuple(Rejected(**r) for r in record.pop("rejected"))
         return Record(**record, rejected=rejected)
     except (FileNotFoundError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
@@ -101,7 +102,7 @@ def _record(path: Path) -> Record | None:
 def _finished(folder: Path) -> dict[str, Any]:
     """What the manifest says of shards, and of rejections by task and instance; empty if none can be read."""
     try:
-        manifest: dict[str, Any] = json.loads((folder / files.MANIFEST).read_bytes())
+        manifest: dict[str, Any] = json.loads(read_plain(folder / files.MANIFEST))
         lost: dict[str, dict[int, list[Rejected]]] = {}
         for each in manifest["rejected"]["list"]:
             lost.setdefault(each["task"], {}).setdefault(each["index"], []).append(Rejected(**each))
