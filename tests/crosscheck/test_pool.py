@@ -117,7 +117,7 @@ def interrupted(self, n=1):
 
 on = []
 threading.Condition.notify = interrupted
-results = by_units(time.sleep, [[(0.2,)] * 20, [(30,)] * 2], Effort(workers=2, timeout=60))
+results = by_units(time.sleep, [[(30,)] * 2, [(0.2,)] * 20], Effort(workers=2, timeout=60))
 next(results)
 on.append(True)
 try:

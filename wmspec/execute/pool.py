@@ -12,6 +12,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import chain, islice
 from multiprocessing.context import SpawnContext, SpawnProcess
@@ -108,8 +109,9 @@ def by_units(
                     job = seat.jobs.popleft()
                     yield job.piece, cast(T, result(job, seat.jobs, seat.workers))
     except BaseException:
-        for seat in seats:
-            seat.workers.stop()
+        with _undisturbed():
+            for seat in seats:
+                seat.workers.stop()
         raise
 
 
@@ -256,7 +258,7 @@ class LocalWorkers:
     def _begin(self) -> None:
         self._pool: Any = ProcessPool(max_workers=self._count, max_tasks=PIECES_PER_WORKER, context=_Context())
         with _undisturbed():
-            assert self._pool.active, "asked for it, it begins"
+            _ = self._pool.active  # asked for this, it begins
 
     def _renew(self, jobs: Iterable[Job]) -> None:
         undone = [j for j in jobs if not j.future.done() or isinstance(j.future.exception(), BrokenProcessPool)]
@@ -313,8 +315,8 @@ def _undisturbed() -> Iterator[None]:
     finally:
         for number, handler in ours.items():
             signal.signal(number, handler)
-        for number in came:
-            signal.raise_signal(number)
+        for signalled in came:
+            signal.raise_signal(signalled)
 
 
 class Helper:
