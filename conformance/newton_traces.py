@@ -22,6 +22,9 @@ def executed(path: Path, seconds: float, rate: int) -> dict[str, np.ndarray]:
     stage = Usd.Stage.Open(str(path))
     builder = newton.ModelBuilder(up_axis=UsdGeom.GetStageUpAxis(stage))
     builder.add_usd(stage)
+    # Newton moves jointed bodies only in articulations, for which UsdPhysics does not ask.
+    if loose := [joint for joint, tree in enumerate(builder.joint_articulation) if tree < 0]:
+        builder.add_articulation(loose)
     model = builder.finalize(device="cpu")
     solver = newton.solvers.SolverMuJoCo(model, iterations=100, ls_iterations=50, use_mujoco_cpu=True)
     now, after, control = model.state(), model.state(), model.control()

@@ -205,3 +205,38 @@ def test_run_tells_it_on_the_terminal_in_json_and_in_the_trace(tmp_path: Path) -
     (row,) = json.loads(CliRunner().invoke(main, [*command, "--json"]).stdout)
     assert row["notes"][0]["prim"] == "/World/lamp"
     assert CliRunner().invoke(main, [*command, "--strict"]).exit_code == 2
+
+
+RAIL = """
+def PhysicsPrismaticJoint "rail" (prepend apiSchemas = ["PhysicsDriveAPI:linear"]) {
+    rel physics:body1 = </World/thing>
+    point3f physics:localPos0 = (0, 0, 1)
+    float drive:linear:physics:stiffness = 100
+    float drive:linear:physics:damping = 5
+    uniform token drive:linear:physics:type = "acceleration"
+}
+"""
+
+
+def test_a_drive_by_acceleration_is_a_force_for_what_it_moves() -> None:
+    text = SHAPE.format(inside=BALL % "", more=RAIL)
+    driven = read(stage(text), strict=False)
+    drive = driven.joints[0].drive
+    assert drive is not None
+    assert (drive.stiffness, drive.damping) == pytest.approx((200, 10))
+    assert any("a force for what it moves" in str(note) for note in driven.notes)
+    with pytest.raises(StageError, match="by acceleration"):
+        read(stage(text))
+
+
+def test_moments_of_no_solid_are_cut_and_told() -> None:
+    text = SHAPE.format(inside=BALL % "", more="").replace(
+        "float physics:mass = 2", "float physics:mass = 2\n    float3 physics:diagonalInertia = (0.1, 0.1, 0.3)"
+    )
+    cut = read(stage(text), strict=False)
+    inertia = cut.bodies[0].inertia
+    assert inertia is not None
+    assert_allclose(inertia.moments, [0.1, 0.1, 0.2], rtol=1e-6)
+    assert "50 % above" in str(cut.notes[0])
+    with pytest.raises(StageError, match="diagonalInertia"):
+        read(stage(text))

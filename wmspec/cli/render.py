@@ -19,7 +19,7 @@ from wmspec.cli.common import (
     seed_option,
     task_option,
 )
-from wmspec.cli.run import STAGES
+from wmspec.cli.run import STAGES, duration_option, seconds_of, tell_notes
 from wmspec.diagnostics import WmsError
 from wmspec.places import FilePlace
 
@@ -44,6 +44,7 @@ FILMS = (".gif", ".mp4")
 @instance_option
 @redrawn_option
 @seed_option
+@duration_option
 @click.option("--size", default="256", show_default=True, help="Pixels: 256, or 320x240.")
 @look_options
 @click.option("--camera", default="", help="Only this camera.  [default: those that observe; for a film the first]")
@@ -66,6 +67,7 @@ def render_command(
     instance: int,
     redrawn: int,
     seed: int,
+    duration: str,
     size: str,
     look: Any,
     samples: int | None,
@@ -79,7 +81,8 @@ def render_command(
 
     drawing: Drawing = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
     many = "," in backend or backend == "all"
-    for episode in _episodes(source, backend, task, instance, seed, redrawn):
+    seconds = seconds_of(duration) if duration else None
+    for episode in _episodes(source, backend, task, instance, seed, redrawn, seconds):
         renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
         name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
         pictures = _Pictures(episode, camera, overlay, drawing)
@@ -97,7 +100,9 @@ class _Pictures:
     drawing: Drawing
 
 
-def _episodes(source: Path, backend: str, task: str, instance: int, seed: int, redrawn: int) -> Iterator[Episode]:
+def _episodes(
+    source: Path, backend: str, task: str, instance: int, seed: int, redrawn: int, seconds: float | None
+) -> Iterator[Episode]:
     """What happened, once for each engine that executes it, or as it was written to disk."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
@@ -107,9 +112,12 @@ def _episodes(source: Path, backend: str, task: str, instance: int, seed: int, r
     if suffix == ".npz":
         yield load_episode(source)
         return
-    stage = open_stage(source) if suffix in STAGES else instance_of(source, task, instance, seed, redrawn).stage()
+    given = suffix in STAGES
+    stage = open_stage(source) if given else instance_of(source, task, instance, seed, redrawn).stage()
     for engine in chosen(backend):
-        yield execute(stage, engine)
+        episode = execute(stage, engine, seconds, strict=not given)
+        tell_notes([episode])
+        yield episode
 
 
 def _written(pictures: _Pictures, output: Path, name: str, rate: float, many: bool) -> Iterator[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,15 @@ if TYPE_CHECKING:
 STAGES = (".usd", ".usda", ".usdc", ".usdz")
 
 
+duration_option = click.option(
+    "--for",
+    "duration",
+    default="",
+    metavar="TIME",
+    help="How long, such as 2s, to the nearest sample; for stages without an episode.",
+)
+
+
 @click.command("run")
 @click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE")
 @click.option(
@@ -36,13 +46,7 @@ STAGES = (".usd", ".usda", ".usdc", ".usdz")
 @instance_option
 @redrawn_option
 @seed_option
-@click.option(
-    "--for",
-    "duration",
-    default="",
-    metavar="TIME",
-    help="How long, such as 2s, to the nearest sample; for stages without an episode.",
-)
+@duration_option
 @click.option(
     "--output",
     "-o",
@@ -70,7 +74,7 @@ def run_command(
     engines = chosen(backend)
     if output is not None and len(engines) > 1:
         raise WmsError("one file holds the trace of one engine; choose one with --backend, or leave out --output")
-    seconds = _seconds(duration) if duration else None
+    seconds = seconds_of(duration) if duration else None
     if source.suffix.lower() in STAGES:
         episodes = [run(source, engine, seconds, strict=strict) for engine in engines]
     else:
@@ -81,13 +85,18 @@ def run_command(
     if as_json:
         click.echo(json.dumps([_summary(episode) for episode in episodes], indent=2))
         return
-    for note in dict.fromkeys(note for episode in episodes for note in episode.notes):
-        tell(note.render(paint()))
+    tell_notes(episodes)
     for episode in episodes:
         _print(episode)
 
 
-def _seconds(text: str) -> float:
+def tell_notes(episodes: Sequence[Episode]) -> None:
+    """What was taken for something else, each once."""
+    for note in dict.fromkeys(note for episode in episodes for note in episode.notes):
+        tell(note.render(paint()))
+
+
+def seconds_of(text: str) -> float:
     """The time (s) that is meant."""
     from wmspec.check.units import TIME, UnknownUnit, parse_unit
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,6 +38,21 @@ def enough(scene: Scene, rate: int, *, damped: bool = True) -> int:
         if not any(too_stiff(scene, finer * rate)) and not (damped and any(too_damped(scene, finer * rate))):
             return finer * rate
     return FINEST * rate
+
+
+def weighed(scene: Scene) -> Scene:
+    """The scene whose drives by acceleration are forces, for the mass or moment that each moves at the start."""
+    if not any(joint.drive and joint.drive.weightless for joint in scene.joints):
+        return scene
+    moved = {number: 1 / light for tree in trees(scene) for number, light in mobility(scene, tree).items()}
+    return replace(scene, joints=tuple(_weighed(joint, moved.get(i, 1.0)) for i, joint in enumerate(scene.joints)))
+
+
+def _weighed(joint: Joint, mass: float) -> Joint:
+    if joint.drive is None or not joint.drive.weightless:
+        return joint
+    stiffness, damping = joint.drive.stiffness * mass, joint.drive.damping * mass
+    return replace(joint, drive=replace(joint.drive, stiffness=stiffness, damping=damping, weightless=False))
 
 
 def _driven(scene: Scene) -> Iterator[tuple[Joint, Drive, float]]:

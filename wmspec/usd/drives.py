@@ -9,17 +9,19 @@ from pxr import Usd
 
 from wmspec.scene.model import Drive
 from wmspec.usd.frames import World
+from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import applied, refuse, value
 
 DEGREES = math.radians(1)
 
 
-def drive(prim: Usd.Prim, name: str, world: World, free: Sequence[str] = ()) -> Drive | None:
+def drive(prim: Usd.Prim, name: str, world: World, free: Sequence[str] = (), notes: Notes = STRICT) -> Drive | None:
     """The drive `name` (angular, linear, or a degree of freedom such as rotX), or None if it has none; of a ball joint,
     whose drives have no name, there may be none. `free` are all the names that the joint's drives may have.
 
     Raises:
-        StageError: if it drives a ball joint or something that the joint does not leave free, or by acceleration.
+        StageError: if it drives a ball joint or something that the joint does not leave free; by the strict, one by
+            acceleration.
     """
     driven = [api.partition(":")[2] for api in applied(prim) if api.startswith("PhysicsDriveAPI:")]
     names = _called(name)
@@ -28,17 +30,22 @@ def drive(prim: Usd.Prim, name: str, world: World, free: Sequence[str] = ()) -> 
     if strange and not name:
         refuse(prim, f"its drive '{strange[0]}' is of a ball joint", "remove that PhysicsDriveAPI, or use hinges")
     if strange:
-        refuse(prim, f"its drive '{strange[0]}' is of no axis that it leaves free", "remove that PhysicsDriveAPI")
+        reason = f"its drive '{strange[0]}' is of no axis that it leaves free"
+        notes.instead(prim, reason, "left out", "remove that PhysicsDriveAPI")
     mine = next((other for other in driven if other in names), None)
     if mine is None or not drives(prim, mine):
         return None
-    if value(prim, f"drive:{mine}:physics:type", "force") != "force":
-        reason = "drives by acceleration are not supported"
-        refuse(prim, reason, f"author drive:{mine}:physics:type = force, and a stiffness and damping for the masses")
+    weightless = value(prim, f"drive:{mine}:physics:type", "force") != "force"
+    if weightless:
+        remedy = f"author drive:{mine}:physics:type = force, and a stiffness and damping for the masses"
+        notes.instead(
+            prim, "drives by acceleration are not supported", "a force for what it moves at the start", remedy
+        )
     turns = mine == "angular" or mine.startswith("rot")
     length = world.meters
     way = DEGREES if turns else length
-    force = world.kilograms * length * (length if turns else 1.0)
+    greatest = world.kilograms * length * (length if turns else 1.0)
+    force = greatest if not weightless else 1.0 if turns else length
     number = {what: float(value(prim, f"drive:{mine}:physics:{what}", 0.0)) for what in _NUMBERS}
     most = float(value(prim, f"drive:{mine}:physics:maxForce", math.inf))
     return Drive(
@@ -46,7 +53,8 @@ def drive(prim: Usd.Prim, name: str, world: World, free: Sequence[str] = ()) -> 
         damping=number["damping"] * force / way,
         target=number["targetPosition"] * way,
         velocity=number["targetVelocity"] * way,
-        max_force=most * force if most < 1e30 else math.inf,
+        max_force=most * greatest if most < 1e30 else math.inf,
+        weightless=weightless,
     )
 
 

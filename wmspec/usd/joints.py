@@ -80,7 +80,7 @@ def _joint(prim: Usd.Prim, names: Names, bodies: Mapping[str, Body], world: Worl
         refuse(prim, f"it joins {moving[0].path} to itself", "target two bodies, or one and the world")
     if len(ways) == 1:
         name = names.give(prim.GetName(), path)
-        return Held({path: _single(prim, name, ways[0], ends[0], ends[1], ways, world)})
+        return Held({path: _single(prim, name, ways[0], ends[0], ends[1], ways, world, notes)})
     here = compose(first.pose, above) if first else above
     there = compose(second.pose, below) if second else below
     joined, between, last = {}, [], ends[0]
@@ -93,7 +93,7 @@ def _joint(prim: Usd.Prim, names: Names, bodies: Mapping[str, Body], world: Worl
             after = (between[-1], identity())
         turn = Pose(np.zeros(3), np.array(_TURNS[way.axis]))
         outer, inner = ((body, compose(frame, turn)) for body, frame in (last, after))
-        joined[f"{path}.{way.drive or way.kind}"] = _single(prim, name, way, outer, inner, ways, world)
+        joined[f"{path}.{way.drive or way.kind}"] = _single(prim, name, way, outer, inner, ways, world, notes)
         last = after
     mass = max(body.inertia.mass for body in between if body.inertia)
     notes.instead(
@@ -141,7 +141,14 @@ def _frames(here: Pose, there: Pose, ways: Sequence[_Way]) -> Iterator[Pose]:
 
 
 def _single(
-    prim: Usd.Prim, name: str, way: _Way, above: _End, below: _End, ways: Sequence[_Way], world: World
+    prim: Usd.Prim,
+    name: str,
+    way: _Way,
+    above: _End,
+    below: _End,
+    ways: Sequence[_Way],
+    world: World,
+    notes: Notes,
 ) -> Joint:
     """One joint, between a body (or the world) and another, by its frames in them."""
     (first, outer), (second, inner) = above, below
@@ -157,7 +164,7 @@ def _single(
         outer,
         inner,
         way.limits,
-        None if way.kind == "fixed" else drive(prim, way.drive, world, [other.drive for other in ways]),
+        None if way.kind == "fixed" else drive(prim, way.drive, world, [other.drive for other in ways], notes),
         bool(value(prim, "physics:collisionEnabled", False)),
     )
 

@@ -8,6 +8,7 @@ from pathlib import PurePath
 from pxr import Usd
 
 from wmspec.diagnostics import Report, StageError
+from wmspec.scene.drives import weighed
 from wmspec.scene.loops import opened
 from wmspec.scene.model import Action, Body, Camera, Joint, Observation, Scene
 from wmspec.scene.starts import settled
@@ -27,6 +28,8 @@ def scene(stage: Usd.Stage, notes: Notes) -> Scene:
     problems = Report(StageError)
     incomplete(stage, problems)
     census, world = Walk(stage, problems, notes=notes).census, World(stage, problems)
+    if not notes.strict and not stage.HasAuthoredMetadata("metersPerUnit"):
+        notes.instead(stage.GetPseudoRoot(), "metersPerUnit is not authored", "0.01, as USD has it", "author it")
     everything = bodies(list(census.owners.values()), world, problems, notes)
     known = {body.path: body for body in everything}
     cameras = _cameras(census, known, world, problems, notes)
@@ -61,7 +64,7 @@ def scene(stage: Usd.Stage, notes: Notes) -> Scene:
     if notes.strict:
         return read
     read, moved = settled(read)
-    read = opened(read)
+    read = weighed(opened(read))
     return replace(read, notes=(*notes.diagnostics, *moved))
 
 

@@ -102,7 +102,8 @@ class Walk:
                 above = self._group(prim, kind, above)
             else:
                 self.census.others.setdefault(kind, []).append(prim)
-        if kind not in TYPES or (kind in SEEN and not self._notes.strict):
+        instanced = kind == "PointInstancer"  # what is below it is nowhere by itself
+        if kind not in TYPES or (kind in SEEN and not self._notes.strict and not instanced):
             for child in prim.GetFilteredChildren(self._predicate):
                 self._visit(child, above)
 

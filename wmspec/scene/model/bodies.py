@@ -86,7 +86,8 @@ JointKind = Literal["fixed", "hinge", "slider", "ball"]
 class Drive:
     """A damped spring along a joint's one coordinate: force `stiffness` (target - coordinate) + `damping` (velocity
 
-    - rate of the coordinate), at most `max_force`. SI units: N/m and m of a slider, N m/rad and rad of a hinge.
+    - rate of the coordinate), at most `max_force`. SI units: N/m and m of a slider, N m/rad and rad of a hinge. What is
+    `weightless` is so for each unit of what it moves; no engine is given that, see `wmspec.scene.drives.weighed`.
     """
 
     stiffness: float
@@ -94,6 +95,7 @@ class Drive:
     target: float = 0.0
     velocity: float = 0.0
     max_force: float = float("inf")
+    weightless: bool = False
 
 
 @dataclass(frozen=True)
