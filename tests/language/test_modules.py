@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+import wmspec
 from wmspec.check import ir
 from wmspec.check.task import check
 from wmspec.design.design import Design
@@ -102,3 +103,19 @@ def test_each_variant_is_a_task_with_what_is_common(tmp_path: Path) -> None:
 def test_mistakes_are_told(tmp_path: Path, text: str, wanted: str) -> None:
     _, errors = tasks(tmp_path, f"{text}\ntask a : custom {{ {TASK.format('here.' if ' as here' in text else '')} }}")
     assert any(wanted in error for error in errors), errors
+
+
+def test_a_parameter_that_is_called_like_a_design_is_none() -> None:
+    text = """
+      parameter groups = 1 cm
+      task t : custom {
+        use tabletop
+        factor a in [1, 2]
+        factor b in [1, 2]
+        design groups of 4 { cross: a  turn: b }
+        object o { size: groups * a * b  on: table }
+        observe front at [0 s]
+        question groups "Is it large?" { answer a > 1 }
+      }
+    """
+    assert wmspec.load(text=text).groups == 4

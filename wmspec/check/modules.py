@@ -176,14 +176,16 @@ class _Replace:
                 if name in self._values:
                     return self._values[name]
                 return replace(node, id=self._names[name]) if name in self._names else node
-            case s.Member():
-                return replace(node, value=self(node.value))
-            case s.Argument():
+            case s.Member() | s.Argument():
                 return replace(node, value=self(node.value))
             case s.Property():
                 return replace(node, value=self(node.value), at=self(node.at))
             case s.Part():
                 return replace(node, properties=self(node.properties))
+            case s.Question() | s.Counterfactual() | s.Tolerance():
+                return _each(node, self, but="name")
+            case s.Design():
+                return replace(node, count=self(node.count), baseline=self(node.baseline))
             case s.Template(parameters=parameters) if parameters:
                 own = {p.name.id for p in parameters}
                 inner = _Replace(
