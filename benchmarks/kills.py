@@ -1,6 +1,7 @@
 """Runs that are killed at random moments, begun again until they end, and held against one that was left alone.
 
     python -m benchmarks.kills --of generate --kills 100
+    python -m benchmarks.kills --of generate --executor ray --kills 100
     python -m benchmarks.kills --of evaluate --kills 100
     python -m benchmarks.kills --of study --kills 100
 
@@ -92,11 +93,20 @@ class Victim:
 
     def workers(self) -> list[int]:
         """The processes that do its work."""
-        children = Path(f"/proc/{self.run.pid}/task/{self.run.pid}/children")
-        with suppress(FileNotFoundError):
-            pids = [int(pid) for pid in children.read_text().split()]
-            return [pid for pid in pids if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
-        return []
+        below, waiting = [], [self.run.pid]
+        while waiting:
+            for children in Path(f"/proc/{waiting.pop()}/task").glob("*/children"):
+                with suppress(OSError):
+                    pids = [int(pid) for pid in children.read_text().split()]
+                    waiting += pids
+                    below += pids
+        return [pid for pid in below if any(name in _command(pid) for name in (b"spawn_main", b"ray::_Actor"))]
+
+
+def _command(pid: int) -> bytes:
+    with suppress(OSError):
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    return b""
 
 
 def _all(victim: Victim) -> None:
@@ -108,7 +118,7 @@ def _alone(victim: Victim) -> None:
 
 
 def _worker(victim: Victim) -> None:
-    for pid in victim.workers()[:1]:
+    for pid in victim.workers()[-1:]:
         with suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
 
@@ -217,7 +227,7 @@ def _differing(result: object, whole: object) -> str:
     return ", ".join(str(k) for k in sorted({*here, *there}, key=str) if here.get(k) != there.get(k))[:300]
 
 
-def generate(home: Path) -> Rounds:
+def generate(home: Path, executor: str) -> Rounds:
     """`INSTANCES` instances of one task in one engine, by two workers."""
     out = home / "out"
     arguments = ["generate", str(SPEC), "-o", str(out), "-b", "mujoco", "--per-task", str(INSTANCES), "--size", "48"]
@@ -231,7 +241,7 @@ def generate(home: Path) -> Rounds:
     def made() -> object:
         return {str(p.relative_to(out)): p.read_bytes() for p in sorted(out.rglob("*")) if p.is_file()}
 
-    return Rounds([*arguments, "-j", "2"], progress, made, lambda: shutil.rmtree(out))
+    return Rounds([*arguments, "-j", "2", "--executor", executor], progress, made, lambda: shutil.rmtree(out))
 
 
 def evaluate(home: Path, address: str) -> Rounds:
@@ -259,6 +269,7 @@ def main() -> None:
     """Run and report."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--of", choices=("generate", "evaluate", "study"), default="generate")
+    parser.add_argument("--executor", choices=("local", "ray"), default="local", help="of generate")
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
@@ -267,7 +278,9 @@ def main() -> None:
         if options.of == "study":
             print(study(Path(home), options.kills, chance))
             return
-        rounds = generate(Path(home)) if options.of == "generate" else evaluate(Path(home), server.address)
+        rounds = (
+            generate(Path(home), options.executor) if options.of == "generate" else evaluate(Path(home), server.address)
+        )
         try:
             rounds.run(options.kills, chance)
         except Failed as error:

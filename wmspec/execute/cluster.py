@@ -6,7 +6,9 @@ is here. So the same pieces give the same results, and the same of them fail for
 
 from __future__ import annotations
 
+import signal
 import socket
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import wait
 from concurrent.futures.process import BrokenProcessPool
@@ -36,7 +38,8 @@ def ray_cluster(address: str, workers: int | None, timeout: float, versions: Map
     if joined:
         try:
             _answers(address)
-            ray.init(address or "local", num_cpus=None if address else workers, **quiet)
+            with _own_signals():
+                ray.init(address or "local", num_cpus=None if address else workers, **quiet)
         except (ValueError, RuntimeError, OSError) as error:
             reason = " ".join(str(error).split())[:300]
             raise WmsError(
@@ -115,6 +118,17 @@ class _Actor:
         self._workers.take(job, ())
         done: T | Lost = result(job, (), self._workers)
         return done
+
+
+@contextmanager
+def _own_signals() -> Iterator[None]:
+    """Whoever is told to end ends as before: Ray would answer SIGTERM by an exit code of its own."""
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        yield
+    finally:
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGTERM, before)
 
 
 def _answers(address: str) -> None:

@@ -27,6 +27,7 @@ REASONS = {
     "invalid": "the combination of factors is impossible",
     "unstable": "the answer does not survive a nudge, or the engine gave up on the episode",
     "group": "the options are a closed set, and a sibling in the group yields no question",
+    "balance": "no choice of draws was found for which the answers come equally often",
     "error": "something went wrong that has no reason of its own",
     "crashed": "the engine crashed, twice, or there was not enough memory",
     "timeout": "the engine took too long, twice",
