@@ -60,25 +60,13 @@ task grab : custom {
 """
 
 
-def test_what_cannot_be_executed_yet_is_refused_with_its_place(tmp_path: Path) -> None:
+def test_what_cannot_be_planned_is_refused_with_its_place(tmp_path: Path) -> None:
     installed("pybullet")
     (tmp_path / "grab.wms").write_text(ROBOT)
-    wmspec("check", "grab.wms", folder=tmp_path)
-    for command in (
-        ["run", "grab.wms", "-b", "pybullet"],
-        ["generate", "grab.wms", "-o", "out", "-b", "pybullet"],
-        ["crosscheck", "grab.wms"],
-    ):
+    for command in (["check", "grab.wms"], ["run", "grab.wms", "-b", "pybullet"]):
         told = wmspec(*command, folder=tmp_path, code=2).stderr
-        assert "`truck.forward` cannot be executed yet" in told
+        assert "`truck` cannot forward so: it has no roads" in told
         assert "grab.wms:6:10" in told
-    assert not (tmp_path / "out").exists()
-
-
-def test_what_a_folder_holds_beside_it_is_made(tmp_path: Path) -> None:
-    installed("pybullet")
-    (tmp_path / "grab.wms").write_text(ROBOT)
-    (tmp_path / "still.wms").write_text(SPEC.format(gate="", where="-20 cm"))
-    done = wmspec("generate", ".", "-o", "out", "-b", "pybullet", "--size", 64, "-j", 1, folder=tmp_path)
-    assert "left out `grab`: grab.wms:6:10" in done.stderr
-    assert json.loads((tmp_path / "out/manifest.json").read_text())["tasks"].keys() == {"still"}
+    made = wmspec("generate", "grab.wms", "-o", "out", "-b", "pybullet", "-j", 1, folder=tmp_path).stdout
+    assert "1 rejected (1 invalid)" in made
+    assert "`truck` cannot forward so: it has no roads" in made

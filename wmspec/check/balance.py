@@ -5,6 +5,7 @@ from __future__ import annotations
 from wmspec.check import ir
 from wmspec.check.evaluate import parts
 from wmspec.check.expressions import Expressions
+from wmspec.check.question_kinds import counted
 
 
 def balance(check: Expressions, spec: ir.TaskSpec) -> None:
@@ -20,7 +21,7 @@ def balance(check: Expressions, spec: ir.TaskSpec) -> None:
 
 
 def _unfit(question: ir.Question) -> tuple[str, str] | None:
-    if question.kind != "labels" or question.options is None:
+    if not counted(question) or question.options is None:
         what = f"`{question.name}` has no list of answers that could come equally often"
         return what, "balance a question that is answered with one of its `options`, or with yes or no"
     if any(isinstance(part, ir.Ref | ir.Property | ir.Call) for part in parts(question.options)):

@@ -144,6 +144,11 @@ def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
     return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
 
 
+def counted(question: ir.Question) -> bool:
+    """Whether a question has a list of answers of which one can count how often each comes."""
+    return question.kind == "labels" and question.options is not None
+
+
 def broken(rules: QuestionRules, answer: Type, clauses: Set[str]) -> Rule | None:
     """The first rule for its clauses that a question breaks."""
     refused = (rule for rule in rules.refused if rule.clause in clauses and rule.holds(answer))

@@ -42,7 +42,7 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
     body.set("xformOp:orient", "quatd", pose.orientation, f"{name}.pose")
     body.set("xformOpOrder", "token[]", ("xformOp:translate", "xformOp:orient"), uniform=True)
     if carriers and not fixed:
-        body.set("physics:kinematicEnabled", "bool", carried, *carriers)
+        body.set("physics:kinematicEnabled", "bool", carried, f"{name}.fixed", *carriers)
     if values.has(name, "damping"):
         spun = "spin_damping" if values.has(name, "spin_damping") else "damping"
         for kind, word in (("linear", "damping"), ("angular", spun)):
@@ -110,8 +110,9 @@ def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values:
     form = f"{part}.form"
     prim = geometry(doc, path, piece, (*touched, *meshed), (form, f"{name}.solid", f"{name}.present"))
     shown = dict.fromkeys((part, name))
-    if not all(values.property(owner, "drawn") for owner in shown if values.has(owner, "drawn")):
-        prim.set("visibility", "token", "invisible", *(f"{owner}.drawn" for owner in shown))
+    drawn = all(values.property(owner, "drawn") for owner in shown if values.has(owner, "drawn"))
+    if not drawn or not all(values.by_default(owner, "drawn") for owner in shown):
+        prim.set("visibility", "token", "inherited" if drawn else "invisible", *(f"{o}.drawn" for o in shown))
     if meshed:
         way = "convexHull" if piece.solid.convex else "convexDecomposition"
         if values.has(part, "file"):
