@@ -137,7 +137,7 @@ OTHERS = (
     """
   object dolly { shape: sphere  size: 2 cm  solid: false  drawn: n > 1  at: (0, -60 cm, place) }
   camera riding { ride: dolly  at: (0, 0, 10 cm)  look_at: (0, 60 cm, 0) }
-  action roam = follow(dolly, arc, direction: lean, length: place, width: half, facing: true) for 0.4 s at 0.1 s""",
+  action roam = follow(dolly, arc, direction: lean, length: place, width: half, facing: n > 1) for 0.4 s at 0.1 s""",
     """
   use rope(top: (-60 cm, 40 cm, 80 cm), length: place, lean: lean) as string""",
 )

@@ -112,11 +112,6 @@ class Values:
             return True
         return thing.kind == "part" and name in INHERITED and self.has(thing.of, name)
 
-    def by_default(self, owner: str, name: str) -> bool:
-        """Whether the spec leaves a truth value at true, which it is if nothing is said."""
-        setting = self._things[owner].properties.get(name)
-        return setting is None or setting.value == Value(value=True)
-
     def place(self, owner: str, name: str = "") -> Location:
         """Where a thing, or one of its properties, stands in the text."""
         thing = self._things[owner]

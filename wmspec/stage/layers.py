@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import cache
 from typing import Any
 
 from pxr import Gf, Sdf, Usd, Vt
@@ -129,10 +130,21 @@ def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
     for name in sorted(lost):
         gone = before.attributes[name]
         _attribute(spec, name, gone._replace(value=Sdf.ValueBlock(), connection=""), bool(gone.connection))
+        if (fallback := _fallback(after.type, after.schemas, name)) is not None:
+            spec.attributes[name].default = fallback
     for name, relation in relations.items():
         _relation(spec, name, relation)
     for name in sorted(unrelated):
         _relation(spec, name, before.relations[name]._replace(targets=()))
+
+
+@cache
+def _fallback(type: str, schemas: tuple[str, ...], name: str) -> Any:
+    """What an attribute of such a prim is where nobody says it, if its schemas know; a block would hide that, too."""
+    registry = Usd.SchemaRegistry()
+    known = registry.FindConcretePrimDefinition(type)
+    whole = registry.BuildComposedPrimDefinition(type, list(schemas)) if known and schemas else known
+    return whole.GetAttributeFallbackValue(name) if whole else None
 
 
 def _over(before: Attribute | None, after: Attribute) -> tuple[Attribute, bool]:

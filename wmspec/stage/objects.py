@@ -110,9 +110,8 @@ def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values:
     form = f"{part}.form"
     prim = geometry(doc, path, piece, (*touched, *meshed), (form, f"{name}.solid", f"{name}.present"))
     shown = dict.fromkeys((part, name))
-    drawn = all(values.property(owner, "drawn") for owner in shown if values.has(owner, "drawn"))
-    if not drawn or not all(values.by_default(owner, "drawn") for owner in shown):
-        prim.set("visibility", "token", "inherited" if drawn else "invisible", *(f"{o}.drawn" for o in shown))
+    if not all(values.property(owner, "drawn") for owner in shown if values.has(owner, "drawn")):
+        prim.set("visibility", "token", "invisible", *(f"{owner}.drawn" for owner in shown))
     if meshed:
         way = "convexHull" if piece.solid.convex else "convexDecomposition"
         if values.has(part, "file"):
