@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -39,6 +40,16 @@ def test_what_was_sealed_is_known_again_and_nothing_else(private: Path, tmp_path
     other = tmp_path / "other"
     generate(SPEED, other, per_task=2, backend="mujoco", size=64, seed=SEED + 1, workers=0)
     assert check(other, tmp_path / "public" / "seal.json")[0] == "the seed is another"
+
+
+def test_what_is_shown_is_drawn_as_what_is_not(tmp_path: Path) -> None:
+    for engine in ("mujoco", "pybullet"):
+        installed(engine)
+    choices: Any = {"per_task": 1, "size": 48, "seed": SEED, "workers": 0}
+    generate(SPEED, tmp_path / "private", backend="pybullet", renderer="mujoco", **choices)
+    seal(tmp_path / "private", tmp_path / "public", workers=0)
+    plans = [json.loads((tmp_path / one / "plan.json").read_bytes()) for one in ("private", "public/debug")]
+    assert [plan["renderer"] for plan in plans] == ["mujoco", "mujoco"]
 
 
 def test_a_seed_that_can_be_guessed_is_refused(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from wmspec.api.agreement import gathered
 from wmspec.api.loading import Tell, warn
 from wmspec.api.making import generate
 from wmspec.api.progress import Progress, silent
-from wmspec.api.verifying import unpacked
+from wmspec.api.verifying import drawn_in, unpacked
 from wmspec.write import files
 from wmspec.write.reader import DatasetReader
 from wmspec.write.seal import Seal, differences, sealed
@@ -47,6 +47,7 @@ def seal(
             backend=",".join(made.engines),
             size=made.size,
             consensus=reader.manifest["consensus"],
+            **drawn_in(reader)._asdict(),
             workers=workers,
             progress=progress,
             tell=tell,

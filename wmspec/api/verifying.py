@@ -6,6 +6,7 @@ import json
 from os import PathLike
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 from wmspec import __version__
 from wmspec.api.agreement import effort, gathered
@@ -15,6 +16,7 @@ from wmspec.api.task import Task
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import chosen, engine_version
 from wmspec.foreign import is_name, read_plain
+from wmspec.scene.model import Look
 from wmspec.write import files
 from wmspec.write.plan import Plan
 from wmspec.write.plan import Task as PlannedTask
@@ -78,14 +80,9 @@ def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
 
 def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan:
     """The dataset's plan, with some of its instances."""
-    try:
-        planned = json.loads(read_plain(dataset.folder / files.PLAN))
-    except (OSError, ValueError):
-        planned = {}  # an older dataset, or one that was copied without it: in the look that is usual
-    manifest = dataset.manifest
+    manifest, drawing = dataset.manifest, drawn_in(dataset)
     engines = chosen(",".join(manifest["engines"]))
-    renderer = planned.get("renderer", "")
-    drawn = {*engines, *([renderer] if renderer else [])}
+    drawn = {*engines, *([drawing.renderer] if drawing.renderer else [])}
     return Plan(
         texts={},
         tasks=tuple(PlannedTask(task.spec, _spread(_indices(dataset, task), sample)) for task in tasks),
@@ -93,11 +90,28 @@ def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan
         size=(manifest["size"][0], manifest["size"][1]),
         seed=manifest["seed"],
         consensus=manifest["consensus"],
-        look=planned.get("look", "parity"),
-        samples=planned.get("samples"),
-        renderer=renderer,
+        look=drawing.look,
+        samples=drawing.samples,
+        renderer=drawing.renderer,
         versions={"wmspec": __version__} | {name: engine_version(name) for name in drawn},
     )
+
+
+class Drawn(NamedTuple):
+    """How a dataset's pictures were drawn."""
+
+    look: Look
+    samples: int | None
+    renderer: str
+
+
+def drawn_in(dataset: DatasetReader) -> Drawn:
+    """What its plan says; the usual look for an older dataset, and for one that was copied without its plan."""
+    try:
+        planned = json.loads(read_plain(dataset.folder / files.PLAN))
+    except (OSError, ValueError):
+        planned = {}
+    return Drawn(planned.get("look", "parity"), planned.get("samples"), planned.get("renderer", ""))
 
 
 def _indices(dataset: DatasetReader, task: Task) -> list[int]:
