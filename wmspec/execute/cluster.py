@@ -41,7 +41,7 @@ def ray_cluster(address: str, workers: int | None, timeout: float, versions: Map
             with _own_signals():
                 ray.init(address or "local", num_cpus=None if address else workers, **quiet)
         except (ValueError, RuntimeError, OSError) as error:
-            reason = " ".join(str(error).split())[:300]
+            reason = " ".join(str(error).split())[:300].rstrip(".")
             raise WmsError(
                 f"there is no Ray cluster at `{address}`: {reason}" if address else f"Ray does not start: {reason}",
                 help="start one with `ray start --head`, or leave --address out to have one on this machine alone",
