@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmspec.scene.backend import Graphics, Info
 from wmspec.scene.capability import BALL_LIMITS, TWO_FRICTIONS, Lack, fast_impacts, fine_drives, stiff_drives
-from wmspec.scene.drives import FINEST
+from wmspec.scene.hard import FINEST
 
 STEPS_PER_SECOND = 3840
 GIVES = 2.2e-3  # s: how far a contact gives way for each m/s of an impact, at this rate; see `.impact`

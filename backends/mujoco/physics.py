@@ -11,8 +11,9 @@ from wmspec.diagnostics import EngineError, WmsError
 from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable
-from wmspec.scene.drives import FINEST, enough
+from wmspec.scene.drives import enough
 from wmspec.scene.episode import Episode, Recording, play
+from wmspec.scene.hard import FINEST
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly

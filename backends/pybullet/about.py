@@ -14,7 +14,7 @@ from wmspec.scene.capability import (
     pieces_above,
     stiff_drives,
 )
-from wmspec.scene.drives import FINEST
+from wmspec.scene.hard import FINEST
 
 STEPS_PER_SECOND = 1920
 MOST_FRICTION = 10.0  # of a pair: Bullet's own limit

@@ -145,8 +145,8 @@ def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
 
 
 def counted(question: ir.Question) -> bool:
-    """Whether a question has a list of answers of which one can count how often each comes."""
-    return question.kind == "labels" and question.options is not None
+    """Whether a question's answers are names, of which one can count how often each comes."""
+    return question.kind == "labels"
 
 
 def broken(rules: QuestionRules, answer: Type, clauses: Set[str]) -> Rule | None:

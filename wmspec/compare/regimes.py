@@ -12,28 +12,27 @@ import numpy as np
 from wmspec.compare.allow import closing, impacts, sample
 from wmspec.compare.model import Regime
 from wmspec.execute.backends import info, names
-from wmspec.scene.capability import approximated
+from wmspec.scene.capability import ROLLING_CYLINDERS, approximated
 from wmspec.scene.contact import colliders, mix
+from wmspec.scene.hard import BOUNCY, STEEP
 from wmspec.scene.model import Body, Contact, Scene, Trace
 from wmspec.scene.transform import rotate
 from wmspec.shapes.cylinder import Cylinder
 
 ROW = "what strikes bodies that touch each other is answered by all of them at once"
-ROLL = "SAPIEN rolls cylinders as polygons, which brake"
-#: Restitution of a pair from which on it matters which impact of a row comes first.
-BOUNCY = 0.2
-#: Cosine to the vertical: steeper contacts carry weight, steeper cylinders stand.
-STEEP = 0.7
 #: m/s: slower is at rest.
 SLOW = 0.05
 
 
 def regimes(scene: Scene, traces: tuple[Trace, Trace], apart: float) -> tuple[Regime, ...]:
     """What a scene and two traces of it enter, each kind once; a pair `apart` (s) for longer touches anew."""
-    engines = [info(t.engine) for t in traces if t.engine in names()]
-    found = [Regime(d.message, str(d.place)) for engine in engines for d in approximated(engine.lacks, scene)]
+    known = [(trace, info(trace.engine)) for trace in traces if trace.engine in names()]
+    found = [Regime(d.message, str(d.place)) for _, engine in known for d in approximated(engine.lacks, scene)]
     found += [Regime(ROW, where) for trace in traces for where in _rows(scene, trace, apart)]
-    found += [Regime(ROLL, where) for trace in traces if trace.engine == "sapien" for where in _rolls(scene, trace)]
+    for trace, engine in known:
+        if any(lack.capability is ROLLING_CYLINDERS for lack in engine.lacks):
+            kind = f"{engine.title} rolls cylinders as polygons, which brake"
+            found += [Regime(kind, where) for where in _rolls(scene, trace)]
     return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
 
 

@@ -7,13 +7,11 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from wmspec.layout.geometry import pieces
-from wmspec.layout.solids import bounds
+from wmspec.layout.solids import Box, bounds
 from wmspec.space import HERE, Pose, Vector, inverse, multiply
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
-
-Box = tuple[Vector, Vector]
 
 #: What touches does not overlap, m.
 _TOUCH = 1e-9

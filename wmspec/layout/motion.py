@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from wmspec.check.ir import Thing
+from wmspec.check.ir import TaskSpec, Thing
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import HEADINGS
 from wmspec.diagnostics import ImpossibleValue
@@ -28,6 +28,21 @@ class Stand:
 
     pose: Pose
     yaw: float
+
+
+def carriers(values: Values) -> dict[str, str]:
+    """The objects that are carried, which makes them kinematic, each with one of the actions that carry it."""
+    carrying: dict[str, str] = {}
+    for action in values.spec.things:
+        if action.kind == "action" and not action.of and action.verb in CARRYING and values.there(action.name):
+            carrying.setdefault(values.property(action.name, "object"), action.name)
+    return carrying
+
+
+def carrier_sources(spec: TaskSpec) -> frozenset[str]:
+    """The sources that decide which objects are carried."""
+    acting = (t.name for t in spec.things if t.kind == "action" and not t.of and t.verb in CARRYING)
+    return frozenset(f"{name}.{what}" for name in acting for what in ("there", "object"))
 
 
 def before(values: Values, action: Thing) -> Stand:

@@ -5,10 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 from wmspec.shapes import Shape
 from wmspec.shapes.shape import AXES
 from wmspec.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times
+
+#: The lowest and the highest corner (m) of an upright box.
+Box = tuple[Vector, Vector]
 
 
 @dataclass(frozen=True)
@@ -29,12 +33,18 @@ def reach(pieces: Iterable[Piece], direction: Vector) -> float:
     return max(piece.reach(direction) for piece in pieces)
 
 
-def bounds(pieces: Sequence[Piece], pose: Pose) -> tuple[Vector, Vector]:
+def bounds(pieces: Sequence[Piece], pose: Pose) -> Box:
     """The lowest and the highest corner (m) of the upright box around an object, in the frame of `pose`."""
     here, back = pose.position, inverse(pose.orientation)
     low = [here[i] - reach(pieces, rotate(back, times(-1.0, axis))) for i, axis in enumerate(AXES)]
     high = [here[i] + reach(pieces, rotate(back, axis)) for i, axis in enumerate(AXES)]
     return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+
+def corners(box: Box) -> Iterator[Vector]:
+    """All eight of a box."""
+    (a, b, c), (x, y, z) = box
+    yield from product((a, x), (b, y), (c, z))
 
 
 def footprint(pieces: Iterable[Piece], own: Quaternion) -> float:

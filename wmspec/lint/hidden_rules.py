@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import product
 
 from wmspec.check.evaluate import evaluate
 from wmspec.design.about import named
 from wmspec.diagnostics import Note
 from wmspec.layout.geometry import every_piece, pieces
-from wmspec.layout.solids import bounds
+from wmspec.layout.solids import bounds, corners
 from wmspec.layout.values import Values
 from wmspec.lint.asked import asked
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
+from wmspec.lint.visibility import moved
 from wmspec.shapes.box import Box
 from wmspec.space import Pose, Vector, add, inverse, rotate, times
 
@@ -28,11 +28,10 @@ def hidden_thing(scene: Scene) -> Iterator[Breach]:
     things = {t.name: t for t in values.spec.things if t.kind == "object" and values.there(t.name)}
     walls = [(name, half, pose) for name in things for half, pose in _boxes(values, name)]
     questions = (question for question in values.spec.questions if asked(question, values))
-    needed = {name for question in questions for name in named(question, values).union(_moved(values))}
+    needed = {name for question in questions for name in named(question, values).union(moved(values))}
     for name in (name for name in things if name in needed and not things[name].set):
-        (a, b, c), (x, y, z) = bounds(pieces(values, name), values.pose(name))
-        corners: list[Vector] = list(product((a, x), (b, y), (c, z)))
-        by = [_hiding(values.property(camera, "at"), corners, [w for w in walls if w[0] != name]) for camera in cameras]
+        around = list(corners(bounds(pieces(values, name), values.pose(name))))
+        by = [_hiding(values.property(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]
         if all(by):
             what = f"`{name}` is moved or asked about, and hidden behind `{by[0]}` from `{cameras[0]}` {scene.where}"
             note = Note(f"`{by[0]}` is declared here", values.place(by[0] or ""))
@@ -49,12 +48,6 @@ def _looking_first(values: Values) -> list[str]:
     return list(dict.fromkeys(observation.camera for observation in observed))
 
 
-def _moved(values: Values) -> set[str]:
-    """The objects that actions move."""
-    acting = (t.name for t in values.spec.things if t.kind == "action" and "object" in t.properties)
-    return {values.property(name, "object") for name in acting if values.there(name)}
-
-
 def _boxes(values: Values, name: str) -> Iterator[tuple[Vector, Pose]]:
     """The boxes of which an object is made and that are drawn: half their edges (m), and where they are."""
     pose = values.pose(name)
@@ -64,12 +57,12 @@ def _boxes(values: Values, name: str) -> Iterator[tuple[Vector, Pose]]:
             yield piece.solid.half, pose.then(piece.pose)
 
 
-def _hiding(eye: Vector, corners: list[Vector], walls: list[tuple[str, Vector, Pose]]) -> str:
+def _hiding(eye: Vector, around: list[Vector], walls: list[tuple[str, Vector, Pose]]) -> str:
     """The thing a box of which is before all corners; empty if there is none.
 
     What a convex body hides from a point is convex: if it hides the corners of a box, it hides what is in the box.
     """
-    return next((name for name, half, pose in walls if all(_between(eye, c, half, pose) for c in corners)), "")
+    return next((name for name, half, pose in walls if all(_between(eye, c, half, pose) for c in around)), "")
 
 
 def _between(eye: Vector, point: Vector, half: Vector, pose: Pose) -> bool:

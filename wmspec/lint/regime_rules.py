@@ -14,21 +14,17 @@ from wmspec.layout.values import Values
 from wmspec.lint.overlap import separation
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
+from wmspec.scene.hard import BOUNCY, ENTERED, FAST, FINEST, STEEP
 from wmspec.shapes.cylinder import Cylinder
 from wmspec.shapes.shape import AXES
 from wmspec.space import UP, dot, rotate, times
 
-#: Restitution of a pair from which on it matters which impact of a row comes first.
-BOUNCY = 0.2
 #: How long (s) an impact takes in MuJoCo: what is met within that time is met at once. Others take one step.
 IMPACT = 0.003
 #: Things that are no further (m) apart touch, in every engine.
 TOUCHING = 1e-4
-#: Contacts steeper than this (cosine to the vertical) carry weight; impacts go along the others.
-STEEP = 0.7
-#: What MuJoCo's contacts give way for each m/s (s), with as many steps as it makes for fast impacts; the speed (m/s)
-#: from which on, and the part of a thin body up to which, it makes them.
-GIVES, FAST, ENTERED = 2.2e-3 / 16, 5.0, 0.5
+#: What MuJoCo's contacts give way for each m/s (s), with as many steps as it makes for fast impacts.
+GIVES = 2.2e-3 / FINEST
 
 
 @rule("WMS608")

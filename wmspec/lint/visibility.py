@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from itertools import product
+from collections.abc import Iterator
 
 from wmspec.check.evaluate import parts
 from wmspec.check.ir import Expr, Property, Ref, Said, TaskSpec, Thing, Value
 from wmspec.layout.geometry import pieces
 from wmspec.layout.motion import CARRYING, after, angle, before, way
-from wmspec.layout.solids import bounds
+from wmspec.layout.solids import Box, bounds, corners
 from wmspec.layout.values import Values
 from wmspec.space import Vector, add, cross, dot, heading, times
-
-Box = tuple[Vector, Vector]
 
 
 def blind(values: Values) -> tuple[str, ...]:
@@ -41,13 +38,16 @@ def boxes_of_matter(values: Values) -> Iterator[Box]:
 def subjects(values: Values) -> list[str]:
     """The objects that actions move and that answers, options and texts mention, if they are there."""
     objects = {t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)}
-    names: dict[str, None] = {}
-    for thing in values.spec.things:
-        if thing.kind == "action" and "object" in thing.properties and values.there(thing.name):
-            names[values.property(thing.name, "object")] = None
+    names = dict.fromkeys(moved(values))
     for expr in _asked(values.spec):
         names |= dict.fromkeys(mentioned(values, expr))
     return [name for name in names if name in objects]
+
+
+def moved(values: Values) -> list[str]:
+    """The objects that actions are done to."""
+    acting = (t.name for t in values.spec.things if t.kind == "action" and "object" in t.properties)
+    return [values.property(name, "object") for name in acting if values.there(name)]
 
 
 def _asked(spec: TaskSpec) -> Iterator[Expr]:
@@ -119,8 +119,8 @@ def _in_view(values: Values, camera: str, box: Box) -> bool:
     forward, right, up = _axes(eye, values.property(camera, "look_at"))
     edge = math.tan(values.property(camera, "fov") / 2)
     sides = [forward] + [add(times(edge, forward), times(sign, side)) for side in (right, up) for sign in (1, -1)]
-    corners = [add(corner, times(-1.0, eye)) for corner in _corners(box)]
-    return all(any(dot(side, corner) > 0 for corner in corners) for side in sides)
+    seen = [add(corner, times(-1.0, eye)) for corner in corners(box)]
+    return all(any(dot(side, corner) > 0 for corner in seen) for side in sides)
 
 
 def _axes(eye: Vector, target: Vector) -> tuple[Vector, Vector, Vector]:
@@ -130,8 +130,3 @@ def _axes(eye: Vector, target: Vector) -> tuple[Vector, Vector, Vector]:
     aside = cross(forward, (0.0, 0.0, 1.0))
     right = times(1 / math.hypot(*aside), aside) if math.hypot(*aside) > 1e-9 else (1.0, 0.0, 0.0)
     return forward, right, cross(right, forward)
-
-
-def _corners(box: Box) -> Iterable[Vector]:
-    (a, b, c), (x, y, z) = box
-    return product((a, x), (b, y), (c, z))

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import TYPE_CHECKING
 
 from wmspec.layout.geometry import every_piece
-from wmspec.layout.motion import CARRYING
-from wmspec.layout.solids import Piece
-from wmspec.shapes.shape import AXES
-from wmspec.space import Pose, times
+from wmspec.layout.motion import carriers
+from wmspec.layout.solids import Piece, bounds, corners
+from wmspec.space import HERE, Pose, Vector
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
@@ -52,33 +50,30 @@ class Outline:
 
 def obstacles(values: Values, low: float, high: float) -> tuple[Outline, ...]:
     """The outlines of all that is seen or touched between two heights (m) and is not carried, as it is at the start."""
-    things = [t for t in values.spec.things if values.there(t.name)]
-    moves = [t.name for t in things if t.kind == "action" and not t.of and t.verb in CARRYING]
-    carried = {values.property(name, "object") for name in moves}
-    names = [t.name for t in things if t.kind == "object"]
-    kept = (name for name in names if name not in carried and _is(values, name, ("drawn", "solid")))
+    carried = carriers(values)
+    names = (t.name for t in values.spec.things if t.kind == "object" and t.name not in carried)
+    kept = (name for name in names if values.there(name) and _is(values, name, ("drawn", "solid")))
     return tuple(outline for name in kept for outline in _outlines(values, name, low, high))
 
 
 def _outlines(values: Values, name: str, low: float, high: float) -> list[Outline]:
     """Those of the parts of an object that reach between two heights."""
-    found = []
+    outlines = []
     for _, piece in every_piece(values, name):
-        corners = _corners(piece, values.pose(name))
-        if min(z for *_, z in corners) < high and max(z for *_, z in corners) > low:
-            found.append(Outline(name, hull([(x, y) for x, y, _ in corners])))
-    return found
+        box = _box(piece, values.pose(name))
+        if min(z for *_, z in box) < high and max(z for *_, z in box) > low:
+            outlines.append(Outline(name, hull([(x, y) for x, y, _ in box])))
+    return outlines
 
 
 def _is(values: Values, name: str, properties: Sequence[str]) -> bool:
     return any(not values.has(name, p) or bool(values.property(name, p)) for p in properties)
 
 
-def _corners(piece: Piece, pose: Pose) -> list[tuple[float, float, float]]:
+def _box(piece: Piece, pose: Pose) -> list[Vector]:
     """The corners in the world of the box around a piece of an object, along the piece's own axes."""
-    low, high = ([sign * piece.solid.reach(times(sign, axis)) for axis in AXES] for sign in (-1.0, 1.0))
     placed = pose.then(piece.pose)
-    return [placed.apply(corner) for corner in product((low[0], high[0]), (low[1], high[1]), (low[2], high[2]))]
+    return [placed.apply(corner) for corner in corners(bounds([Piece(piece.solid, HERE)], HERE))]
 
 
 def hull(points: Sequence[Point]) -> tuple[Point, ...]:

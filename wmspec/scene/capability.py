@@ -12,8 +12,9 @@ from wmspec.places import PrimPlace
 from wmspec.scene.articulations import closing
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
+from wmspec.scene.hard import ENTERED
 from wmspec.scene.model import Joint, Scene
-from wmspec.scene.speed import ENTERED, fastest, steps, thinnest
+from wmspec.scene.speed import fastest, steps, thinnest
 
 Where = Iterator[tuple[str, str]]
 """Prim paths, and what is asked of each."""

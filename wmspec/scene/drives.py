@@ -9,6 +9,7 @@ import numpy as np
 
 from wmspec.scene.articulations import Link, Tree, trees
 from wmspec.scene.com_frame import com_frame
+from wmspec.scene.hard import FINEST
 from wmspec.scene.model import Array, Drive, Joint, Scene
 from wmspec.scene.numbers import placed
 from wmspec.scene.transform import compose, cross, rotate, rotation
@@ -24,10 +25,6 @@ def too_stiff(scene: Scene, rate: int) -> Iterator[Joint]:
 def too_damped(scene: Scene, rate: int) -> Iterator[Joint]:
     """The joints whose drives would brake in less than `rate` steps per second can follow."""
     return (joint for joint, drive, lightness in _driven(scene) if drive.damping * lightness > STIFFEST * rate)
-
-
-FINEST = 16
-"""How many times as many steps as usual are made for stiff drives at most."""
 
 
 def enough(scene: Scene, rate: int, *, damped: bool = True) -> int:

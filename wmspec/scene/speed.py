@@ -7,12 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from wmspec.scene.contact import colliders
+from wmspec.scene.hard import ENTERED, FAST
 from wmspec.scene.model import Body, Follow, Glide, Impulse, Launch, Scene
-
-FAST = 5.0
-"""From which speed (m/s) on impacts are looked at: slower ones are executed as they always were."""
-ENTERED = 0.5
-"""The part of the thinnest body that another may enter: from its middle on it would be pushed out behind."""
 
 
 def fastest(scene: Scene) -> tuple[float, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pkgutil import resolve_name
 
-from wmspec.check.ir import TaskSpec, Thing
+from wmspec.check.ir import Thing
 from wmspec.check.verbs import VERBS
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import motion
@@ -20,21 +20,6 @@ from wmspec.stage.objects import object_path
 
 #: What is round lies if the upward part of its axis (a unit vector) is below this, and slides if it goes along that.
 LYING, ALONG = 0.5, 0.99
-
-
-def carriers(spec: TaskSpec, values: Values) -> dict[str, str]:
-    """The objects that are carried, which makes them kinematic, each with one of the actions that carry it."""
-    carrying: dict[str, str] = {}
-    for action in spec.things:
-        if action.kind == "action" and not action.of and action.verb in motion.CARRYING and values.there(action.name):
-            carrying.setdefault(values.property(action.name, "object"), action.name)
-    return carrying
-
-
-def carrier_sources(spec: TaskSpec) -> frozenset[str]:
-    """The sources that decide which objects are carried."""
-    acting = (t.name for t in spec.things if t.kind == "action" and not t.of and t.verb in motion.CARRYING)
-    return frozenset(f"{name}.{what}" for name in acting for what in ("there", "object"))
 
 
 def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, str]) -> None:

@@ -6,8 +6,9 @@ from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.design.design import Instance
 from wmspec.diagnostics import ImpossibleValue, Report
+from wmspec.layout.motion import carrier_sources, carriers
 from wmspec.layout.values import Values
-from wmspec.stage.actions import add_action, carrier_sources, carriers
+from wmspec.stage.actions import add_action
 from wmspec.stage.cameras import add_camera, add_light, camera_path
 from wmspec.stage.document import Document
 from wmspec.stage.joints import add_joint, no_loops
@@ -34,7 +35,7 @@ def built(values: Values) -> Document:
     _physics(doc, values)
     for scope in ("Objects", "Materials", "Cameras", "Lights"):
         doc.add(f"/World/{scope}", "Scope")
-    carried, deciding = carriers(spec, values), carrier_sources(spec)
+    carried, deciding = carriers(values), carrier_sources(spec)
     report = Report()
     for thing in spec.things:
         with report.gathered():

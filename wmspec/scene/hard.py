@@ -1,0 +1,13 @@
+"""What is hard for engines, in numbers that rules on specs share with those on scenes; importing it costs nothing."""
+
+BOUNCY = 0.2
+"""Restitution of a pair from which on it matters which impact of a row comes first."""
+STEEP = 0.7
+"""Contacts steeper than this (cosine to the vertical) carry weight, and impacts go along the others; a cylinder whose
+axis is steeper stands."""
+FAST = 5.0
+"""From which speed (m/s) on impacts are looked at: slower ones are executed as they always were."""
+ENTERED = 0.5
+"""The part of the thinnest body that another may enter: from its middle on it would be pushed out behind."""
+FINEST = 16
+"""How many times as many steps as usual are made for what is hard at most."""
