@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -33,6 +34,10 @@ class Source:
         return self.text[start:end].rstrip("\r\n")
 
 
+#: A comment; a text, in which there are none, as the group.
+_COMMENT = re.compile(r'("(?:[^"\\]|\\.)*")|#[^\n]*')
+
+
 @dataclass(frozen=True)
 class Span:
     """The characters `start`..`end` of a source."""
@@ -55,6 +60,11 @@ class Span:
     def text(self) -> str:
         """The source text itself."""
         return self.source.text[self.start : self.end]
+
+    @property
+    def words(self) -> str:
+        """The source text on one line, without comments."""
+        return " ".join(_COMMENT.sub(r"\1", self.text).split())
 
     def to(self, other: Span) -> Span:
         """From the start of this span to the end of the other."""

@@ -152,3 +152,19 @@ def test_a_file_with_mistakes_is_left_alone(tmp_path: Path) -> None:
     assert result.exit_code == 2
     assert "WMS101" in result.output
     assert file.read_text() == "task {"
+
+
+def test_comments_within_a_condition_are_no_part_of_it() -> None:
+    text = """use tabletop
+task t : custom {
+  object a { shape: cube  size: 6 cm  on: table at (0, 0) }
+  observe front at [0 s]
+  question "Does it?" {
+    answer moved(a)
+    ensure not moved(a) and  # why "so"
+        not contact(a, table)
+  }
+}
+"""
+    (task,) = check_program(load_source(Source("test.wms", text), Path(), Report()), Report())
+    assert task.questions[0].ensures[0].text == "not moved(a) and not contact(a, table)"

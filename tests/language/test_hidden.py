@@ -68,7 +68,8 @@ def test_a_box_between_two_points_has_a_point_of_the_way_between_them(
     inside = [
         _inside(tuple(a + (b - a) * i / 200 for a, b in zip(eye, point, strict=True)), half, yaw) for i in range(201)
     ]
-    if any(inside[1:]) and not inside[0]:
+    border = tuple(edge + 1e-9 for edge in half)
+    if any(inside[1:]) and not _inside(eye, border, yaw):
         assert _between(eye, point, half, pose)
     if _between(eye, point, half, pose):
         grown = tuple(edge + 0.05 for edge in half)

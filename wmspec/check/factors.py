@@ -89,7 +89,7 @@ class Factors:
         """A condition on factors."""
         typed = self.check.value(require.condition, (TRUTH,), "`require`")
         return ir.Require(
-            condition=typed.expr, text=require.condition.span.text, place=Location.of(require.condition.span)
+            condition=typed.expr, text=require.condition.span.words, place=Location.of(require.condition.span)
         )
 
     # ------------------------------------------------------------ the design

@@ -197,7 +197,7 @@ class Questions:
     def ensure(self, clause: s.Clause) -> ir.Require:
         """A condition that an instance must meet."""
         typed = self.check.measuring(clause.value, (TRUTH,), "`ensure`")
-        return ir.Require(condition=typed.expr, text=clause.value.span.text, place=Location.of(clause.value.span))
+        return ir.Require(condition=typed.expr, text=clause.value.span.words, place=Location.of(clause.value.span))
 
     def margin(self, clause: s.Clause) -> ir.Margin:
         """How far a value must be from turning."""
@@ -249,7 +249,7 @@ class Questions:
                 self.check.fail("WMS202", f"two kinds are named `{name}`", p.name.span, "put them in one, with `or`")
             typed = self.check.measuring(p.value, (TRUTH,), f"`{name}`")
             outcomes[name] = ir.Outcome(
-                name=name, condition=typed.expr, text=span.text, place=Location.of(p.name.span.to(span))
+                name=name, condition=typed.expr, text=span.words, place=Location.of(p.name.span.to(span))
             )
         if not outcomes:
             self.check.fail("WMS502", "there are no kinds here", written.span, "write `kinds { NAME: CONDITION ... }`")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from wmspec.check.evaluate import evaluate
@@ -68,7 +69,7 @@ def _hiding(eye: Vector, around: list[Vector], walls: list[tuple[str, Vector, Po
 def _between(eye: Vector, point: Vector, half: Vector, pose: Pose) -> bool:
     """Whether a box lies between an eye outside it and a point (m). (Kay and Kajiya, Ray Tracing Complex Scenes.)"""
     a, b = (rotate(inverse(pose.orientation), add(p, times(-1.0, pose.position))) for p in (eye, point))
-    enters, leaves = 0.0, 1.0
+    enters, leaves = -math.inf, 1.0
     for start, end, edge in zip(a, b, half, strict=True):
         if abs(end - start) < 1e-12:
             if abs(start) > edge:
@@ -76,4 +77,4 @@ def _between(eye: Vector, point: Vector, half: Vector, pose: Pose) -> bool:
             continue
         first, last = sorted(((-edge - start) / (end - start), (edge - start) / (end - start)))
         enters, leaves = max(enters, first), min(leaves, last)
-    return 0.0 < enters < leaves
+    return 0.0 <= enters < leaves
