@@ -112,6 +112,23 @@ def test_a_block_stays_on_one_line_if_it_was_and_fits() -> None:
     assert len(formatted(long).splitlines()) == 14
 
 
+@settings(max_examples=30, deadline=None)
+@given(data=st.data())
+def test_a_text_in_pieces_is_the_same_in_one_and_each_piece_has_a_line(data: st.DataObject) -> None:
+    text = data.draw(random_text())
+    piece = data.draw(st.sampled_from([" ", "  # why\n", "\n\n  # why\n"])).join(['"And"', '"then, {pace}?"'])
+    begun = data.draw(st.sampled_from(["question ", "question\n"]))
+    spaced = text.replace('question "And then, {pace}?"', begun + piece)
+    once = formatted(spaced)
+    assert formatted(once) == once
+    assert comments(once) == comments(spaced)
+    assert meaning(once) == meaning(text)
+    rows = once.splitlines()
+    row = next(i for i, line in enumerate(rows) if line.endswith('"then, {pace}?" {'))
+    above = next(line for line in reversed(rows[:row]) if '"And"' in line)
+    assert above.index('"And"') == rows[row].index('"then')
+
+
 def test_signs_differences_and_calls() -> None:
     assert (
         formatted("let a=-x-3cm*(-2+ f( 1,2 ))\nlet bb=[1,-2]  m/s")

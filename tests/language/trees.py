@@ -28,6 +28,8 @@ names = st.sampled_from(_NAMES).map(lambda n: s.Name(n, NOWHERE))
 _numbers = st.one_of(st.integers(0, 10**6).map(float), st.floats(0, 1e9, allow_subnormal=False))
 _texts = st.text(st.characters(codec="utf-8", exclude_categories=("Cs", "Cc", "Zl", "Zp")), max_size=8)
 texts = _texts.map(lambda t: s.Text(t, NOWHERE))
+pieces = st.builds(s.Pieces, st.lists(texts, min_size=1, max_size=3).map(tuple), st.just(NOWHERE))
+docstrings = st.text("aé {#.", max_size=8).map(lambda t: s.Docstring(t.strip(), NOWHERE))
 
 
 def _atoms() -> st.SearchStrategy[s.Expr]:
@@ -47,6 +49,7 @@ def _larger(inner: st.SearchStrategy[s.Expr]) -> st.SearchStrategy[s.Expr]:
     here = st.just(NOWHERE)
     none = st.none()
     arguments = st.builds(s.Argument, st.one_of(none, names), inner, here)
+    entries = st.one_of(inner, inner, st.builds(s.Called, inner, texts, here))
     binary = st.sampled_from(["+", "-", "*", "/", "==", "!=", "<", "<=", ">", ">=", "and", "or"])
     return st.one_of(
         st.builds(s.Member, names, names, here),
@@ -58,7 +61,7 @@ def _larger(inner: st.SearchStrategy[s.Expr]) -> st.SearchStrategy[s.Expr]:
         st.builds(s.Range, inner, inner, none, none, here),
         st.builds(s.Range, inner, inner, inner, none, here),
         st.builds(s.Range, inner, inner, none, inner, here),
-        st.builds(s.Items, st.just("list"), _many(inner), st.one_of(none, st.sampled_from(["cm", "m/s"])), here),
+        st.builds(s.Items, st.just("list"), _many(entries), st.one_of(none, st.sampled_from(["cm", "m/s"])), here),
         st.builds(s.Items, st.just("tuple"), _many(inner, 2), none, here),
     )
 
@@ -72,19 +75,26 @@ def _statements() -> st.SearchStrategy[s.Statement]:
     properties = _many(st.builds(s.Property, names, expressions, optional, here))
     parts = _many(st.builds(s.Part, names, properties, here), most=2)
     model = st.one_of(none, names)
+    some = _many(names, least=1)
     timings = _many(st.builds(s.Timing, st.sampled_from(["at", "for", "after", "with"]), expressions, here), most=2)
     plain = ("options", "answer", "ensure", "within", "difference", "distinct", "stable")
     clause = st.one_of(
         st.builds(s.Clause, st.sampled_from(plain), expressions, none, here, none),
         st.builds(s.Clause, st.just("margin"), expressions, expressions, here, optional),
+        st.builds(s.Clause, st.just("orbit"), st.builds(s.Items, st.just("list"), some, none, here), none, here),
     )
     places = st.builds(s.Member, names, names, here)
+    calls = st.builds(s.Call, names, _many(st.builds(s.Argument, st.one_of(none, names), expressions, here)), here)
     change = st.one_of(
         st.builds(s.Change, st.sampled_from(["action", "state"]), places, expressions, here),
         st.builds(s.Change, st.just("without"), names, none, here),
         st.builds(s.Change, st.just("order"), names, names, here),
+        st.builds(s.Change, st.just("add"), calls, none, here, timings),
     )
-    counterfactual = st.builds(s.Counterfactual, names, _many(change, most=2), here)
+    changes = st.one_of(
+        st.builds(s.Counterfactual, names, _many(change, most=2), here), st.builds(s.EachOther, places, here)
+    )
+    outcomes = st.builds(s.Kinds, properties, here)
     kinds = st.sampled_from(["object", "camera", "light", "joint", "robot"])
     return st.one_of(
         st.builds(s.Factor, names, expressions, st.booleans(), here),
@@ -98,16 +108,21 @@ def _statements() -> st.SearchStrategy[s.Statement]:
         st.builds(s.Block, kinds, names, properties, here, model, none, parts),
         st.builds(s.Block, st.sampled_from(["objects", "joints"]), names, properties, here, model, expressions, parts),
         st.builds(s.Block, st.just("world"), st.just(s.Name("world", NOWHERE)), properties, here),
-        st.builds(s.Action, names, st.builds(s.Call, names, st.just(()), here), timings, here),
+        st.builds(s.Action, names, calls, timings, here),
         st.builds(s.Observe, names, expressions, here, optional),
-        st.builds(s.Question, texts, _many(clause), _many(counterfactual, most=2), here, model),
+        st.builds(s.Question, pieces, _many(clause), _many(changes, most=2), here, model, _many(outcomes, most=1)),
+        st.builds(s.Use, names, properties, model, optional, here),
+        st.builds(s.Parameter, names, expressions, here),
     )
 
 
 statements = _statements()
+inside = st.one_of(
+    statements, docstrings, st.builds(s.Variant, names, _many(st.one_of(statements, docstrings)), st.just(NOWHERE))
+)
 files = st.builds(
     s.File,
-    _many(st.one_of(statements, st.builds(s.Task, names, _many(names), _many(statements), st.just(NOWHERE))), most=4),
+    _many(st.one_of(statements, st.builds(s.Task, names, _many(names), _many(inside), st.just(NOWHERE))), most=4),
     st.just(NOWHERE),
 )
 
@@ -159,14 +174,26 @@ def _named_block(node: s.Block) -> str:
     return f"{node.kind}{name}{count}{_after(' : ', node.model)} {_block(*node.properties, *node.parts)}"
 
 
+def _use(node: s.Use) -> str:
+    given = f"({_listed(node.given)})" if node.given else ""
+    return f"use {node.name.id}{given}{_after(' as ', node.prefix)}{_after(' only ', node.only)}"
+
+
+def _question(node: s.Question) -> str:
+    clauses = _block(*node.clauses, *node.kinds, *node.counterfactuals)
+    return f"question {written(node.name)} {written(node.text)} {clauses}"
+
+
 def _clause(node: s.Clause) -> str:
+    if node.kind == "orbit" and isinstance(node.value, s.Items):
+        return f"options orbit of {_listed(node.value.items)}"
     by = "by " if node.kind in ("distinct", "stable") else ""
     return f"{node.kind} {by}{written(node.value)}{_after(' apart by ', node.bound)}{_after(' unless ', node.unless)}"
 
 
 def _change(node: s.Change) -> str:
-    between = {"order": ", ", "without": ""}.get(node.kind, ": ")
-    return f"{node.kind} {written(node.target)}{between}{written(node.value)}"
+    between = {"order": ", ", "without": "", "add": " "}.get(node.kind, ": ")
+    return f"{node.kind} {written(node.target)}{between}{written(node.value)}{' '.join(map(written, node.timings))}"
 
 
 def _design(node: s.Design) -> str:
@@ -177,6 +204,14 @@ def _design(node: s.Design) -> str:
 _TEXTS: dict[type, Callable[[Any], str]] = {
     s.Number: lambda n: f"{n.value!r}".removesuffix(".0") + (f" {n.unit}" if n.unit else ""),
     s.Text: lambda n: '"' + n.value.replace("\\", "\\\\").replace('"', '\\"') + '"',
+    s.Pieces: lambda n: "\n".join(map(written, n.pieces)),
+    s.Called: lambda n: f"{written(n.value)} called {written(n.text)}",
+    s.Docstring: lambda n: f'"""{n.text}"""',
+    s.Use: _use,
+    s.Parameter: lambda n: f"parameter {n.name.id} = {written(n.value)}",
+    s.Variant: lambda n: f"variant {n.name.id} {_block(*n.body)}",
+    s.Kinds: lambda n: f"kinds {_block(*n.kinds)}",
+    s.EachOther: lambda n: f"counterfactual each other {written(n.target)}",
     s.Truth: lambda n: "true" if n.value else "false",
     s.Name: lambda n: n.id,
     s.Member: lambda n: f"{written(n.value)}.{written(n.name)}",
@@ -201,7 +236,7 @@ _TEXTS: dict[type, Callable[[Any], str]] = {
     s.Timing: lambda n: f"{n.kind} {written(n.value)}",
     s.Action: lambda n: f"action {n.name.id} = {written(n.call)} {' '.join(map(written, n.timings))}",
     s.Observe: lambda n: f"observe {n.camera.id} at {written(n.times)}{_after(' as ', n.channels)}",
-    s.Question: lambda n: f"question {written(n.name)} {written(n.text)} {_block(*n.clauses, *n.counterfactuals)}",
+    s.Question: _question,
     s.Clause: _clause,
     s.Counterfactual: lambda n: f"counterfactual {n.name.id} {_block(*n.changes)}",
     s.Change: _change,

@@ -78,7 +78,7 @@ class Questions:
     def question(self, question: s.Question) -> ir.Question:
         """A question with all its clauses."""
         self._named_once(question)
-        text = self.text(question.text)
+        text = self.pieces(question.text)
         clauses: dict[str, list[s.Clause]] = {}
         for clause in question.clauses:
             clauses.setdefault(clause.kind, []).append(clause)
@@ -292,6 +292,16 @@ class Questions:
         return typed.expr
 
     # ------------------------------------------------------------ texts
+
+    def pieces(self, text: s.Pieces) -> tuple[str | ir.Said, ...]:
+        """The whole text of a question, as if it had been written in one piece."""
+        parts: list[str | ir.Said] = []
+        for part in (part for piece in text.pieces for part in (" ", *self.text(piece))):
+            if isinstance(part, str) and parts and isinstance(parts[-1], str):
+                parts[-1] += part
+            elif parts or part != " ":
+                parts.append(part)
+        return tuple(parts)
 
     def text(self, text: s.Text) -> tuple[str | ir.Said, ...]:
         """Split a text at its `{expression}`s and check them."""

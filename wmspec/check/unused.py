@@ -34,8 +34,4 @@ def _declared(items: Iterable[object]) -> Iterator[s.Let | s.Block | s.Template]
 
 
 def _texts(node: object) -> Iterator[str]:
-    """All texts in a piece of the syntax tree."""
-    if isinstance(node, s.Text | s.Question):
-        yield node.text.value if isinstance(node, s.Question) else node.value
-    for part in s.parts(node):
-        yield from _texts(part)
+    return (text.value for text in s.texts(node))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from wmspec.check import units
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Question, Ref, Said
+from wmspec.check.evaluate import evaluate, parts
+from wmspec.check.ir import Call, Question, Ref, Said
 from wmspec.lint.asked import asked, pictured
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
@@ -14,6 +14,8 @@ from wmspec.lint.task_rules import Task
 
 #: What pictures show of a thing whatever happens to it.
 _LOOKS = ("form", "color", "material", "image", "scale")
+#: Times closer than this (s) are one.
+_MOMENT = 1e-9
 
 
 @rule("WMS510")
@@ -48,27 +50,35 @@ def told_by_looks(task: Task) -> Iterator[Breach]:
 
 @rule("WMS510")
 def told_by_pictures(scene: Scene) -> Iterator[Breach]:
-    """A picture that is asked for and shown; of a closed set, one that is shown when all has happened."""
+    """A picture that is asked for and shown; of a closed set that is foretold, any that is no earlier."""
     values = scene.values
+    shown = [(o, moment) for o in values.spec.observations for moment in evaluate(o.times, values)]
     for question in values.spec.questions:
         time = pictured(question, values) if asked(question, values) else None
         if time is None:
             continue
-        for observation in values.spec.observations:
-            shown = [moment for moment in evaluate(observation.times, values) if _late(moment, time, question)]
-            if shown and (question.orbit or observation.camera == _camera(question)):
-                at = units.told(shown[0], units.TIME)
+        # Where nothing earlier is shown, nothing is foretold: another camera then asks for the view from elsewhere.
+        foretold = bool(question.orbit) and any(moment < time - _MOMENT for _, moment in shown)
+        for observation, moment in shown:
+            itself = abs(moment - time) < _MOMENT and observation.camera == _camera(question)
+            if itself or (foretold and moment > time - _MOMENT):
+                at = units.told(moment, units.TIME)
                 what = f"the picture that is asked for is shown: that at {at}, {scene.where}"
-                yield Breach(what, observation.place, "show what comes before it", about=("shown", question.place))
+                yield Breach(what, observation.place, _remedy(scene, question), about=("shown", question.place))
+                break
 
 
 TASK_RULES = (told_by_text, told_by_looks)
 SCENE_RULES = (told_by_pictures,)
 
 
-def _late(moment: float, time: float, question: Question) -> bool:
-    """Whether a picture then shows the answer: it is that of its time, or, of a closed set, no earlier."""
-    return abs(moment - time) < 1e-9 or (bool(question.orbit) and moment > time)
+def _remedy(scene: Scene, question: Question) -> str:
+    """Without a `horizon`, the end is the last picture that is shown."""
+    spec = scene.values.spec
+    written = spec.horizon != Call(function="max", arguments=tuple(o.times for o in spec.observations))
+    if not written and any(isinstance(part, Ref) and part.name == "end" for part in parts(question.answer)):
+        return "without a `horizon` the last picture is the end: write `horizon TIME`, a later one"
+    return "show what comes before it"
 
 
 def _camera(question: Question) -> str:

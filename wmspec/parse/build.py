@@ -136,7 +136,10 @@ class _Builder:
         clauses = tuple(p for p in parts if isinstance(p, s.Clause))
         counterfactuals = tuple(p for p in parts if isinstance(p, s.Counterfactual | s.EachOther))
         kinds = tuple(p for p in parts if isinstance(p, s.Kinds))
-        return s.Question(self.text(c[1:], self.span(c[1])), clauses, counterfactuals, span, self.maybe(c[0]), kinds)
+        return s.Question(self(c[1]), clauses, counterfactuals, span, self.maybe(c[0]), kinds)
+
+    def pieces(self, c: Any, span: Span) -> s.Pieces:
+        return s.Pieces(tuple(self.text([token], self.span(token)) for token in c), span)
 
     def _clause(kind: str) -> Callable[[_Builder, Any, Span], s.Clause]:  # type: ignore[misc]
         def build(self: _Builder, c: Any, span: Span) -> s.Clause:

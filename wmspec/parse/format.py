@@ -50,7 +50,8 @@ def _lines(tokens: list[Token], layout: Layout) -> Iterator[Line]:
         if within[i]:
             line = Line(INDENT * (level + (depth + min(_depth(token), 0) or 2)), ())
         else:
-            line = Line(INDENT * level, (), blank=i > 0 and _blank_before(tokens, i, layout))
+            hang = layout.hangs.get(token.start, 0)
+            line = Line(INDENT * level + hang, (), blank=i > 0 and not hang and _blank_before(tokens, i, layout))
         first = i
     if tokens:
         yield _filled(line, tokens, first, len(tokens), layout)

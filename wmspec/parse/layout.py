@@ -39,12 +39,13 @@ def spelled(token: Token) -> str:
 class Layout:
     """What the syntax tree says about tokens, each known by the offset at which it begins.
 
-    `breaks`: begins a line. `opens`, `closes`: the braces of a block with lines of its own. `cells`: begins a column of
-    this sort.
+    `breaks`: begins a line. `hangs`: is so much further in than its block. `opens`, `closes`: the braces of a block
+    with lines of its own. `cells`: begins a column of this sort.
     """
 
     def __init__(self, tokens: list[Token], items: Iterable[Part], width: int) -> None:
         self.breaks: set[int] = set()
+        self.hangs: dict[int, int] = {}
         self.opens: set[int] = set()
         self.closes: set[int] = set()
         self.cells: dict[int, str] = {}
@@ -117,6 +118,7 @@ class Layout:
             case s.Question():
                 clauses: list[s.Clause | s.Kinds | s.Counterfactual | s.EachOther]
                 clauses = [*x.clauses, *x.kinds, *x.counterfactuals]
+                self._pieces(x)
                 self._body(x.span, x.text.span.end, sorted(clauses, key=lambda part: part.span.start))
             case s.Block() | s.Template():
                 self._members(x)
@@ -143,6 +145,16 @@ class Layout:
             self.cells[part.name.span.start] = "name"
             self._block(part.span, [(p.name.id, p.span) for p in part.properties])
         self._level -= 1
+
+    def _pieces(self, question: s.Question) -> None:
+        """Each piece of a text stands under the first."""
+        first, *others = question.text.pieces
+        before, here = self._index(question.span.start), self._index(first.span.start)
+        beside = self._tokens[here - 1].end_line == self._tokens[here].line
+        hang = sum(len(t.text) + 1 for t in self._tokens[before:here]) if beside else 2 * INDENT
+        for piece in others:
+            self.breaks.add(piece.span.start)
+            self.hangs |= dict.fromkeys(self._starts[here + 1 : self._index(piece.span.end)], hang)
 
     def _line(self, x: Part) -> None:
         match x:

@@ -100,7 +100,7 @@ class Place(NamedTuple):
 
 def guesses(place: Place, stuck: int) -> Iterator[Repair]:
     """All that may have been meant, where reading is stuck at this word or soon after it."""
-    for guess in (_keyword, _unit, _name, _hyphens, _sign, _inches, _number, _no_sign, _no_word, _no_statement):
+    for guess in (_keyword, _unit, _name, _hyphens, _text, _sign, _inches, _number, _no_sign, _no_word, _no_statement):
         yield from guess(place)
     if place.i == stuck or place.word.type in SIGNS:
         yield from _too_many(place)
@@ -168,6 +168,14 @@ def _hyphens(place: Place) -> Iterator[Repair]:
         name = "".join(t.text for t in place.words[place.i : end]).replace("-", "_")
         made = (place.word._replace(type="NAME", text=name),)
         yield Repair(place.i, end, made, "a name has no hyphens", f"write `{name}`", 1.0, hyphenated=True)
+
+
+def _text(place: Place) -> Iterator[Repair]:
+    """`question \"\"\"...\"\"\"`: what only describes a task."""
+    if place.word.type == "LONG_STRING" and "STRING" in place.accepted:
+        made = place.word._replace(type="STRING")
+        told, help = "a text in three quotes describes a task", 'write `"..."`, a long text as several: `"..." "..."`'
+        yield place.instead(made, told=told, help=help, cost=0.5)
 
 
 def _sign(place: Place) -> Iterator[Repair]:

@@ -8,7 +8,7 @@ from wmspec.parse.build import build_expression, build_file
 from wmspec.parse.lookalikes import readable
 from wmspec.parse.machine import END, Machine, Tree
 from wmspec.parse.meant import shown
-from wmspec.parse.quotes import requoted
+from wmspec.parse.quotes import requoted, unbroken
 from wmspec.parse.recover import dropped, recover
 from wmspec.parse.repair import repair, repaired, sure
 from wmspec.parse.syntax import Expr, File
@@ -116,7 +116,7 @@ def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
         i = next((i for i, t in enumerate(tokens) if t.type == "OPEN_STRING"), None)
         if i is None:
             break
-        tokens = _closed(source, where, tokens, i, report)
+        tokens = _over_lines(source, tokens, i, report) or _closed(source, where, tokens, i, report)
     while (i := next((i for i, t in enumerate(tokens) if t.type == "OPEN_STRING"), None)) is not None:
         tokens = _as_text(tokens, i, source, report)
     return [*readable(source, tokens, report), Token(END, "", where.end, source.position(where.end)[0])]
@@ -142,6 +142,15 @@ def _closed(source: Source, where: Span, tokens: list[Token], i: int, report: Re
     return [*before, *quote.words, *after]
 
 
+def _over_lines(source: Source, tokens: list[Token], i: int, report: Report) -> list[Token] | None:
+    """The words with a text that is closed on one of the next lines; None if it rather is not."""
+    words = unbroken(source.text, tokens, i)
+    if words is not None:
+        remedy = 'close it on its line; a question may go on in the next: `"..." "..."`'
+        report.add("WMS102", "a text ends on the line where it begins", _span(source, tokens[i]), remedy)
+    return words
+
+
 def _as_text(tokens: list[Token], i: int, source: Source, report: Report) -> list[Token]:
     """The words with a text from the quote to the end of its line, but for brackets there."""
     token = tokens[i]
@@ -159,6 +168,8 @@ def _span(source: Source, token: Token) -> Span:
 def _complain(source: Source, tokens: list[Token], i: int, wanted: set[str], report: Report) -> None:
     token, span = tokens[i], _span(source, tokens[i])
     message = f"`{shown(token)}` is unexpected here"
+    if i and tokens[i - 1].type == "STRING":
+        wanted = wanted - {"STRING"}  # another piece of a text is never what is missing
     expected = [SPOKEN[t] for t in sorted(wanted & SPOKEN.keys())]
     hint = f"expected {' or '.join(expected)}" if len(expected) in (1, 2, 3) else ""
     if token.type == END:

@@ -1,4 +1,7 @@
-"""Quotes that are missing or too many: the line is read with one more, and with one less, at every place."""
+"""Quotes that are missing or too many: the line is read with one more, and with one less, at every place.
+
+Or a text goes on over the end of its line.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ from wmspec.parse.words import Token, read
 
 #: How many words after the line must be read.
 AHEAD = 8
+#: The most lines that a text goes on for.
+MOST_LINES = 4
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,22 @@ def requoted(before: list[Token], line: str, start: int, number: int, after: lis
         if value > merit:
             best, merit = quote, value
     return best
+
+
+def unbroken(text: str, tokens: list[Token], i: int) -> list[Token] | None:
+    """The words of a text with one quoted text from the quote of word `i` to the next that no line closes.
+
+    None if what follows could not be read.
+    """
+    j = next((j for j in range(i + 1, len(tokens)) if tokens[j].type == "OPEN_STRING"), None)
+    if j is None or tokens[j].line - tokens[i].line > MOST_LINES:
+        return None
+    first, last = tokens[i], tokens[j]
+    quoted = first._replace(type="STRING", text=text[first.start : last.start + 1])
+    rest = _words(last.text[1:], last.start + 1, last.line)
+    words = [*tokens[:i], quoted, *rest, *tokens[j + 1 :]]
+    machine = Machine("start")
+    return words if all(machine.follow(t.type) for t in words[: i + 1 + len(rest) + AHEAD]) else None
 
 
 def _ways(line: str, start: int, number: int) -> Iterator[Quote]:

@@ -27,6 +27,18 @@ class Text(Node):
     span: Span
 
 
+class Pieces(Node):
+    """The text of a question: one or more quoted texts, between which a space is read."""
+
+    pieces: tuple[Text, ...]
+    span: Span
+
+    @property
+    def value(self) -> str:
+        """The whole text."""
+        return " ".join(piece.value for piece in self.pieces)
+
+
 class Truth(Node):
     """`true` or `false`."""
 
@@ -303,7 +315,7 @@ class Clause(Node):
 class Question(Node):
     """`question name "text" { clauses }`; the name may be left out."""
 
-    text: Text
+    text: Pieces
     clauses: tuple[Clause, ...]
     counterfactuals: tuple[Counterfactual | EachOther, ...]
     span: Span
