@@ -57,6 +57,16 @@ def test_the_same_comes_out_again(made: Path) -> None:
     assert (result.questions, result.verdict, result.differences, dict(result.versions)) == (2, "same", (), {})
 
 
+@pytest.mark.parametrize("plan", ["[]", "{", None])
+def test_a_dataset_without_its_plan_is_made_as_usual(made: Path, tmp_path: Path, plan: str | None) -> None:
+    folder = tmp_path / "copied"
+    shutil.copytree(made, folder)
+    (folder / "plan.json").unlink()
+    if plan is not None:
+        (folder / "plan.json").write_text(plan)
+    assert verify(folder, sample=1, workers=0).verdict == "same"
+
+
 def test_what_was_altered_is_named(made: Path, tmp_path: Path) -> None:
     def other(row: dict[str, Any]) -> None:
         row["answer"] = (row["answer"] + 1) % len(row["option_text"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from os import PathLike
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
@@ -15,12 +14,12 @@ from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import chosen, engine_version
-from wmspec.foreign import is_name, read_plain
+from wmspec.foreign import is_name
 from wmspec.scene.model import Look
 from wmspec.write import files
 from wmspec.write.plan import Plan
 from wmspec.write.plan import Task as PlannedTask
-from wmspec.write.reader import DatasetReader
+from wmspec.write.reader import DatasetReader, plan_beside
 from wmspec.write.verify import Verification
 from wmspec.write.verify import verify as compare
 
@@ -107,11 +106,8 @@ class Drawn(NamedTuple):
 
 def drawn_in(dataset: DatasetReader) -> Drawn:
     """What its plan says; the usual look for an older dataset, and for one that was copied without its plan."""
-    try:
-        planned = json.loads(read_plain(dataset.folder / files.PLAN))
-    except (OSError, ValueError):
-        planned = {}
-    return Drawn(planned.get("look", "parity"), planned.get("samples"), planned.get("renderer", ""))
+    plan = plan_beside(dataset.folder)
+    return Drawn(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", ""))
 
 
 def _indices(dataset: DatasetReader, task: Task) -> list[int]:

@@ -130,16 +130,20 @@ def foreign(folder: Path, known: Collection[str]) -> list[str]:
     return [path for path in there if path not in known]
 
 
-def _planned(folder: Path, manifest: dict[str, Any]) -> None:
-    """Raise WmsError if a manifest says otherwise than the plan beside it; a folder may have come without that."""
+def plan_beside(folder: Path) -> dict[str, Any]:
+    """What `plan.json` says; empty where a dataset came without one, or with what is none."""
     try:
         plan = json.loads(read_plain(folder / files.PLAN))
     except (OSError, ValueError, RecursionError):
-        return
-    if not isinstance(plan, dict):
-        return
+        return {}
+    return plan if isinstance(plan, dict) else {}
+
+
+def _planned(folder: Path, manifest: dict[str, Any]) -> None:
+    """Raise WmsError if a manifest says otherwise than the plan beside it."""
+    plan = plan_beside(folder)
     same = all(plan[key] == manifest[key] for key in plan.keys() & {"seed", "engines", "size", "consensus", "versions"})
-    if fingerprint(plan) != manifest.get("fingerprint") or not same:
+    if plan and not (same and fingerprint(plan) == manifest.get("fingerprint")):
         place = folder / files.MANIFEST
         raise WmsError(f"{place} is not of the dataset that {folder / files.PLAN} plans; {MENDED}")
 
