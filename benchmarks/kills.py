@@ -267,6 +267,7 @@ def evaluate(home: Path, address: str) -> Rounds:
 
 def main() -> None:
     """Run and report."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has jobs in the background ignore
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--of", choices=("generate", "evaluate", "study"), default="generate")
     parser.add_argument("--executor", choices=("local", "ray"), default="local", help="of generate")

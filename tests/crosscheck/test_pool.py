@@ -115,6 +115,7 @@ def interrupted(self, n=1):
     else:
         notify(self, n)
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has jobs in the background ignore
 on = []
 threading.Condition.notify = interrupted
 results = by_units(time.sleep, [[(30,)] * 2, [(0.2,)] * 20], Effort(workers=2, timeout=60))

@@ -21,9 +21,11 @@ SPEC = ROOT / "tests/endtoend/specs/speed_tabletop.wms"
 def test_a_run_that_is_told_to_end_says_nothing_of_its_insides(tmp_path: Path, number: signal.Signals) -> None:
     out = tmp_path / "out"
     command = ["generate", SPEC, "-o", out, "-b", "mujoco", "--per-task", "400", "--size", "32", "-j", "2"]
+    heard = signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has jobs in the background ignore
     run = subprocess.Popen(
         [sys.executable, "-m", "wmspec", *map(str, command)], stderr=subprocess.PIPE, text=True, env=os.environ.copy()
     )
+    signal.signal(signal.SIGINT, heard)
     while run.poll() is None and not list(out.glob(".progress/*/*/*.instance")):
         time.sleep(0.05)
     run.send_signal(number)
