@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from wmspec.scene.articulations import Link, Tie
+from wmspec.scene.articulations import Gear, Link, Tie
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
 
 from .mjcf import mjcf
 from .physics import prepare
-from .world import HEAVY, World
+from .world import HEAVY, World, rates
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))
 world = World(model, ASSEMBLY)"""
@@ -23,6 +23,11 @@ def native(scene: Scene) -> dict[str, str]:
     whole, timeline = prepare(scene)
     values = {"HEAVY": HEAVY, "ASSEMBLY": whole, "EPISODE": timeline}
     run = script(
-        "MuJoCo", "mujoco", scene, parts=[Piece, Rigid, Link, Tie, Assembly, World], values=values, world=WORLD
+        "MuJoCo",
+        "mujoco",
+        scene,
+        parts=[Piece, Rigid, Link, Tie, Gear, Assembly, rates, World],
+        values=values,
+        world=WORLD,
     )
-    return {"scene.xml": mjcf(scene, timeline, whole.trees, whole.ties), "run.py": run}
+    return {"scene.xml": mjcf(scene, timeline, whole), "run.py": run}

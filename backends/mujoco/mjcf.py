@@ -2,34 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from math import degrees
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from wmspec.scene.articulations import WORLD, Link, Tie, Tree
+from wmspec.scene.articulations import WORLD, Tree
 from wmspec.scene.com_frame import com_frame, mount, placed
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import TOUCH, Episode, Kick, Vector
 from wmspec.scene.model import Array, Body, Camera, Friction, Geom, Light, Pose, Scene
+from wmspec.scene.rigid import Assembly
 from wmspec.scene.transform import compose, conjugate, inverse, rotate
 
 from .impact import IMPEDANCE, solref, solreffriction
 from .joints import actuator, control, hang
 from .text import text
-from .world import HEAVY
+from .world import HEAVY, rates
 
 SPIN, ROLL = 0.005, 0.0001  # required by the format, without effect at condim 3
 _HIDDEN = "3"  # the group of geoms that viewers don't show at first
 
 
-def mjcf(scene: Scene, episode: Episode, trees: tuple[Tree, ...] = (), ties: tuple[Tie, ...] = ()) -> str:
+def mjcf(scene: Scene, episode: Episode, whole: Assembly) -> str:
     """A model: bodies in the scene's order, those in trees below their parents, frames at their centres of mass, one
 
     `pair` per pair that may touch.
     """
-    root = ET.Element("mujoco", model=scene.name)
+    root, trees = ET.Element("mujoco", model=scene.name), whole.trees
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     _options(root, episode, driven=any(limb.drive for tree in trees for limb in tree))
     asset, world, contact = (ET.SubElement(root, tag) for tag in ("asset", "worldbody", "contact"))
@@ -48,12 +49,12 @@ def mjcf(scene: Scene, episode: Episode, trees: tuple[Tree, ...] = (), ties: tup
         _camera(elements[rides], camera, pose)
     for a, g, b, h in touchable(scene):
         _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", mix(g.friction, h.friction), episode)
-    _equality(root, scene, episode, ties)
+    _equality(root, scene, episode, whole)
     drives = [limb for tree in trees for limb in tree if limb.drive]
     actuators = ET.SubElement(root, "actuator") if drives else root
     for limb in drives:
         actuator(actuators, limb, scene)
-    _keyframe(root, scene, episode, limbs, [control(limb) for limb in drives])
+    _keyframe(root, scene, episode, whole, [control(limb) for limb in drives])
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
@@ -174,13 +175,16 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
     )
 
 
-def _equality(root: ET.Element, scene: Scene, episode: Episode, ties: tuple[Tie, ...]) -> None:
-    """The points by which bodies will be held, not yet active, and those that close loops, as stiff as steps let."""
-    if not (episode.grips or ties):
+def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly) -> None:
+    """The points by which bodies will be held, not yet active, those that close loops, and joints that mimic others, as
+
+    stiff as steps let.
+    """
+    if not (episode.grips or whole.ties or whole.gears):
         return
     equality = ET.SubElement(root, "equality")
     solref = text([-((0.1 / episode.step) ** 2), -0.5 / episode.step])
-    for tie in ties:
+    for tie in whole.ties:
         names = {"body1": scene.bodies[tie.second].name, "body2": scene.bodies[tie.first].name}
         points = tie.below
         if tie.first == WORLD:
@@ -191,6 +195,11 @@ def _equality(root: ET.Element, scene: Scene, episode: Episode, ties: tuple[Tie,
             name = f"{scene.joints[tie.joint].name} {i}"
             made = ET.SubElement(equality, "connect", {"name": name, **names, "anchor": text(point), "solref": solref})
             made.set("solimp", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
+    leads = {link.body: scene.joints[link.joint].name for tree in whole.trees for link in tree if link.joint >= 0}
+    for gear in whole.gears:  # as coordinates are since the start, at which it fits
+        both = {"joint1": scene.joints[gear.joint].name, "joint2": leads[gear.leader], "solref": solref}
+        made = ET.SubElement(equality, "joint", both, polycoef=text([0.0, gear.ratio, 0.0, 0.0, 0.0]))
+        made.set("solimp", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
     for number, grip in enumerate(episode.grips):
         for i in range(len(grip.points)):
             ET.SubElement(
@@ -206,11 +215,10 @@ def _equality(root: ET.Element, scene: Scene, episode: Episode, ties: tuple[Tie,
             )
 
 
-def _keyframe(
-    root: ET.Element, scene: Scene, episode: Episode, limbs: Mapping[int, Link], controls: Sequence[float]
-) -> None:
+def _keyframe(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly, controls: Sequence[float]) -> None:
     """The start, with initial velocities, bodies as they are nested; MuJoCo wants angular ones in the body's axes."""
     index = {body.name: i for i, body in enumerate(scene.bodies)}
+    limbs = {limb.body: limb for tree in whole.trees for limb in tree}
     kicks = {kick.body: kick for kick in episode.kicks if kick.step == 0}
     places: list[float] = []
     speeds: list[float] = []
@@ -219,13 +227,14 @@ def _keyframe(
         match kind:
             case "free":
                 places += episode.start[i]
-                speeds += _speeds(kicks[i], episode.start[i]) if i in kicks else [0.0] * 6
+                if i not in limbs:
+                    speeds += _speeds(kicks[i], episode.start[i]) if i in kicks else [0.0] * 6
             case "ball":
                 places += [1.0, 0.0, 0.0, 0.0]
-                speeds += [0.0] * 3
             case "hinge" | "slider":
                 places.append(limbs[i].start)
-                speeds.append(0.0)
+        if i in limbs:
+            speeds += rates(limbs[i], whole.bodies[i])
     if places:
         key = ET.SubElement(ET.SubElement(root, "keyframe"), "key", name="start", qpos=text(places), qvel=text(speeds))
         if controls:

@@ -41,7 +41,7 @@ def execute(scene: Scene) -> Trace:
     """
     whole, timeline = prepare(scene)
     with unlogged():
-        text = mjcf(scene, timeline, whole.trees, whole.ties)
+        text = mjcf(scene, timeline, whole)
         return trace(
             INFO.name, scene, timeline, _quick(text, scene, whole, timeline) or _slow(text, scene, whole, timeline)
         )

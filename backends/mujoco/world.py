@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.scene.articulations import Link
 from wmspec.scene.episode import MEET, Grip
-from wmspec.scene.rigid import Assembly
+from wmspec.scene.rigid import Assembly, Rigid
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import conjugate, rotate
 
@@ -36,6 +37,9 @@ class World:
         self.pushed, self.current = False, False
         self.start = self.data.qpos.copy()
         self.drives = {limb.joint: limb.drive for tree in assembly.trees for limb in tree if limb.drive}
+        for limb in (limb for tree in assembly.trees for limb in tree):
+            begun = rates(limb, assembly.bodies[limb.body])
+            self.data.qvel[self.qvel[limb.body] : self.qvel[limb.body] + len(begun)] = begun
         self.actuators = {joint: i for i, joint in enumerate(self.drives)}
         self.fresh = set(self.drives)
         for joint, drive in self.drives.items():
@@ -178,3 +182,17 @@ class World:
             gaps = self.data.contact.dist.tolist()
             self.met = {pair for pair, gap in zip(each, gaps, strict=True) if gap < MEET or pair in self.met}
         return self.met
+
+
+def rates(limb: Link, body: Rigid) -> list[float]:
+    """How fast the joint that holds a body begins, as MuJoCo has it: what floats or turns does so in its own axes."""
+    match limb.kind:
+        case "fixed":
+            return []
+        case "free":
+            linear, angular = body.velocity[:3] or (0.0,) * 3, body.velocity[3:] or (0.0,) * 3
+            return [*linear, *rotate(conjugate(np.array(body.start[3:])), np.array(angular)).tolist()]
+        case "ball":
+            return [*(limb.rate or (0.0,) * 3)]
+        case _:
+            return [*(limb.rate or (0.0,))]

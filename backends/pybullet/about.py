@@ -5,6 +5,7 @@ from __future__ import annotations
 from wmspec.scene.backend import Compiled, Info
 from wmspec.scene.capability import (
     BALL_LIMITS,
+    MIMICS_APART,
     SEVERAL_MATERIALS,
     TWO_FRICTIONS,
     Lack,
@@ -36,6 +37,7 @@ INFO = Info(
         Lack(damped_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),
         Lack(fine_drives(STEPS_PER_SECOND), "PyBullet makes up to 16 times as many steps", nearly=True),
         Lack(TWO_FRICTIONS, "PyBullet has one coefficient, that of motion", nearly=True),
+        Lack(MIMICS_APART, "PyBullet's gears are of one multibody; join the two by a joint"),
         Lack(
             SEVERAL_MATERIALS,
             "PyBullet has one material a moving body; give its pieces the same friction and restitution",

@@ -31,7 +31,8 @@ def branches(
     place = bodies[base.body].start if floats else base.above
     number = {limb.body: i + 1 for i, limb in enumerate(links)} | ({base.body: 0} if floats else {-1: 0})
     frames = {limb.body: limb.below for limb in links}
-    joints = [inside(frames.get(limb.parent, HERE), limb.above) if limb.parent >= 0 else HERE for limb in links]
+    above = [frames.get(limb.parent, HERE) if limb.parent >= 0 else base.above for limb in links]
+    joints = [HERE if limb is base else inside(at, limb.above) for at, limb in zip(above, links, strict=True)]
     middles = [inside(limb.below, HERE) for limb in links]
     handle: int = pybullet.createMultiBody(
         bodies[base.body].mass if floats else 0.0,
@@ -60,7 +61,7 @@ def branches(
 def depth_first(tree: tuple[Link, ...]) -> tuple[Link, ...]:
     """A tree's limbs, each followed by all that hangs on it: so PyBullet numbers links, in whatever order they come."""
     order: list[Link] = []
-    waiting = [tree[0]]
+    waiting = [limb for limb in reversed(tree) if limb.parent < 0]
     while waiting:
         order.append(waiting.pop())
         waiting += [limb for limb in reversed(tree) if limb.parent == order[-1].body]
@@ -81,14 +82,18 @@ def still(handle: int, link: int, kind: str, client: int) -> None:
         pybullet.setJointMotorControl2(handle, link, pybullet.VELOCITY_CONTROL, force=0, physicsClientId=client)
 
 
-def put(tree: tuple[Link, ...], made: dict[int, tuple[int, int]], bodies: tuple[Rigid, ...], client: int) -> None:
-    """Put a tree where it begins, at rest."""
+def put(
+    tree: tuple[Link, ...], made: dict[int, tuple[int, int]], bodies: tuple[Rigid, ...], client: int, *, moving: bool
+) -> None:
+    """Put a tree where it begins, `moving` as it does then or at rest."""
     if tree[0].kind == "free":
         handle, place = made[tree[0].body][0], bodies[tree[0].body].start
         pybullet.resetBasePositionAndOrientation(handle, place[:3], xyzw(place[3:]), physicsClientId=client)
-        pybullet.resetBaseVelocity(handle, [0, 0, 0], [0, 0, 0], physicsClientId=client)
+        speeds = (moving and bodies[tree[0].body].velocity) or (0.0,) * 6
+        pybullet.resetBaseVelocity(handle, speeds[:3], speeds[3:], physicsClientId=client)
     for limb in tree:
+        rate = (moving and limb.rate) or (0.0,) * 3
         if limb.kind == "ball":
-            pybullet.resetJointStateMultiDof(*made[limb.body], [0, 0, 0, 1], [0, 0, 0], physicsClientId=client)
+            pybullet.resetJointStateMultiDof(*made[limb.body], [0, 0, 0, 1], rate, physicsClientId=client)
         elif limb.kind in ("hinge", "slider"):
-            pybullet.resetJointState(*made[limb.body], limb.start, 0.0, physicsClientId=client)
+            pybullet.resetJointState(*made[limb.body], limb.start, rate[0], physicsClientId=client)

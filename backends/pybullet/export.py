@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.scene.articulations import Link, Tie
+from wmspec.scene.articulations import Gear, Link, Tie
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
@@ -16,7 +16,7 @@ CONSTANTS = {
     articulations: ("JOINTS", "MEETING"),
 }
 PARTS = (
-    *(Piece, Rigid, Link, Tie, Assembly),
+    *(Piece, Rigid, Link, Tie, Gear, Assembly),
     *(shapes.shape, shapes.inside, shapes.xyzw, shapes.single, shapes.several, shapes.objects),
     *(articulations.branches, articulations.depth_first, articulations.still, articulations.put),
     world.World,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.articulations import Link, Tie
+from wmspec.scene.articulations import Gear, Link, Tie
 from wmspec.scene.episode import MEET, TOUCH, Grip
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.silence import silence
@@ -68,6 +68,8 @@ class World:
 
         for tie in assembly.ties:
             self.tie(tie)
+        for gear in assembly.gears:
+            self.gear(gear)
 
     def tie(self, tie: Tie) -> None:
         """Close a loop."""
@@ -86,6 +88,26 @@ class World:
                 physicsClientId=self.client,
             )
             pybullet.changeConstraint(made, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
+
+    def gear(self, gear: Gear) -> None:
+        """Let a joint mimic another."""
+        made = pybullet.createConstraint(
+            *self.ids[gear.body],
+            *self.ids[gear.leader],
+            pybullet.JOINT_GEAR,
+            [0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0],
+            physicsClientId=self.client,
+        )
+        pybullet.changeConstraint(
+            made,
+            gearRatio=-gear.ratio,
+            relativePositionTarget=gear.offset,
+            erp=0.2,
+            maxForce=TIE_FORCE,
+            physicsClientId=self.client,
+        )
 
     def add(self, body: Rigid) -> list[tuple[int, int]]:
         """Make a body; a static one is made of one per piece, as only there PyBullet lets pieces differ in material."""
@@ -124,7 +146,7 @@ class World:
                 joint |= {"jointLowerLimit": limb.limits[0], "jointUpperLimit": limb.limits[1]}
             self.settle(part, own, body.mass, body.moments, **joint)
             pybullet.setCollisionFilterGroupMask(*part, DYNAMIC, DYNAMIC | GIVEN, physicsClientId=self.client)
-        put(tree, made, self.bodies, self.client)
+        put(tree, made, self.bodies, self.client, moving=True)
         return {body: [part] for body, part in made.items()}
 
     def settle(
@@ -178,7 +200,7 @@ class World:
         """Put a dynamic body where it began or `at` another place: a free one as heavy as a kinematic one."""
         if body in self.trees:
             made = {limb.body: self.ids[limb.body] for limb in self.trees[body]}
-            put(self.trees[body], made, self.bodies, self.client)
+            put(self.trees[body], made, self.bodies, self.client, moving=False)
             self.fresh |= {limb.joint for limb in self.trees[body] if limb.drive}
             return
         if body not in self.held:

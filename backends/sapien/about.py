@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from wmspec.scene.backend import Graphics, Info
-from wmspec.scene.capability import ROLLING_CYLINDERS, TOUCHING_NEIGHBOURS, TWO_FRICTIONS, Lack
+from wmspec.scene.capability import (
+    MIMICS_APART,
+    MIMICS_PAST,
+    ROLLING_CYLINDERS,
+    TOUCHING_NEIGHBOURS,
+    TWO_FRICTIONS,
+    Lack,
+)
 
 INFO = Info(
     name="sapien",
@@ -17,6 +24,11 @@ INFO = Info(
         Lack(ROLLING_CYLINDERS, "PhysX rolls polygons, which brake; use spheres or capsules"),
         # Measured: with PhysX's coefficient at rest too, a box slips on a slope that only this one would hold it on.
         Lack(TWO_FRICTIONS, "what begins to creep in PhysX has the coefficient of motion from then on", nearly=True),
+        Lack(MIMICS_APART, "PhysX's tendons are of one articulation; join the two by a joint"),
+        Lack(
+            MIMICS_PAST,
+            "PhysX's tendons pass hinges and sliders alone; remove the mimic, or make one body of what is fixed",
+        ),
         Lack(
             TOUCHING_NEIGHBOURS,
             "PhysX lets the two bodies of a joint pass through each other; author physics:collisionEnabled = 0",

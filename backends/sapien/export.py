@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.scene.articulations import Link, Tie
+from wmspec.scene.articulations import Gear, Link, Tie
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
@@ -13,11 +13,19 @@ from .physics import prepare
 CONSTANTS = {
     world: ("FASTEST_SPIN", "APART", "POSITION_ITERATIONS", "VELOCITY_ITERATIONS", "JUMP"),
     shapes: ("CONTACT_OFFSET", "ALONG_X"),
-    joints: ("HERE", "JOINTS", "FASTEST_JOINT"),
+    joints: ("JOINTS", "STIFFEST", "FASTEST_JOINT"),
 }
 PARTS = (
-    *(Piece, Rigid, Link, Tie, Assembly),
-    *(joints.branches, joints.connect, joints.ball, joints.ignored, joints.frame),
+    *(Piece, Rigid, Link, Tie, Gear, Assembly),
+    *(
+        joints.branches,
+        joints.connect,
+        joints.couple,
+        joints.ascent,
+        joints.ball,
+        joints.ignored,
+        joints.frame,
+    ),
     *(shapes.lanes, shapes.mean, shapes.groups, shapes.shape),
     *(world.World, world.entity, world.solve, world.iterate),
 )

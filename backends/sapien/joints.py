@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.articulations import Link
-from wmspec.scene.episode import Vector
+from wmspec.scene.articulations import Gear, Link
 from wmspec.scene.silence import silence
 
 with silence():
     import sapien
 
-HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 JOINTS = {"fixed": "fixed", "hinge": "revolute", "slider": "prismatic"}
+STIFFEST = 0.3  # of the vibration of what mimics about what it mimics, in radians a step
 FASTEST_JOINT = 1e4  # rad/s or m/s, PhysX's default is 100
 
 
@@ -29,13 +28,21 @@ def branches(tree: tuple[Link, ...]) -> list[tuple[Link, ...]]:
         part = parts[-1] if limb.kind == "ball" or limb.parent not in part_of else part_of[limb.parent]
         part.append(limb)
         part_of[limb.body] = part
+        if limb.parent < 0 and limb.kind not in (
+            "free",
+            "ball",
+        ):  # what else hangs on the world, of trees that are joined
+            part_of[limb.parent] = part
     return [tuple(part) for part in parts]
 
 
-def connect(joint: Any, limb: Link, above: Vector) -> None:
-    """Make an articulation's joint; `above` is its frame in the link that holds it."""
-    joint.set_type(JOINTS[limb.kind])
-    joint.set_pose_in_parent(frame(above))
+def connect(joint: Any, limb: Link, above: Any, *, geared: bool) -> None:
+    """Make an articulation's joint; `above` is its frame in the link that holds it.
+
+    PhysX's hinges begin again at zero after two turns; those that are `geared` to others must not.
+    """
+    joint.set_type("revolute_unwrapped" if geared and limb.kind == "hinge" else JOINTS[limb.kind])
+    joint.set_pose_in_parent(above)
     joint.set_pose_in_child(frame(limb.below))
     if limb.kind == "fixed":
         return
@@ -48,6 +55,27 @@ def connect(joint: Any, limb: Link, above: Vector) -> None:
     joint.set_drive_properties(stiffness, damping, min(most, float(np.finfo(np.float32).max)), "force")
     joint.set_drive_target(target)
     joint.set_drive_velocity_target(velocity)
+
+
+def couple(gear: Gear, branch: tuple[Link, ...], links: dict[int, Any], step: float) -> None:
+    """Let a joint mimic another, by a tendon that is as stiff as steps let; its force on each is its coefficient's."""
+    above = {limb.body: limb.parent for limb in branch}
+    one, other = ascent(gear.leader, above), ascent(gear.body, above)
+    root = next(body for body in one[1:] if body in other[1:])
+    passed = {*one[: one.index(root)], *other[: other.index(root)]}
+    chain = [root, *(limb.body for limb in branch if limb.body in passed)]
+    pulls = [{gear.leader: -gear.ratio, gear.body: 1.0}.get(body, 0.0) for body in chain]
+    stiffness = (STIFFEST / step) ** 2 / gear.lightness
+    parts = [links[body] for body in chain]
+    parts[0].articulation.create_fixed_tendon(parts, pulls, pulls, gear.offset, 0.0, stiffness, 0.0)
+
+
+def ascent(body: int, above: dict[int, int]) -> list[int]:
+    """A body, what holds it, what holds that, and so on to the root."""
+    way = [body]
+    while way[-1] in above:
+        way.append(above[way[-1]])
+    return way
 
 
 def ball(limb: Link, part: Any, parent: Any) -> Any:

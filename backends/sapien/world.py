@@ -11,7 +11,7 @@ from wmspec.scene.episode import Grip
 from wmspec.scene.rigid import Assembly, Rigid
 from wmspec.scene.silence import silence
 
-from .joints import HERE, ball, branches, connect, frame, ignored
+from .joints import ball, branches, connect, couple, frame, ignored
 from .shapes import groups, lanes, mean, shape
 
 with silence():
@@ -50,6 +50,7 @@ class World:
         self.ties: dict[int, list[Any]] = {}
         self.lanes = lanes(assembly.bodies)
         self.ignored = ignored(assembly.apart, len(self.bodies))
+        self.gears, self.seconds = assembly.gears, assembly.step
         self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
         self.joints: dict[int, Any] = {}
         made: dict[int, Any] = {}
@@ -109,6 +110,9 @@ class World:
         top = branch[0]
         if len(branch) == 1 and top.kind in ("free", "ball"):
             parts = {top.body: self.add(top.body)}
+            if speeds := self.bodies[top.body].velocity:
+                parts[top.body].set_linear_velocity(np.array(speeds[:3], np.float32))
+                parts[top.body].set_angular_velocity(np.array(speeds[3:], np.float32))
         else:
             parts = self.articulate(branch)
         if top.kind == "ball":
@@ -119,6 +123,7 @@ class World:
         """Make an articulation; what hangs on the world hangs on a fixed link without shape at its joint."""
         physx, top = sapien.physx, branch[0]
         links: dict[int, Any] = {}
+        geared = {limb.joint for gear in self.gears for limb in branch if limb.body in (gear.body, gear.leader)}
         entities = []
         if top.kind not in ("free", "ball"):
             links[-1] = physx.PhysxArticulationLinkComponent(None)
@@ -132,25 +137,31 @@ class World:
             entities.append(entity(link, limb.body, self.bodies[limb.body].start))
             if parent is not None:
                 self.joints[limb.joint] = link.joint
-                connect(link.joint, limb, limb.above if limb.parent >= 0 else HERE)
+                above = frame(limb.above) if limb.parent >= 0 else frame(top.above).inv() * frame(limb.above)
+                connect(link.joint, limb, sapien.Pose() if limb is top else above, geared=limb.joint in geared)
         for one in entities:
             self.scene.add_entity(one)
         iterate(next(iter(links.values())).articulation)
-        self.rest(links, branch)
+        self.rest(links, branch, moving=True)
+        for gear in self.gears:
+            if gear.body in links:
+                couple(gear, branch, links, self.seconds)
         return {body: link for body, link in links.items() if body >= 0}
 
-    def rest(self, links: dict[int, Any], branch: tuple[Link, ...]) -> None:
-        """Put an articulation where it begins, at rest."""
+    def rest(self, links: dict[int, Any], branch: tuple[Link, ...], *, moving: bool = False) -> None:
+        """Put an articulation where it begins, at rest or `moving` as it does then."""
         top = branch[0]
+        speeds = (moving and self.bodies[top.body].velocity) or (0.0,) * 6
         articulation = links[top.body].articulation
         if top.kind in ("free", "ball"):
             articulation.set_root_pose(frame(self.bodies[top.body].start))
-            articulation.set_root_linear_velocity(np.zeros(3, np.float32))
-            articulation.set_root_angular_velocity(np.zeros(3, np.float32))
-        starts = {links[limb.body].index: limb.start for limb in branch if limb.kind in ("hinge", "slider")}
-        order = [starts[joint.child_link.index] for joint in articulation.get_active_joints()]
-        articulation.set_qpos(np.array(order, np.float32))
-        articulation.set_qvel(np.zeros(len(order), np.float32))
+            articulation.set_root_linear_velocity(np.array(speeds[:3], np.float32))
+            articulation.set_root_angular_velocity(np.array(speeds[3:], np.float32))
+        limbs = {links[limb.body].index: limb for limb in branch}
+        order = [limbs[joint.child_link.index] for joint in articulation.get_active_joints()]
+        articulation.set_qpos(np.array([limb.start for limb in order], np.float32))
+        rates = [limb.rate[0] if moving and limb.rate else 0.0 for limb in order]
+        articulation.set_qvel(np.array(rates, np.float32))
 
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         """Set the velocities of a free body."""

@@ -18,6 +18,14 @@ from wmspec.diagnostics import WmsError
 from wmspec.usd import read
 
 CASES = cases()
+COUPLED = (
+    "mimic_hoist",
+    "mimic_counterweight",
+    "mimic_gripper",
+    "pendulum_jerked",
+    "pendulum_conical",
+    "nunchaku_thrown",
+)
 
 
 def opened(text: str) -> Usd.Stage:
@@ -55,7 +63,9 @@ def test_a_thin_wall_holds_what_is_fast_in_mujoco() -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("name", ["free_fall", "slide_box", "four_bar", "filtered_pair", "drive_critical", "units"])
+@pytest.mark.parametrize(
+    "name", ["free_fall", "slide_box", "four_bar", "filtered_pair", "drive_critical", "units", *COUPLED]
+)
 def test_engines_pass_what_they_are_known_to_do(engine: str, name: str) -> None:
     installed(engine)
     for score in scores(engine, by_backend(engine), chosen([name])):

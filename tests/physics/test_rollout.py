@@ -37,7 +37,7 @@ def test_the_states_and_what_touches_are_the_same(task: str, place: int) -> None
     scene = scene_of(task, place)
     whole, timeline = physics.prepare(scene)
     assert rollout.uneventful(scene, timeline)
-    text = mjcf(scene, timeline, whole.trees)
+    text = mjcf(scene, timeline, whole)
     with physics.unlogged():
         slow = play(physics._world(text, scene, whole, timeline), timeline)
         quick = rollout.play(physics._world(rollout.sensed(text, scene), scene, whole, timeline), scene, timeline)

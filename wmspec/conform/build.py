@@ -146,18 +146,32 @@ def joint(
     *,
     limits: tuple[float, float] | None = None,
     drive: str = "",
+    mimic: tuple[str, float, float] | None = None,
+    physx: bool = False,
 ) -> str:
     """A joint between two bodies, or a body and the world (an empty name), by its places in them; limits are as in USD.
 
-    `drive`: the attributes of its drive after `drive:NAME:physics:`, each on a line.
+    `drive`: the attributes of its drive after `drive:NAME:physics:`, each on a line. `mimic`: the joint that it mimics,
+    c0 and c1, as Newton's schema has them, or as that of `physx`.
     """
     way = "angular" if kind == "Revolute" else "linear"
-    schemas = f' (prepend apiSchemas = ["PhysicsDriveAPI:{way}"])' if drive else ""
+    apis = [f"PhysicsDriveAPI:{way}"] if drive else []
+    apis += (["PhysxMimicJointAPI:rotX"] if physx else ["NewtonMimicAPI"]) if mimic else []
+    schemas = " (prepend apiSchemas = [" + ", ".join(f'"{api}"' for api in apis) + "])" if apis else ""
     lines = [f"rel physics:body{i} = </World/{name}>" for i, name in enumerate((first, second)) if name]
     lines += [f"point3f physics:localPos0 = {above}", f"point3f physics:localPos1 = {below}"]
     lines += ["quatf physics:localRot0 = (1, 0, 0, 0)", "quatf physics:localRot1 = (1, 0, 0, 0)"]
     lines += [f'uniform token physics:axis = "{axis}"'] if kind in ("Revolute", "Prismatic") else []
     lines += [f"float physics:{end}Limit = {v}" for end, v in zip(("lower", "upper"), limits or (), strict=False)]
     lines += [f"float drive:{way}:physics:{line}" for line in drive.splitlines()]
+    if mimic and physx:
+        lines += [f"rel physxMimicJoint:rotX:referenceJoint = </World/{mimic[0]}>"]
+        lines += [
+            f"float physxMimicJoint:rotX:{what} = {-v}"
+            for what, v in zip(("offset", "gearing"), mimic[1:], strict=True)
+        ]
+    elif mimic:
+        lines += [f"rel newton:mimicJoint = </World/{mimic[0]}>"]
+        lines += [f"float newton:mimicCoef{i} = {v}" for i, v in enumerate(mimic[1:])]
     told = "\n".join(f"        {line}" for line in lines)
     return f'    def Physics{kind}Joint "{name}"{schemas}\n    {{\n{told}\n    }}\n\n'

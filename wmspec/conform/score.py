@@ -50,9 +50,9 @@ class Score:
 @cache
 def cases() -> dict[str, Case]:
     """All cases by their names."""
-    from wmspec.conform import contacts, impacts, joints
+    from wmspec.conform import contacts, impacts, joints, mechanisms
 
-    return {case.name: case for part in (contacts, impacts, joints) for case in part.cases()}
+    return {case.name: case for part in (contacts, impacts, joints, mechanisms) for case in part.cases()}
 
 
 def chosen(names: Iterable[str]) -> tuple[Case, ...]:

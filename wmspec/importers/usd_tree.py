@@ -119,7 +119,7 @@ class Stage:
     def _joint(self, joint: model.Joint, turned: bool) -> Joint:
         """A joint whose parent is its first end, or its second if it is `turned`: its coordinate stays the same.
 
-        Raises StageError if it does not fit, or if it is a ball joint with limits.
+        Raises StageError if it does not fit, mimics another, or is a ball joint with limits.
         """
         ends = ((joint.first, joint.first_frame), (joint.second, joint.second_frame))
         if turned:  # the axis is turned round with the two ends
@@ -128,6 +128,9 @@ class Stage:
         assert lower is not None
         if joint.kind == "ball" and joint.limits:
             reason, remedy = "a spec cannot say the limits of a ball joint", "author cone angles of -1, or use hinges"
+            raise StageError(reason, PrimPlace(joint.path), remedy)
+        if joint.mimic:
+            reason, remedy = "a spec cannot say that a joint mimics another", "remove the mimic, and drive both joints"
             raise StageError(reason, PrimPlace(joint.path), remedy)
         start = coordinate(joint, relative(self._bodies, upper, lower, above, below))
         parent, child = self._end(upper), self._end(lower)

@@ -13,10 +13,10 @@ import numpy as np
 
 from wmspec.diagnostics import StageError
 from wmspec.places import PrimPlace
-from wmspec.scene.com_frame import mount
-from wmspec.scene.model import Body, Follow, Glide, Joint, Pose, Scene, Teleport
+from wmspec.scene.com_frame import com_frame, mount
+from wmspec.scene.model import Array, Body, Follow, Glide, Joint, Pose, Scene, Teleport
 from wmspec.scene.numbers import floats, numbers
-from wmspec.scene.transform import apply, compose, identity, inverse, turned
+from wmspec.scene.transform import apply, compose, conjugate, cross, identity, inverse, rotate, turned
 
 WORLD = -1
 NEAR, ALIGNED = 1e-3, 1e-2  # m and rad: how well the two frames of a joint must fit at the start
@@ -31,6 +31,7 @@ class Link:
     `above` and `below`: the joint's frame, position and quaternion (w, x, y, z), in the parent (or the world) and in
     the body, in their centre-of-mass frames; its axis is x. `start`: the coordinate at the start. `limits`: least and
     greatest coordinate, or nothing. `drive`: stiffness, damping, target, velocity, greatest force, or nothing.
+    `rate`: of the coordinate at the start, rad/s or m/s; of a ball joint, about the three axes of the body; or nothing.
     """
 
     body: int
@@ -42,6 +43,7 @@ class Link:
     start: float
     limits: tuple[float, ...]
     drive: tuple[float, ...]
+    rate: tuple[float, ...] = ()
 
 
 Tree = tuple[Link, ...]
@@ -61,6 +63,20 @@ class Tie:
 
 
 @dataclass(frozen=True)
+class Gear:
+    """A joint that mimics another: the coordinate of what holds `body` is `ratio` times that of what holds `leader`,
+    numbers of bodies, and `offset`. `lightness`: the acceleration that a unit of force between the two gives, 1/kg.
+    """
+
+    joint: int
+    body: int
+    leader: int
+    ratio: float
+    offset: float
+    lightness: float
+
+
+@dataclass(frozen=True)
 class Branch:
     """A body of a tree, its parent and the joint between them by their numbers; -1 for the world and for no joint."""
 
@@ -72,10 +88,24 @@ class Branch:
 def trees(scene: Scene) -> tuple[Tree, ...]:
     """The jointed bodies, parents before children, in the order of each tree's root among the bodies.
 
-    A tree's root is what is jointed to the world, or else its first body. Raises StageError, with the joint's path, for
+    A tree's root is what is jointed to the world, of which it may have several if joints mimic each other, or else its
+    first body. Raises StageError, with the joint's path, for
     joints that do not fit.
     """
-    return tuple(tuple(_link(scene, branch) for branch in tree) for tree in spanning(scene))
+    return _joined(scene, [tuple(_link(scene, branch) for branch in tree) for tree in spanning(scene)])
+
+
+def _joined(scene: Scene, grown: list[Tree]) -> tuple[Tree, ...]:
+    """The trees, those that the world holds as one if a joint of one mimics a joint of the other."""
+    named = {joint.name: number for number, joint in enumerate(scene.joints)}
+    for number, joint in enumerate(scene.joints):
+        if joint.mimic is None or joint.mimic.leader not in named:
+            continue
+        both = [tree for tree in grown if {number, named[joint.mimic.leader]} & {link.joint for link in tree}]
+        if len(both) == 2 and all(tree[0].kind != "free" for tree in both):
+            grown[grown.index(both[0])] = both[0] + both[1]
+            grown.remove(both[1])
+    return tuple(grown)
 
 
 def spanning(scene: Scene) -> tuple[tuple[Branch, ...], ...]:
@@ -97,6 +127,11 @@ def ties(scene: Scene) -> tuple[Tie, ...]:
     return tuple(_tie(scene, j) for j in closing(scene))
 
 
+def paired(scene: Scene) -> frozenset[str]:
+    """The names of the joints that mimic others, or are mimicked."""
+    return frozenset(name for j in scene.joints if j.mimic for name in (j.name, j.mimic.leader))
+
+
 _SPREAD = 0.1  # m: how far apart the points of a hinge or a fixed joint are that closes a loop
 _POINTS = {
     "ball": ((0.0, 0.0, 0.0),),
@@ -107,7 +142,7 @@ _POINTS = {
 
 def _tie(scene: Scene, number: int) -> Tie:
     joint = scene.joints[number]
-    if not closes(joint):
+    if not closes(joint, paired(scene)):
         reason = "it closes a loop of joints, or holds bodies to the world a second time"
         remedy = "close the loop by a fixed, revolute or spherical joint without limits and drive, or deactivate it"
         raise StageError(reason, PrimPlace(joint.path), remedy)
@@ -131,9 +166,10 @@ def _points(scene: Scene, name: str | None, frame: Pose, kind: str) -> tuple[int
     return body, tuple(floats(apply(at, np.array(point))) for point in _POINTS[kind])
 
 
-def closes(joint: Joint) -> bool:
-    """Whether points that stay together do what the joint does."""
-    return joint.kind in _POINTS and joint.drive is None and joint.limits is None
+def closes(joint: Joint, coupled: frozenset[str] = frozenset()) -> bool:
+    """Whether points that stay together do what the joint does, which may be one of those `coupled` with others."""
+    plain = joint.drive is None and joint.limits is None and joint.name not in coupled
+    return joint.kind in _POINTS and plain
 
 
 def _links(scene: Scene) -> list[tuple[int, int]]:
@@ -150,8 +186,8 @@ def _kept(scene: Scene, links: Sequence[tuple[int, int]]) -> frozenset[int]:
             end = above[end]
         return end
 
-    kept = set()
-    for j in sorted(range(len(links)), key=lambda j: (closes(scene.joints[j]), j)):
+    kept, coupled = set(), paired(scene)
+    for j in sorted(range(len(links)), key=lambda j: (closes(scene.joints[j], coupled), j)):
         first, second = map(top, links[j])
         if first != second:
             above[first] = second
@@ -234,7 +270,29 @@ def _link(scene: Scene, branch: Branch) -> Link:
         drive=floats(np.array([drive.stiffness, drive.damping, drive.target, drive.velocity, drive.max_force]))
         if drive
         else (),
+        rate=_rate(joint.kind, bodies, upper, lower, below),
     )
+
+
+def _rate(kind: str, bodies: Mapping[str, Body], upper: str | None, lower: str, below: Pose) -> tuple[float, ...]:
+    """How fast the joint begins, by the velocities of its two bodies, which are taken to fit it."""
+    here, there = bodies[lower], bodies[upper] if upper is not None else None
+    ends = [body for body in (here, there) if body is not None]
+    if kind == "fixed" or not any(body.linear_velocity.any() or body.angular_velocity.any() for body in ends):
+        return ()
+    frame = compose(here.pose, below)
+    spin, speed = here.angular_velocity, _speed(here, frame.position)
+    if there is not None:
+        spin, speed = spin - there.angular_velocity, speed - _speed(there, frame.position)
+    if kind == "ball":
+        return floats(rotate(conjugate(com_frame(here).pose.orientation), spin))
+    return floats(rotate(conjugate(frame.orientation), speed if kind == "slider" else spin)[:1])
+
+
+def _speed(body: Body, point: Array) -> Array:
+    """How fast a point (3,) in the world, taken to be the body's, moves."""
+    middle = com_frame(body).pose.position
+    return body.linear_velocity + cross(body.angular_velocity, point - middle)
 
 
 def relative(bodies: Mapping[str, Body], upper: str | None, lower: str, above: Pose, below: Pose) -> Pose:

@@ -9,7 +9,7 @@ from math import atan, degrees
 
 from wmspec.diagnostics import Diagnostic, Report, StageError
 from wmspec.places import PrimPlace
-from wmspec.scene.articulations import closing
+from wmspec.scene.articulations import Link, closing, trees
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
 from wmspec.scene.hard import ENTERED
@@ -169,6 +169,36 @@ def _loops(scene: Scene) -> Where:
     yield from ((scene.joints[j].path, "a joint that closes a loop") for j in closing(scene))
 
 
+def _mimics(scene: Scene) -> Where:
+    yield from ((joint.path, f"a joint that mimics {joint.mimic.leader}") for joint in scene.joints if joint.mimic)
+
+
+def _mimics_apart(scene: Scene) -> Where:
+    tree = {scene.joints[link.joint].name: i for i, tree in enumerate(trees(scene)) for link in tree if link.joint >= 0}
+    for joint in scene.joints:
+        if joint.mimic and tree[joint.name] != tree[joint.mimic.leader]:
+            yield joint.path, f"a joint that mimics {joint.mimic.leader}, of a mechanism apart"
+
+
+def _mimics_past(scene: Scene) -> Where:
+    links = {link.body: link for tree in trees(scene) for link in tree}
+    held = {scene.joints[link.joint].name: link.body for link in links.values() if link.joint >= 0}
+    for joint in scene.joints:
+        if joint.mimic:
+            one, other = (_ascent(links, held[name]) for name in (joint.name, joint.mimic.leader))
+            passed = {*one[:-1], *other[:-1]} - (set(one[1:]) & set(other[1:]))
+            if one[-1] != other[-1] or not all(links[body].kind in ("hinge", "slider") for body in passed):
+                yield joint.path, f"a joint that mimics {joint.mimic.leader}, with a ball or fixed joint between"
+
+
+def _ascent(links: Mapping[int, Link], body: int) -> list[int]:
+    """A body, what holds it, what holds that, and so on to what floats, a ball joint or the world."""
+    way = [body]
+    while way[-1] in links and links[way[-1]].kind not in ("ball", "free"):
+        way.append(links[way[-1]].parent)
+    return way
+
+
 def _drive(joint: Joint) -> str:
     assert joint.drive is not None
     return (
@@ -189,10 +219,13 @@ FILTERS = Capability("filtered pairs and collision groups", _filtered)
 JOINTS = Capability("fixed joints, hinges, sliders, ball joints; trees of them, held by the world or free", _jointed)
 DRIVES = Capability("limits of hinges and sliders, drives")
 LOOPS = Capability("loops of joints, closed by a fixed joint, a hinge or a ball joint", _loops)
-COMMON = (PRIMITIVES, ROLLING_CYLINDERS, MESHES, MOTIONS, FILTERS, JOINTS, DRIVES, LOOPS)
+MIMICS = Capability("joints that mimic others", _mimics)
+COMMON = (PRIMITIVES, ROLLING_CYLINDERS, MESHES, MOTIONS, FILTERS, JOINTS, DRIVES, LOOPS, MIMICS)
 
 TWO_FRICTIONS = Capability("static friction other than the dynamic one", _sticking)
 BALL_LIMITS = Capability("ball joints with limits", _cones)
+MIMICS_APART = Capability("joints that mimic those of other free mechanisms", _mimics_apart)
+MIMICS_PAST = Capability("joints that mimic others beyond ball or fixed joints", _mimics_past)
 TOUCHING_NEIGHBOURS = Capability("neighbours in a tree that touch each other", _touching_neighbours)
 SEVERAL_MATERIALS = Capability("several materials in a moving body", _materials)
 
@@ -228,10 +261,9 @@ def friction_above(most: float) -> Capability:
 
 
 NEVER = {
-    "joints that break, gears, mimics, tendons, distance joints": (
+    "joints that break, gears, tendons, distance joints": (
         "the reader refuses them, as trees of joints, and loops of such, are what all engines solve alike"
     ),
-    "bodies with joints that start in motion": "give them an impulse or a drive instead of a velocity",
     "kinematic bodies with a velocity": "move them by a WmsAction that glides",
     "drives of ball joints": "use hinges",
     "several PhysicsScenes": "all bodies are in one; deactivate the others",

@@ -64,7 +64,7 @@ def _driven(scene: Scene) -> Iterator[tuple[Joint, Drive, float]]:
 def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
     """For each joint of one coordinate, the acceleration per force at the start, 1/kg or 1/(kg m²)."""
     bodies = [com_frame(scene.bodies[link.body]) for link in tree]
-    columns = [column for link in tree for column in _columns(scene, tree, link)]
+    columns = [column for link in tree for column in motions(scene, tree, link)]
     mass = np.zeros((len(columns), len(columns)))
     for i, body in enumerate(bodies):
         assert body.inertia is not None
@@ -73,12 +73,12 @@ def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
         speeds = np.array([column[i] for column in columns])
         mass += body.inertia.mass * speeds[:, :3] @ speeds[:, :3].T + speeds[:, 3:] @ inertia @ speeds[:, 3:].T
     lightness = np.diag(np.linalg.inv(mass)) if columns else np.zeros(0)
-    numbers = [link.joint for link in tree for _ in _columns(scene, tree, link)]
+    numbers = [link.joint for link in tree for _ in motions(scene, tree, link)]
     return dict(zip(numbers, lightness.tolist(), strict=True))
 
 
-def _columns(scene: Scene, tree: Tree, link: Link) -> list[Array]:
-    """For each way that a joint moves: the linear and angular velocities (N, 6) of the tree's bodies."""
+def motions(scene: Scene, tree: Tree, link: Link) -> list[Array]:
+    """For each way that a joint moves, none of a fixed one: the linear and angular velocities (N, 6) of the bodies."""
     bodies = [com_frame(scene.bodies[one.body]) for one in tree]
     at = next(body for body, one in zip(bodies, tree, strict=True) if one is link)
     joint = compose(at.pose, placed(link.below))

@@ -9,7 +9,9 @@ import numpy as np
 from wmspec.diagnostics import Diagnostic
 from wmspec.places import PrimPlace
 from wmspec.scene.articulations import jointed, moves, trees
+from wmspec.scene.mimics import astray
 from wmspec.scene.model import Body, Drive, Joint, Launch, Release, Scene, Vanish
+from wmspec.scene.momentum import misfits
 
 
 def problems(scene: Scene) -> Iterator[Diagnostic]:
@@ -44,6 +46,10 @@ def _joint(joint: Joint, bodies: Mapping[str, Body], moving: frozenset[str]) -> 
         yield Diagnostic(f"its limits are {joint.limits}, expected the lower one first, and none of a fixed joint")
     if joint.drive is not None:
         yield from _drive(joint, joint.drive)
+    if joint.mimic is not None and joint.kind not in ("hinge", "slider"):
+        yield Diagnostic(
+            f"a {joint.kind} joint has no one coordinate that could mimic another", help="remove its mimic"
+        )
 
 
 def _drive(joint: Joint, drive: Drive) -> Iterator[Diagnostic]:
@@ -58,13 +64,8 @@ def _drive(joint: Joint, drive: Drive) -> Iterator[Diagnostic]:
 def _tied(scene: Scene) -> Iterator[Diagnostic]:
     """What can't be done with bodies that have joints."""
     tied = jointed(scene)
-    for body in scene.bodies:
-        if body.name in tied and (body.linear_velocity.any() or body.angular_velocity.any()):
-            yield Diagnostic(
-                "a jointed body starts at rest",
-                PrimPlace(body.path),
-                "give it an impulse or a drive instead of a velocity",
-            )
+    yield from misfits(scene)
+    yield from astray(scene)
     for action in scene.actions:
         if isinstance(action, Launch | Vanish) and action.body in tied:
             remedy = "give it an impulse instead" if isinstance(action, Launch) else "let what has no joints vanish"

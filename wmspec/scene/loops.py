@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from wmspec.scene.articulations import closes, closing
+from wmspec.scene.articulations import closes, closing, paired
 from wmspec.scene.model import Body, Joint, Scene
 from wmspec.scene.transform import identity
 
@@ -17,7 +17,7 @@ def opened(scene: Scene) -> Scene:
     """The scene in which points can close every loop."""
     for number in closing(scene):
         joint = scene.joints[number]
-        if not closes(joint):
+        if not closes(joint, paired(scene)):
             scene = _split(scene, number)
     return scene
 

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmspec.scene.articulations import Tie, Tree, ties, trees
+from wmspec.scene.articulations import Gear, Tie, Tree, jointed, ties, trees
 from wmspec.scene.com_frame import com_frame, placed
 from wmspec.scene.contact import apart, colliders
+from wmspec.scene.coordinates import gears
 from wmspec.scene.episode import Episode, Vector
 from wmspec.scene.model import Body, Geom, Scene
 from wmspec.scene.numbers import floats, numbers
@@ -34,7 +35,10 @@ class Piece:
 
 @dataclass(frozen=True)
 class Rigid:
-    """A body in its centre-of-mass frame, SI units. `damping`: linear and angular rate, 1/s."""
+    """A body in its centre-of-mass frame, SI units. `damping`: linear and angular rate, 1/s. `velocity`: linear and
+
+    angular at the start, in world axes, of a body with joints that begins to move; others are kicked by the episode.
+    """
 
     name: str
     motion: str
@@ -43,11 +47,15 @@ class Rigid:
     moments: Vector
     damping: Vector
     pieces: tuple[Piece, ...]
+    velocity: Vector = ()
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """All bodies in order, trees of those with joints, pairs of numbers that pass through each other, and loops."""
+    """All bodies in order, trees of those with joints, pairs of numbers that pass through each other, loops, and joints
+
+    that mimic others.
+    """
 
     bodies: tuple[Rigid, ...]
     trees: tuple[Tree, ...]
@@ -55,20 +63,23 @@ class Assembly:
     gravity: tuple[float, ...]
     step: float
     ties: tuple[Tie, ...] = ()
+    gears: tuple[Gear, ...] = ()
 
 
 def assembly(scene: Scene, episode: Episode) -> Assembly:
     """What a world is built of. Raises WmsError for joints that no engine can have."""
     passing = tuple(sorted(apart(scene)))
-    return Assembly(rigids(scene), trees(scene), passing, episode.gravity, episode.step, ties(scene))
+    return Assembly(rigids(scene), trees(scene), passing, episode.gravity, episode.step, ties(scene), gears(scene))
 
 
 def rigids(scene: Scene) -> tuple[Rigid, ...]:
     """The scene's bodies, in order."""
-    return tuple(_rigid(com_frame(body)) for body in scene.bodies)
+    tied = jointed(scene)
+    return tuple(_rigid(com_frame(body), tied=body.name in tied) for body in scene.bodies)
 
 
-def _rigid(body: Body) -> Rigid:
+def _rigid(body: Body, *, tied: bool) -> Rigid:
+    speeds = np.concatenate([body.linear_velocity, body.angular_velocity])
     return Rigid(
         name=body.name,
         motion=body.motion,
@@ -77,6 +88,7 @@ def _rigid(body: Body) -> Rigid:
         moments=floats(body.inertia.moments if body.inertia else np.zeros(3)),
         damping=(float(body.linear_damping), float(body.angular_damping)),
         pieces=tuple(map(_piece, colliders(body))),
+        velocity=floats(speeds) if tied and speeds.any() else (),
     )
 
 

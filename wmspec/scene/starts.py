@@ -5,7 +5,7 @@ What hangs on a body that is moved goes with it, as the joints' own tools do it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import atan2
 
@@ -14,31 +14,61 @@ import numpy as np
 from wmspec.diagnostics import Diagnostic, StageError
 from wmspec.places import PrimPlace
 from wmspec.scene.articulations import WORLD, Branch, coordinate, relative, spanning
+from wmspec.scene.mimics import ahead
 from wmspec.scene.model import Body, Joint, Pose, Scene
 from wmspec.scene.transform import compose, identity, inverse, turned, turning
+
+TOLD = 1e-5
+"""m or rad: what is moved by less is not told."""
 
 
 def settled(scene: Scene) -> tuple[Scene, tuple[Diagnostic, ...]]:
     """The scene with its jointed bodies where their joints hold them, and what was moved for that, as warnings."""
-    bodies, told = list(scene.bodies), []
+    told: list[Diagnostic] = []
     for tree in spanning(scene):
         for branch in tree:
-            if branch.joint < 0:
-                continue
-            moved = _moved(scene.joints[branch.joint], bodies, branch)
-            if moved is None:
-                continue
-            step, gap, turn = moved
-            for i in _below(tree, branch.body):
-                bodies[i] = replace(bodies[i], pose=compose(step, bodies[i].pose))
-            reason = f"it starts {1e3 * gap:.3g} mm and {turn:.3g} rad from where its joint and its limits let it be"
-            place = PrimPlace(scene.joints[branch.joint].path)
-            told.append(Diagnostic(f"{reason}; {bodies[branch.body].path} is moved there", place, severity="warning"))
-    return replace(scene, bodies=tuple(bodies)), tuple(told)
+            if branch.joint >= 0 and (moved := _moved(scene.joints[branch.joint], scene.bodies, branch)):
+                scene = _carried(scene, tree, branch, moved, told)
+    names = {joint.name: joint for joint in scene.joints}
+    for tree in spanning(scene):
+        for branch in tree:
+            if branch.joint >= 0 and (moved := _matched(scene, scene.joints[branch.joint], names, branch)):
+                scene = _carried(scene, tree, branch, moved, told)
+    return scene, tuple(told)
 
 
-def _moved(joint: Joint, bodies: list[Body], branch: Branch) -> tuple[Pose, float, float] | None:
-    """How a body is to be moved in the world, by how much (m, rad); None if it may stay."""
+_Move = tuple[Pose, float, float]
+"""How a body is moved in the world, by how much (m, rad)."""
+
+
+def _carried(scene: Scene, tree: tuple[Branch, ...], branch: Branch, moved: _Move, told: list[Diagnostic]) -> Scene:
+    """The scene in which a body, and what hangs on it, is moved; it is told if that is more than round-off."""
+    step, gap, turn = moved
+    below = set(_below(tree, branch.body))
+    bodies = [
+        replace(body, pose=compose(step, body.pose)) if i in below else body for i, body in enumerate(scene.bodies)
+    ]
+    reason = f"it starts {1e3 * gap:.3g} mm and {turn:.3g} rad from where its joint and its limits let it be"
+    place = PrimPlace(scene.joints[branch.joint].path)
+    if max(gap, turn) > TOLD:
+        told.append(Diagnostic(f"{reason}; {bodies[branch.body].path} is moved there", place, severity="warning"))
+    return replace(scene, bodies=tuple(bodies))
+
+
+def _matched(scene: Scene, joint: Joint, names: dict[str, Joint], branch: Branch) -> _Move | None:
+    """The same of what a joint holds that mimics another."""
+    if joint.mimic is None or joint.mimic.leader not in names or abs(off := ahead(scene, joint, names)) < 1e-12:
+        return None
+    named = {body.name: body for body in scene.bodies}
+    between = relative(named, joint.first, joint.second, joint.first_frame, joint.second_frame)
+    back = -off * np.array([1.0, 0.0, 0.0])
+    still = identity()
+    step = Pose(back, still.orientation) if joint.kind == "slider" else Pose(np.zeros(3), turning(back))
+    return _put(joint, named, branch, between, compose(between, step))
+
+
+def _moved(joint: Joint, bodies: Sequence[Body], branch: Branch) -> _Move | None:
+    """How a body is to be moved so that its joint fits and is within its limits; None if it may stay."""
     named = {body.name: body for body in bodies}
     between = relative(named, joint.first, joint.second, joint.first_frame, joint.second_frame)
     try:
@@ -47,8 +77,14 @@ def _moved(joint: Joint, bodies: list[Body], branch: Branch) -> tuple[Pose, floa
         wanted = _nearest(joint, between)
     else:
         return None
-    here = bodies[branch.body].pose
-    if bodies[branch.body].name == joint.second:
+    return _put(joint, named, branch, between, wanted)
+
+
+def _put(joint: Joint, named: dict[str, Body], branch: Branch, between: Pose, wanted: Pose) -> _Move:
+    """How a body is to be moved so that a joint's second frame is as `wanted` in its first; it is `between` now."""
+    body = list(named.values())[branch.body]
+    here = body.pose
+    if body.name == joint.second:
         first = named[joint.first].pose if joint.first is not None else identity()
         there = compose(compose(compose(first, joint.first_frame), wanted), inverse(joint.second_frame))
     else:

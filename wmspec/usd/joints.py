@@ -18,6 +18,7 @@ from wmspec.scene.model import Body, Inertia, Joint, JointKind, Pose
 from wmspec.scene.transform import compose, identity, inverse, multiply, rotation, turning
 from wmspec.usd.drives import drive, drives
 from wmspec.usd.frames import World, quaternion, split, vector
+from wmspec.usd.mimics import mimics
 from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import Names, applied, present, refuse, value
 
@@ -63,7 +64,7 @@ def joints(
                 made = _joint(prim, names, bodies, world, notes)
                 by_path |= made.joints
                 between += made.between
-    return Held(by_path, tuple(between))
+    return Held(mimics(prims, by_path, world, problems, notes), tuple(between))
 
 
 def _joint(prim: Usd.Prim, names: Names, bodies: Mapping[str, Body], world: World, notes: Notes) -> Held:

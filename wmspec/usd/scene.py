@@ -11,6 +11,7 @@ from wmspec.diagnostics import Report, StageError
 from wmspec.scene.drives import weighed
 from wmspec.scene.loops import opened
 from wmspec.scene.model import Action, Body, Camera, Joint, Observation, Scene
+from wmspec.scene.momentum import started
 from wmspec.scene.starts import settled
 from wmspec.usd import actions, episode, joints, reach
 from wmspec.usd.bodies import bodies
@@ -64,8 +65,8 @@ def scene(stage: Usd.Stage, notes: Notes) -> Scene:
     if notes.strict:
         return read
     read, moved = settled(read)
-    read = weighed(opened(read))
-    return replace(read, notes=(*notes.diagnostics, *moved))
+    read, begun = started(weighed(opened(read)))
+    return replace(read, notes=(*notes.diagnostics, *moved, *begun))
 
 
 def _cameras(census: Census, known: dict[str, Body], world: World, problems: Report, notes: Notes) -> dict[str, Camera]:

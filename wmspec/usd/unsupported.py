@@ -12,7 +12,7 @@ from wmspec.usd.frames import operations
 from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import applied, present, refuse
 
-_GEAR = ("gears, tendons and joints that mimic others are not supported", "remove it")
+_GEAR = ("gears and tendons are not supported", "remove it, or let a joint mimic another")
 _SOFT = ("particles and deformable bodies are not supported", "deactivate the prim")
 _SHAPE = ("this kind of geometry is not supported", "use a Cube, Sphere, Cylinder, Cone, Capsule or Mesh")
 _VEHICLE = ("vehicles are not supported", "deactivate the prim")
@@ -37,8 +37,6 @@ TYPES = {
 """Type of prim -> reason and remedy."""
 
 APIS = {
-    "PhysxMimicJointAPI": _GEAR,
-    "NewtonMimicAPI": _GEAR,
     "PhysxTendon": _GEAR,
     "PhysxSDFMeshCollisionAPI": ("colliders made of signed distance fields are not supported", "use convexHull"),
     "PhysxTriggerAPI": ("trigger volumes are not supported", "remove PhysxTriggerAPI"),

@@ -18,7 +18,7 @@ from wmspec.scene.model.actions import (
     Teleport,
     Vanish,
 )
-from wmspec.scene.model.bodies import Body, Drive, Friction, Geom, Inertia, Joint, JointKind, Motion, Surface
+from wmspec.scene.model.bodies import Body, Drive, Friction, Geom, Inertia, Joint, JointKind, Mimic, Motion, Surface
 from wmspec.scene.model.cameras import Camera, Frame, Light, Observation, Shot
 from wmspec.scene.model.episode import Contact, Scene, Trace
 from wmspec.scene.model.geometry import Array, Pose
@@ -45,6 +45,7 @@ __all__ = [
     "Launch",
     "Light",
     "Look",
+    "Mimic",
     "Motion",
     "Observation",
     "Paint",

@@ -99,6 +99,15 @@ class Drive:
 
 
 @dataclass(frozen=True)
+class Mimic:
+    """A joint's coordinate is `ratio` times that of the joint named `leader`, and `offset`; rad and m."""
+
+    leader: str
+    ratio: float
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
 class Joint:
     """Holds `second` to `first`, names of bodies (`first` may be None: the world), by a frame in each of them.
 
@@ -117,3 +126,4 @@ class Joint:
     limits: tuple[float, float] | None = None
     drive: Drive | None = None
     collides: bool = False
+    mimic: Mimic | None = None

@@ -1,0 +1,83 @@
+"""Joints that mimic others are read in three schemas, begin where they should, and are refused where they can't be."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from pxr import Usd
+
+from wmspec.conform.build import body, box, joint, stage
+from wmspec.diagnostics import StageError
+from wmspec.scene.articulations import trees
+from wmspec.scene.coordinates import gears
+from wmspec.scene.model import Scene
+from wmspec.scene.validate import validate
+from wmspec.usd import read
+
+CUBE = box(0.1, 0.1, 0.1)
+
+
+def opened(text: str, *, strict: bool = True) -> Scene:
+    made = Usd.Stage.CreateInMemory()
+    made.GetRootLayer().ImportFromString(text)
+    return read(made, strict=strict)
+
+
+def machine(*joints: str, units: str = "metersPerUnit = 1") -> str:
+    bodies = [body(name, CUBE) for name in ("cart", "wheel", "third")]
+    return stage(*bodies, *joints).replace("metersPerUnit = 1", units)
+
+
+RAIL = joint("Prismatic", "rail", "", "cart", axis="X")
+
+
+def axle(mimic: tuple[str, float, float], *, physx: bool = False) -> str:
+    return joint("Revolute", "axle", "", "wheel", axis="Y", mimic=mimic, physx=physx)
+
+
+@pytest.mark.parametrize("physx", [False, True])
+@pytest.mark.parametrize(("units", "meters"), [("metersPerUnit = 1", 1.0), ("metersPerUnit = 0.01", 0.01)])
+def test_coefficients_are_in_degrees_and_lengths_of_the_stage(physx: bool, units: str, meters: float) -> None:
+    scene = opened(machine(RAIL, axle(("rail", 0.0, 90.0), physx=physx), units=units))
+    (mimic,) = [j.mimic for j in scene.joints if j.mimic]
+    assert mimic.leader == "rail"
+    assert mimic.ratio == pytest.approx(math.pi / 2 / meters)
+
+
+def test_what_mimics_a_mimic_does_what_that_does() -> None:
+    third = joint("Prismatic", "third_rail", "", "third", axis="Z", mimic=("axle", 0.0, 0.5))
+    scene = opened(machine(RAIL, axle(("rail", 0.0, 90.0)), third))
+    made = {j.name: j.mimic for j in scene.joints if j.mimic}
+    assert made["third_rail"].leader == "rail"
+    assert made["third_rail"].ratio == pytest.approx(45.0)
+    assert len(trees(scene)) == 1  # an engine has them as one
+
+
+def test_what_does_not_start_where_it_should_is_moved_or_refused() -> None:
+    text = machine(RAIL, axle(("rail", 30.0, 1.0)))
+    with pytest.raises(StageError, match=r"axle: it starts 0\.524 from where the joint that it mimics puts it"):
+        validate(opened(text))
+    scene = opened(text, strict=False)
+    validate(scene)
+    assert [str(note) for note in scene.notes if "is moved there" in note.message]
+    (gear,) = gears(scene)
+    assert gear.offset == pytest.approx(math.radians(30))
+    # One unit of force between the two moves the cart, 1 kg, and turns the wheel.
+    (wheel,) = [b.inertia for b in scene.bodies if b.name == "wheel"]
+    assert wheel
+    assert gear.lightness == pytest.approx(1 / wheel.moments[1] + gear.ratio**2)
+
+
+@pytest.mark.parametrize(
+    ("joints", "reason"),
+    [
+        ((RAIL, axle(("nothing", 0, 1))), "nothing"),
+        ((RAIL, axle(("axle", 0, 1))), "it mimics itself"),
+        ((joint("Fixed", "rail", "", "cart"), axle(("rail", 0, 1))), "it mimics /World/rail"),
+        ((RAIL, axle(("rail", 0, math.nan))), "finite"),
+    ],
+)
+def test_what_cannot_be_mimicked_is_refused(joints: tuple[str, ...], reason: str) -> None:
+    with pytest.raises(StageError, match=reason):
+        opened(machine(*joints))
