@@ -21,7 +21,9 @@ INFO = Info(
     steps_per_second=1920,
     looks=("parity", "beauty"),
     lacks=(
-        Lack(ROLLING_CYLINDERS, "PhysX rolls polygons, which brake; use spheres or capsules"),
+        Lack(
+            ROLLING_CYLINDERS, "PhysX rolls polygons, which brake; make them as long as they are thick, or use spheres"
+        ),
         # Measured: with PhysX's coefficient at rest too, a box slips on a slope that only this one would hold it on.
         Lack(TWO_FRICTIONS, "what begins to creep in PhysX has the coefficient of motion from then on", nearly=True),
         Lack(MIMICS_APART, "PhysX's tendons are of one articulation; join the two by a joint"),

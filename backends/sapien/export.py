@@ -13,7 +13,7 @@ from .physics import prepare
 CONSTANTS = {
     world: ("FASTEST_SPIN", "APART", "POSITION_ITERATIONS", "VELOCITY_ITERATIONS", "JUMP"),
     shapes: ("CONTACT_OFFSET", "ALONG_X"),
-    joints: ("JOINTS", "STIFFEST", "FASTEST_JOINT"),
+    joints: ("JOINTS", "STIFFEST", "DAMPED", "FASTEST_JOINT"),
 }
 PARTS = (
     *(Piece, Rigid, Link, Tie, Gear, Assembly),

@@ -15,6 +15,7 @@ from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate
 
 from .about import INFO
+from .barrels import barrels
 from .joints import ignored
 from .shapes import BITS, lanes, mean
 from .world import World
@@ -38,7 +39,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     validate(scene)
     require(INFO.lacks, scene)
     timeline = episode(scene, INFO.steps_per_second)
-    whole = assembly(scene, timeline)
+    whole = barrels(assembly(scene, timeline))
     bodies, needed = whole.bodies, lanes(whole.bodies)
     over = {material for pair, bit in needed.items() if bit >= BITS for material in pair}
     if over:

@@ -14,7 +14,7 @@ from wmspec.compare.model import Regime
 from wmspec.execute.backends import info, names
 from wmspec.scene.capability import ROLLING_CYLINDERS, approximated
 from wmspec.scene.contact import colliders, mix
-from wmspec.scene.hard import BOUNCY, STEEP
+from wmspec.scene.hard import BOUNCY, STEEP, disc
 from wmspec.scene.model import Body, Contact, Scene, Trace
 from wmspec.scene.transform import rotate
 from wmspec.shapes.cylinder import Cylinder
@@ -31,7 +31,7 @@ def regimes(scene: Scene, traces: tuple[Trace, Trace], apart: float) -> tuple[Re
     found += [Regime(ROW, where) for trace in traces for where in _rows(scene, trace, apart)]
     for trace, engine in known:
         if any(lack.capability is ROLLING_CYLINDERS for lack in engine.lacks):
-            kind = f"{engine.title} rolls cylinders as polygons, which brake"
+            kind = f"{engine.title} rolls discs as polygons, which brake"
             found += [Regime(kind, where) for where in _rolls(scene, trace)]
     return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
 
@@ -73,11 +73,11 @@ def _beside(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
 
 
 def _rolls(scene: Scene, trace: Trace) -> Iterator[str]:
-    """Cylinders that roll on their sides."""
+    """Cylinders shorter than thick that roll on their sides."""
     size = np.linalg.norm(scene.gravity)
     for i, body in enumerate(scene.bodies):
         for geom in colliders(body) if body.motion == "dynamic" and size else ():
-            if not isinstance(geom.shape, Cylinder):
+            if not (isinstance(geom.shape, Cylinder) and disc(geom.shape.radius, geom.shape.height)):
                 continue
             axis = rotate(trace.orientation[:, i], rotate(geom.pose.orientation, np.array([0.0, 0.0, 1.0])))
             rolls = np.abs((axis * trace.angular_velocity[:, i]).sum(axis=1)) * geom.shape.radius > SLOW

@@ -274,7 +274,7 @@ def _thrown() -> Iterator[Case]:
             box(0.4, 0.05, 0.05),
             places[name],
             moments=moments,
-            velocity=tuple(np.cross(spins[name], places[name]).tolist()),  # type: ignore[arg-type]
+            velocity=tuple(np.cross(spins[name], places[name]).tolist()),
             spin=spins[name],
         )
         for name in places

@@ -14,7 +14,7 @@ from wmspec.layout.values import Values
 from wmspec.lint.overlap import separation
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
-from wmspec.scene.hard import BOUNCY, ENTERED, FAST, FINEST, STEEP
+from wmspec.scene.hard import BOUNCY, ENTERED, FAST, FINEST, STEEP, disc
 from wmspec.shapes.cylinder import Cylinder
 from wmspec.shapes.shape import AXES
 from wmspec.space import UP, dot, rotate, times
@@ -49,13 +49,13 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS608")
 def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
-    """A cylinder that lies on its side, where it may roll."""
+    """A cylinder shorter than thick that lies on its side, where it may roll."""
     values = scene.values
     joined = _joined(values)
     for name in _touchable(values):
         if not values.property(name, "fixed") and name not in joined and any(_lying(values, name)):
-            what = f"`{name}` is a cylinder that lies on its side {scene.where}; SAPIEN brakes it as it rolls"
-            remedy = "use a capsule or a sphere, or leave SAPIEN out with `--backend mujoco,pybullet`"
+            what = f"`{name}` is a disc on its rim {scene.where}; SAPIEN brakes it as it rolls"
+            remedy = "make it as long as it is thick, or leave SAPIEN out with `--backend mujoco,pybullet`"
             yield Breach(what, values.place(name, "shape"), remedy, about=name)
 
 
@@ -98,7 +98,7 @@ def _bounce(values: Values, a: str, b: str) -> float:
 
 def _lying(values: Values, name: str) -> Iterator[bool]:
     for piece in pieces(values, name):
-        if isinstance(piece.solid, Cylinder):
+        if isinstance(piece.solid, Cylinder) and disc(piece.solid.radius, piece.solid.height):
             axis = rotate(values.pose(name).orientation, rotate(piece.pose.orientation, UP))
             yield abs(dot(axis, UP)) < STEEP
 

@@ -209,7 +209,7 @@ def _drive(joint: Joint) -> str:
 # ---------------------------------------------------------------- what may be asked for
 
 PRIMITIVES = Capability("boxes, spheres, cylinders, cones, capsules")
-ROLLING_CYLINDERS = Capability("cylinders that roll on")
+ROLLING_CYLINDERS = Capability("discs that roll on: cylinders shorter than thick")
 MESHES = Capability(
     "meshes as convex hulls, convex decompositions, bounding boxes and spheres; as they are, but not dynamic ones",
     _meshes,

@@ -11,3 +11,8 @@ ENTERED = 0.5
 """The part of the thinnest body that another may enter: from its middle on it would be pushed out behind."""
 FINEST = 16
 """How many times as many steps as usual are made for what is hard at most."""
+
+
+def disc(radius: float, height: float) -> bool:
+    """Whether a cylinder (m) is shorter than it is thick: then no capsule fits into it for it to roll on."""
+    return height < 2 * radius * (1 - 1e-9)
