@@ -71,21 +71,18 @@ def crosscheck_command(
     """
     from wmspec.api import crosscheck, progress_bar
 
-    try:
-        agreement = crosscheck(
-            specs,
-            sample=sample,
-            backend=backends,
-            seed=seed,
-            tolerance=settings,
-            strict=strict,
-            workers=workers,
-            timeout=timeout,
-            progress=progress_bar,
-            tell=tell,
-        )
-    except KeyboardInterrupt:
-        raise SystemExit(130) from None
+    agreement = crosscheck(
+        specs,
+        sample=sample,
+        backend=backends,
+        seed=seed,
+        tolerance=settings,
+        strict=strict,
+        workers=workers,
+        timeout=timeout,
+        progress=progress_bar,
+        tell=tell,
+    )
     if junit_file:
         write_text(Path(junit_file), agreement.junit())
     if json_file:

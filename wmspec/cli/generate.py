@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from wmspec.cli import INTERRUPTED
 from wmspec.cli.common import (
     dimension_option,
     json_option,
@@ -151,5 +152,5 @@ def generate_command(
         )
     except KeyboardInterrupt:
         click.echo("\nstopped; give the same command again to go on", err=True)
-        raise SystemExit(130) from None
+        raise SystemExit(INTERRUPTED) from None
     click.echo(json.dumps(asdict(summary)["tasks"], indent=2) if as_json else summary)
