@@ -23,13 +23,14 @@ from wmspec import __version__
 ROOT = Path(__file__).parent.parent
 
 #: What users install, and what those who build wmspec need besides.
-USED = ("mujoco", "pybullet", "sapien", "meshes", "video", "evaluate", "audit", "ray", "report", "lsp")
+USED = ("mujoco", "pybullet", "sapien", "meshes", "video", "evaluate", "audit", "photo", "ray", "report", "lsp")
 BUILT = (*USED, "dev", "docs", "notebooks")
 
 #: Licences that ask something of those who pass the package on, and what wmspec does about it.
 SAID = {
     "LGPL": "used as it is, as a library of its own, which anyone may replace: nothing of it is in wmspec",
     "MPL": "used as it is: nothing of it is in wmspec",
+    "mitsuba-oidn": "its wheels carry Open Image Denoise, which is under the Apache licence 2.0",
     "imageio-ffmpeg": "its wheels carry FFmpeg, which is under the GPL and is started as a program of its own",
 }
 

@@ -19,6 +19,7 @@ from wmspec.execute import doctor, probe, remedy, vulkan
 from wmspec.execute.doctor import Finding, examine, fit
 from wmspec.execute.probe import render
 from wmspec.execute.remedy import System
+from wmspec.photo import library
 from wmspec.scene.camera import look_at
 
 BOOKWORM = System(frozenset({"debian"}), "bookworm", root=True)
@@ -30,6 +31,7 @@ FEDORA = System(frozenset({"fedora"}), "", root=False)
 def only(monkeypatch: pytest.MonkeyPatch, *engines: str) -> None:
     """Let the doctor look at some engines: drawing with all of them takes long."""
     monkeypatch.setattr(doctor, "names", lambda: engines)
+    monkeypatch.setattr(doctor, "_photo", lambda *_: [])
 
 
 def by_name(findings: tuple[Finding, ...]) -> dict[str, Finding]:
@@ -88,7 +90,7 @@ def test_an_engine_that_is_not_installed(tmp_path: Path) -> None:
                 if not entry.name.startswith("sapien") and not (tmp_path / entry.name).exists():
                     (tmp_path / entry.name).symlink_to(entry)
     code = (
-        "from wmspec.execute import doctor; doctor.names = lambda: ('sapien',)\n"
+        "from wmspec.execute import doctor; doctor.names, doctor._photo = lambda: ('sapien',), lambda *_: []\n"
         "from wmspec.cli import main; main(['doctor', '--json'])"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(Path(wmspec.__file__).parents[1])])}
@@ -100,6 +102,32 @@ def test_an_engine_that_is_not_installed(tmp_path: Path) -> None:
     (sapien,) = [f for f in said["findings"] if f["name"].startswith("sapien")]
     assert sapien["found"] == "not installed"
     assert sapien["remedy"].endswith("-m pip install 'wmspec[sapien]'")
+
+
+def test_the_photo_look_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mitsuba_oidn")
+    monkeypatch.setattr(library, "newest_llvm", lambda: "")
+    monkeypatch.delenv(library.LLVM, raising=False)
+    found = by_name(tuple(doctor._photo(UBUNTU, 300)))
+    assert found["photo"].found.startswith("mitsuba 3")
+    assert found["photo renders"] == Finding("photo renders", True, "a red cube, by scalar_rgb")
+    assert found["photo with LLVM"].remedy == "sudo apt-get update && sudo apt-get install libllvm19"
+
+
+def test_an_llvm_that_will_not_do_is_to_be_unset(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mitsuba_oidn")
+    monkeypatch.setenv(library.LLVM, "/nowhere.so")
+    found = by_name(tuple(doctor._photo(UBUNTU, 300)))
+    assert not found["photo renders"].ok
+    assert found["photo renders"].remedy == f"unset {library.LLVM}"
+    assert "photo with LLVM" not in found
+
+
+def test_a_photo_look_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(library, "DISTRIBUTIONS", ("no-such-package",))
+    (finding,) = doctor._photo(UBUNTU, 300)
+    assert (finding.found, finding.ok) == ("not installed", False)
+    assert finding.remedy.endswith("-m pip install 'wmspec[photo]'")
 
 
 def test_a_wrong_picture_is_not_taken_for_a_right_one(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Literal, TypedDict, Unpack
 
-from wmspec import __version__
 from wmspec.api.agreement import Tasks, effort, gathered
 from wmspec.api.drawing import pixels, samples_of
 from wmspec.api.loading import Tell, warn
@@ -19,7 +18,7 @@ from wmspec.api.task import Task
 from wmspec.ask.consensus import Consensus
 from wmspec.design.design import share
 from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import chosen, drawing, engine_version
+from wmspec.execute.backends import chosen, drawing, versions
 from wmspec.execute.cluster import ray_cluster
 from wmspec.execute.pool import Effort
 from wmspec.limits import INSTANCES
@@ -155,7 +154,7 @@ def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan
         samples=samples_of(look, choices.get("samples")),
         renderer=drawers[0] if renderer else "",
         licence=_licence(chosen_tasks, choices.get("licence", "")),
-        versions={"wmspec": __version__} | {name: engine_version(name) for name in {*engines, *drawers}},
+        versions=versions({*engines, *drawers}, look),
     )
 
 

@@ -7,13 +7,12 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from wmspec import __version__
 from wmspec.api.agreement import effort, gathered
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import chosen, engine_version
+from wmspec.execute.backends import chosen, versions
 from wmspec.foreign import is_name
 from wmspec.scene.model import Look
 from wmspec.write import files
@@ -92,7 +91,7 @@ def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan
         look=drawing.look,
         samples=drawing.samples,
         renderer=drawing.renderer,
-        versions={"wmspec": __version__} | {name: engine_version(name) for name in drawn},
+        versions=versions(drawn, drawing.look),
     )
 
 

@@ -62,12 +62,14 @@ def look_options(command: F) -> F:
     """The options `--look` and `--samples`."""
     look = click.option(
         "--look",
-        type=click.Choice(["parity", "beauty"]),
+        type=click.Choice(["parity", "beauty", "photo"]),
         default="parity",
         show_default=True,
-        help="The same picture from every engine, or the best that an engine can draw.",
+        help="The same picture from every engine, the best that an engine can draw, or paths of light (Mitsuba).",
     )
-    samples = click.option("--samples", type=click.IntRange(1, 4096), help="Samples a pixel, for the look beauty.")
+    samples = click.option(
+        "--samples", type=click.IntRange(1, 4096), help="Samples a pixel, for the looks beauty and photo."
+    )
     return look(samples(command))
 
 

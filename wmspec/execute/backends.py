@@ -8,7 +8,9 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points, version
 from typing import cast
 
+from wmspec import __version__
 from wmspec.diagnostics import WmsError, suggestion
+from wmspec.photo import library as photo
 from wmspec.scene.backend import Backend, Info
 from wmspec.scene.model import Look
 from wmspec.scene.silence import silence
@@ -108,10 +110,16 @@ def chosen(choice: str) -> tuple[str, ...]:
 
 
 def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
-    """The engines, if all of them can draw the look. Raises WmsError with those that can."""
+    """The engines, if all of them can draw the look. Raises WmsError with those that can.
+
+    The look "photo" is drawn for them; what an engine draws of it, masks and distances, are those of its look "parity".
+    """
+    if look == "photo":
+        photo.mitsuba()
+    own: Look = "parity" if look == "photo" else look
     for name in engines:
-        if look not in info(name).looks:
-            able = ", ".join(other for other in names() if _works(other) and look in info(other).looks)
+        if own not in info(name).looks:
+            able = ", ".join(other for other in names() if _works(other) and own in info(other).looks)
             raise WmsError(
                 f"{name} cannot draw the look `{look}`; choose among {able or 'engines yet to be installed'} with "
                 "--backend, or in `wmspec render` with --renderer"
@@ -122,6 +130,18 @@ def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
 def engine_version(name: str) -> str:
     """The version of the backend's engine, as its package says."""
     return version(info(name).distribution)
+
+
+def versions(engines: Iterable[str], look: Look) -> dict[str, str]:
+    """The versions that decide a dataset's bytes: of wmspec, of engines, and of what draws the look "photo"."""
+    return {name: version_of(name) for name in ("wmspec", *engines, *(photo.DISTRIBUTIONS if look == "photo" else ()))}
+
+
+def version_of(name: str) -> str:
+    """The version of one of them."""
+    if name == "wmspec":
+        return __version__
+    return photo.versions()[name] if name in photo.DISTRIBUTIONS else engine_version(name)
 
 
 def _works(name: str) -> bool:

@@ -170,10 +170,9 @@ def _check(versions: Mapping[str, str]) -> None:
 
 
 def _versions(names: Iterable[str]) -> dict[str, str]:
-    from wmspec import __version__
-    from wmspec.execute.backends import engine_version
+    from wmspec.execute.backends import version_of
 
-    return {name: __version__ if name == "wmspec" else engine_version(name) for name in names}
+    return {name: version_of(name) for name in names}
 
 
 def _remote(what: Any, **options: Any) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import os
 import re
 import signal
 import subprocess
@@ -18,6 +19,7 @@ from itertools import chain
 from wmspec.execute import probe, remedy, vulkan
 from wmspec.execute.backends import engine_version, info, names
 from wmspec.execute.remedy import System
+from wmspec.photo import library
 from wmspec.scene.backend import Info
 
 PATIENCE = 300.0  # seconds: an engine may compile its shaders anew in every process, minutes on a busy machine
@@ -46,6 +48,7 @@ def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
         lambda: [_packages()],
         *(partial(_graphics, api, engines, system, patience) for api in ("EGL", "Vulkan")),
         *(partial(_engine, engine, system, patience) for engine in engines),
+        partial(_photo, system, patience),
     ]
     with ThreadPoolExecutor() as pool:
         return tuple(chain.from_iterable(pool.map(lambda look: look(), looks)))
@@ -137,16 +140,49 @@ def _engine(engine: Info, system: System, patience: float) -> list[Finding]:
     return findings
 
 
+def _photo(system: System, patience: float) -> list[Finding]:
+    """Whether the look "photo" can be drawn, and whether an LLVM here makes that faster."""
+    try:
+        installed = Finding("photo", True, ", ".join(f"{name} {version(name)}" for name in library.DISTRIBUTIONS))
+    except PackageNotFoundError:
+        return [Finding("photo", False, "not installed", remedy.pip(library.REQUIREMENT))]
+    forced = f"unset {library.LLVM}" if os.environ.get(library.LLVM) else ""
+    cure = forced or remedy.pip(library.REQUIREMENT, "--force-reinstall")
+    ok, output = _try("wmspec.execute.probe", "mitsuba", "photo", patience=patience)
+    drawn = Finding("photo renders", ok, output, "" if ok else cure)
+    return [installed, drawn] if forced else [installed, drawn, _compiling(system, patience)]
+
+
+def _compiling(system: System, patience: float) -> Finding:
+    """The newest LLVM of this machine, tried."""
+    path = library.newest_llvm()
+    if not path:
+        needed = f"no LLVM {library.OLDEST_LLVM} or newer; pictures are drawn without, which takes longer"
+        return Finding("photo with LLVM", False, needed, remedy.llvm(system, library.OLDEST_LLVM))
+    ok, output = _try("wmspec.execute.probe", "mitsuba", "photo", patience=patience, **{library.LLVM: path})
+    if not ok:
+        return Finding("photo with LLVM", False, f"{path}: {output}", remedy.llvm(system, library.OLDEST_LLVM))
+    return Finding("photo with LLVM", True, f"{output}; it is used after: export {library.LLVM}={path}")
+
+
 def _trial(engine: str, trial: str, cure: str, patience: float) -> Finding:
     ok, output = _try("wmspec.execute.probe", engine, trial, patience=patience)
     return Finding(f"{engine} {trial}s", ok, output, "" if ok else cure)
 
 
-def _try(module: str, *arguments: str, patience: float) -> tuple[bool, str]:
-    """Run a module in a process of its own: whether it ended well, and its last words."""
+def _try(module: str, *arguments: str, patience: float, **variables: str) -> tuple[bool, str]:
+    """Run a module in a process of its own, with variables set: whether it ended well, and its last words."""
     command = [sys.executable, "-P", "-m", module, *arguments]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=patience, check=False)
+        done = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=patience,
+            check=False,
+            env=os.environ | variables,
+        )
     except subprocess.TimeoutExpired:
         return False, f"no answer in {patience:.0f} s"
     if done.returncode < 0:

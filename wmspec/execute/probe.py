@@ -1,5 +1,7 @@
 """Does an engine work here? `python -m wmspec.execute.probe ENGINE execute|render` tries it; its last line tells.
 
+`python -m wmspec.execute.probe mitsuba photo` tries what draws the look "photo".
+
 A process of its own, because a broken graphics driver may take the whole process down.
 """
 
@@ -10,6 +12,7 @@ import sys
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
@@ -53,19 +56,36 @@ def execute(engine: str) -> str:
     return f"a cube fell {1e3 * fallen:.1f} mm in {time:.2f} s"
 
 
+def photo(_: str = "") -> str:
+    """Draw the cube in the look "photo". Raises WmsError unless it is red, in the middle of the picture."""
+    from wmspec.photo.library import variant
+    from wmspec.photo.tracer import Tracer
+
+    scene = falling_cube()
+    rgb = Tracer(scene, (SIZE, SIZE)).draw(Shot("eye", tuple(b.pose for b in scene.bodies)))
+    _red(rgb)
+    return f"a red cube, by {variant()}"
+
+
 def render(engine: str) -> str:
     """Draw the cube. Raises WmsError unless it is seen, and red, in the middle of the picture."""
     scene = falling_cube()
     renderer = backend(engine).renderer(scene, SIZE, SIZE)
     frame = renderer.draw(Shot("eye", tuple(b.pose for b in scene.bodies)))
     renderer.close()
-    red, green, _ = (int(c) for c in frame.rgb[SIZE // 2, SIZE // 2])
-    if frame.ids[SIZE // 2, SIZE // 2] != 0 or red < green + 50:
-        raise WmsError("the picture of a red cube does not show it")
+    _red(frame.rgb)
+    if frame.ids[SIZE // 2, SIZE // 2] != 0:
+        raise WmsError("the mask of a red cube does not show it")
     return f"a red cube of {int((frame.ids == 0).sum())} px"
 
 
-TRIALS: dict[str, Callable[[str], str]] = {"execute": execute, "render": render}
+def _red(rgb: NDArray[np.uint8]) -> None:
+    red, green, _ = (int(c) for c in rgb[SIZE // 2, SIZE // 2])
+    if red < green + 50:
+        raise WmsError("the picture of a red cube does not show it")
+
+
+TRIALS: dict[str, Callable[[str], str]] = {"execute": execute, "render": render, "photo": photo}
 
 
 def main(engine: str, trial: str) -> int:

@@ -68,6 +68,11 @@ def graphics(system: System, mesa: tuple[int, int]) -> str:
     return f"{entry} | {add} && {_apt(system)} -t {backports} {PACKAGES}"
 
 
+def llvm(system: System, oldest: int) -> str:
+    """The command that installs what compiles the look "photo"."""
+    return f"{_apt(system)} libllvm{oldest}" if system.ids & FAMILY else f"install LLVM {oldest} or newer"
+
+
 def executing(engine: Info, system: System) -> str:
     """The command that lets an installed engine execute."""
     if engine.graphics and engine.graphics.on_import and (forced := _forced(engine.graphics)):

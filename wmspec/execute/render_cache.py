@@ -64,12 +64,20 @@ class RenderCache:
             if painted != look and not renderer.repaint(scene):
                 self._open.pop(form)[1].close()
         if form not in self._open:
-            renderer = backend(self.engine).renderer(scene, *self.size, self._look, self._samples)
+            renderer = self._made(scene)
         self._open[form] = look, renderer
         self._open.move_to_end(form)
         if len(self._open) > OPEN:
             self._open.popitem(last=False)[1][1].close()
         return renderer
+
+    def _made(self, scene: Scene) -> Renderer:
+        engine = backend(self.engine)
+        if self._look != "photo":
+            return engine.renderer(scene, *self.size, self._look, self._samples)
+        from wmspec.photo.renderer import Renderer as Photo
+
+        return Photo(scene, engine.renderer(scene, *self.size), self.size, self._samples)
 
 
 def _bytes(frame: Frame) -> int:

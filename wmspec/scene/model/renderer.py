@@ -7,8 +7,8 @@ from typing import Literal, Protocol
 from wmspec.scene.model.cameras import Frame, Shot
 from wmspec.scene.model.episode import Scene
 
-Look = Literal["parity", "beauty"]
-"""The same picture from every engine, or the best that each can draw."""
+Look = Literal["parity", "beauty", "photo"]
+"""The same picture from every engine, the best that each can draw, or paths of light by a renderer of its own."""
 
 
 class Renderer(Protocol):
