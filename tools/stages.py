@@ -29,7 +29,7 @@ LIST, PAGE = ROOT / "tools/stages.toml", ROOT / "docs/anyone.md"
 START, STOP = "<!-- stages -->\n", "<!-- /stages -->\n"
 SECONDS, PATIENCE = 1.0, 90  # how long each stage lasts, and how much of the processor (s) an engine may take for it
 AGREE = 0.005  # m: what is nearer than this after that second counts as the same
-SOFT = ("Deformable", "Particle", "Tendon", "Mimic", "Gear", "Vehicle")
+SOFT = ("Deformable", "Particle", "Tendon", "Gear", "Vehicle")
 
 
 def fetch(folder: Path, mirror: Path | None) -> None:

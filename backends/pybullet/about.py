@@ -7,6 +7,7 @@ from wmspec.scene.capability import (
     BALL_LIMITS,
     MIMICS_APART,
     SEVERAL_MATERIALS,
+    SLIDING_MESHES,
     TWO_FRICTIONS,
     Lack,
     damped_drives,
@@ -36,6 +37,10 @@ INFO = Info(
         Lack(stiff_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),
         Lack(damped_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),
         Lack(fine_drives(STEPS_PER_SECOND), "PyBullet makes up to 16 times as many steps", nearly=True),
+        Lack(
+            SLIDING_MESHES,
+            "Bullet keeps contacts where they no longer are: they stop 1 to 8 % early; use boxes or cylinders",
+        ),
         Lack(TWO_FRICTIONS, "PyBullet has one coefficient, that of motion", nearly=True),
         Lack(MIMICS_APART, "PyBullet's gears are of one multibody; join the two by a joint"),
         Lack(

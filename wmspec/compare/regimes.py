@@ -12,7 +12,7 @@ import numpy as np
 from wmspec.compare.allow import closing, impacts, sample
 from wmspec.compare.model import Regime
 from wmspec.execute.backends import info, names
-from wmspec.scene.capability import ROLLING_CYLINDERS, approximated
+from wmspec.scene.capability import ROLLING_CYLINDERS, SLIDING_MESHES, approximated
 from wmspec.scene.contact import colliders, mix
 from wmspec.scene.hard import BOUNCY, STEEP, disc
 from wmspec.scene.model import Body, Contact, Scene, Trace
@@ -22,6 +22,8 @@ from wmspec.shapes.cylinder import Cylinder
 ROW = "what strikes bodies that touch each other is answered by all of them at once"
 #: m/s: slower is at rest.
 SLOW = 0.05
+#: m and rad/s: what slides less far, or turns over faster, is not braked by much.
+FAR, UPRIGHT = 0.05, 1.0
 
 
 def regimes(scene: Scene, traces: tuple[Trace, Trace], apart: float) -> tuple[Regime, ...]:
@@ -33,6 +35,9 @@ def regimes(scene: Scene, traces: tuple[Trace, Trace], apart: float) -> tuple[Re
         if any(lack.capability is ROLLING_CYLINDERS for lack in engine.lacks):
             kind = f"{engine.title} rolls discs as polygons, which brake"
             found += [Regime(kind, where) for where in _rolls(scene, trace)]
+        if any(lack.capability is SLIDING_MESHES for lack in engine.lacks):
+            kind = f"{engine.title} brakes convex meshes that slide"
+            found += [Regime(kind, where) for where in _slides(scene, trace)]
     return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
 
 
@@ -87,3 +92,16 @@ def _rolls(scene: Scene, trace: Trace) -> Iterator[str]:
             if any(c.start <= t <= c.stop for t in times.tolist() for c in touched):
                 yield f"`{body.name}` rolls from {times[0]:.3g} s on"
                 break
+
+
+def _slides(scene: Scene, trace: Trace) -> Iterator[str]:
+    """Convex meshes that slide, as far as matters."""
+    for i, body in enumerate(scene.bodies):
+        if body.motion != "dynamic" or all(geom.shape.primitive for geom in colliders(body)):
+            continue
+        speed = np.linalg.norm(trace.linear_velocity[:, i], axis=1)
+        flat = (speed > SLOW) & (np.linalg.norm(trace.angular_velocity[:, i], axis=1) < UPRIGHT)
+        touched = [c for c in trace.contacts if body.name in (c.first, c.second)]
+        slides = flat & np.any([(c.start <= trace.time) & (trace.time <= c.stop) for c in touched], axis=0)
+        if (speed[slides] / scene.rate).sum() > FAR:
+            yield f"`{body.name}` slides from {trace.time[slides][0]:.3g} s on"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees
+from math import cos, degrees, pi, sin
 
 from wmspec.space import Vector
 
@@ -124,6 +124,27 @@ def cylinder(radius: float, height: float, axis: str = "Z") -> str:
             double height = {height}
             uniform token axis = "{axis}"
             float3[] extent = [({-x}, {-y}, {-z}), ({x}, {y}, {z})]
+        }}"""
+
+
+def prism(sides: int, radius: float, height: float) -> str:
+    """A prism over a regular polygon, as the mesh of its convex hull."""
+    ring = [(radius * cos(2 * pi * i / sides), radius * sin(2 * pi * i / sides)) for i in range(sides)]
+    points = [(x, y, z) for z in (-height / 2, height / 2) for x, y in ring]
+    sheets = [[i, (i + 1) % sides, sides + (i + 1) % sides, sides + i] for i in range(sides)]
+    faces = [[*reversed(range(sides))], [*range(sides, 2 * sides)], *sheets]
+    half = radius, radius, height / 2
+    return f"""Mesh "shape" (
+            prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "MaterialBindingAPI"]
+        )
+        {{
+            {_BOUND}
+            uniform token physics:approximation = "convexHull"
+            point3f[] points = {points}
+            int[] faceVertexCounts = {[len(face) for face in faces]}
+            int[] faceVertexIndices = {[corner for face in faces for corner in face]}
+            float3[] extent = [{tuple(-x for x in half)}, {half}]
+            uniform token subdivisionScheme = "none"
         }}"""
 
 

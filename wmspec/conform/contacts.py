@@ -7,7 +7,7 @@ from math import atan, cos, degrees, hypot, pi, radians, sin, sqrt, tan
 
 import numpy as np
 
-from wmspec.conform.build import G, ball, body, box, cylinder, floor, stage
+from wmspec.conform.build import G, ball, body, box, cylinder, floor, prism, stage
 from wmspec.conform.case import Case, Measure, Run
 from wmspec.space import Vector
 
@@ -230,6 +230,7 @@ _SLID = {
     "box": (box(0.2, 0.2, 0.1), 0.05),
     "puck": (cylinder(0.1, 0.05), 0.025),
     "standing_cylinder": (cylinder(0.06, 0.1), 0.05),
+    "prism_mesh": (prism(6, 0.08, 0.06), 0.03),
     "lying_cylinder": (cylinder(0.05, 0.3, "X"), 0.05),
 }
 

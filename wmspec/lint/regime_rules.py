@@ -60,6 +60,22 @@ def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
 
 
 @rule("WMS608")
+def sliding_mesh(scene: Scene) -> Iterator[Breach]:
+    """A convex mesh that is sent off, and may slide."""
+    values = scene.values
+    touchable = {name for name in _touchable(values) if not values.property(name, "fixed")} - _joined(values)
+    for action in values.spec.things:
+        if action.kind != "action" or action.verb != "launch" or not values.there(action.name):
+            continue
+        name = values.property(action.name, "object")
+        if name in touchable and any(piece.solid.primitive is None for piece in pieces(values, name)):
+            kinds = "neither box, ball, capsule nor cylinder"
+            what = f"`{name}` is launched {scene.where} and is {kinds}; PyBullet brakes it as it slides"
+            remedy = "make it of those, or leave PyBullet out with `--backend mujoco,sapien`"
+            yield Breach(what, values.place(name, "shape"), remedy, about=name)
+
+
+@rule("WMS608")
 def fast_and_thin(scene: Scene) -> Iterator[Breach]:
     """Something so fast that MuJoCo lets it into, or through, what is thin."""
     values = scene.values
@@ -76,7 +92,7 @@ def fast_and_thin(scene: Scene) -> Iterator[Breach]:
             yield Breach(what, values.place(name), remedy, about=name)
 
 
-RULES = (struck_in_a_row, rolling_cylinder, fast_and_thin)
+RULES = (struck_in_a_row, rolling_cylinder, sliding_mesh, fast_and_thin)
 
 
 def _touchable(values: Values) -> list[str]:

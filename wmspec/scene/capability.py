@@ -210,6 +210,7 @@ def _drive(joint: Joint) -> str:
 
 PRIMITIVES = Capability("boxes, spheres, cylinders, cones, capsules")
 ROLLING_CYLINDERS = Capability("discs that roll on: cylinders shorter than thick")
+SLIDING_MESHES = Capability("convex meshes, cones and hulls that slide on flat sides")
 MESHES = Capability(
     "meshes as convex hulls, convex decompositions, bounding boxes and spheres; as they are, but not dynamic ones",
     _meshes,
@@ -220,7 +221,7 @@ JOINTS = Capability("fixed joints, hinges, sliders, ball joints; trees of them, 
 DRIVES = Capability("limits of hinges and sliders, drives")
 LOOPS = Capability("loops of joints, closed by a fixed joint, a hinge or a ball joint", _loops)
 MIMICS = Capability("joints that mimic others", _mimics)
-COMMON = (PRIMITIVES, ROLLING_CYLINDERS, MESHES, MOTIONS, FILTERS, JOINTS, DRIVES, LOOPS, MIMICS)
+COMMON = (PRIMITIVES, ROLLING_CYLINDERS, MESHES, SLIDING_MESHES, MOTIONS, FILTERS, JOINTS, DRIVES, LOOPS, MIMICS)
 
 TWO_FRICTIONS = Capability("static friction other than the dynamic one", _sticking)
 BALL_LIMITS = Capability("ball joints with limits", _cones)

@@ -8,6 +8,7 @@ from pathlib import PurePath
 from pxr import Usd
 
 from wmspec.diagnostics import Report, StageError
+from wmspec.scene.doubts import doubts
 from wmspec.scene.drives import weighed
 from wmspec.scene.loops import opened
 from wmspec.scene.model import Action, Body, Camera, Joint, Observation, Scene
@@ -65,8 +66,9 @@ def scene(stage: Usd.Stage, notes: Notes) -> Scene:
     if notes.strict:
         return read
     read, moved = settled(read)
+    doubtful = doubts(read)
     read, begun = started(weighed(opened(read)))
-    return replace(read, notes=(*notes.diagnostics, *moved, *begun))
+    return replace(read, notes=(*notes.diagnostics, *moved, *begun, *doubtful))
 
 
 def _cameras(census: Census, known: dict[str, Body], world: World, problems: Report, notes: Notes) -> dict[str, Camera]:

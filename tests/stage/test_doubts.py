@@ -1,0 +1,39 @@
+"""What a stage hardly means is executed as it says, and told."""
+
+from __future__ import annotations
+
+import pytest
+from pxr import Usd
+
+from wmspec.conform.build import body, box, floor, joint, stage
+from wmspec.scene.model import Scene
+from wmspec.usd import read
+
+CUBE = box(0.1, 0.1, 0.1)
+
+
+def told(text: str) -> list[str]:
+    made = Usd.Stage.CreateInMemory()
+    made.GetRootLayer().ImportFromString(text)
+    scene: Scene = read(made, strict=False)
+    return [str(note) for note in scene.notes]
+
+
+@pytest.mark.parametrize(("height", "depth"), [(0.03, "20"), (0.044, "6"), (0.046, ""), (0.05, ""), (0.2, "")])
+def test_what_begins_inside_something_else_is_told_from_5_mm_on(height: float, depth: str) -> None:
+    notes = told(stage(floor(), body("cube", CUBE, (0, 0, height))))
+    assert [f"/World/cube: it begins {depth} mm inside /World/floor" in note for note in notes] == [True] * bool(depth)
+
+
+def test_what_is_filtered_or_joined_may_be_inside() -> None:
+    pair = body("one", CUBE), body("other", CUBE, (0.05, 0, 0)), joint("Fixed", "j", "one", "other", (0.05, 0, 0))
+    assert not told(stage(*pair))
+    assert told(stage(*pair[:2]))
+
+
+def test_several_joints_between_two_bodies_are_told_and_lock_each_other() -> None:
+    bodies = body("one", CUBE), body("other", CUBE, (0.5, 0, 0))
+    hinges = [joint("Revolute", f"about_{axis}", "one", "other", (0.25, 0, 0), (-0.25, 0, 0), axis) for axis in "XY"]
+    (note,) = [note for note in told(stage(*bodies, *hinges)) if "same two bodies" in note]
+    assert note.startswith("/World/about_X: it holds the same two bodies as /World/about_Y")
+    assert not [note for note in told(stage(*bodies, hinges[0])) if "same two bodies" in note]
