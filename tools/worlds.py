@@ -2,12 +2,15 @@
 
 python tools/worlds.py things [NAME ...]    named; every sixth without a name by each engine: docs/images/things*.jpg
 python tools/worlds.py rooms [NAME ...]     from each camera: docs/images/rooms.jpg
+python tools/worlds.py nameless FOLDER KEY   one a picture and shuffled, to be named; what they are is in KEY
 python tools/worlds.py parity               what the pictures of the engines differ by: lines of a table
 """
 
 from __future__ import annotations
 
+import json
 import math
+import random
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -193,11 +196,26 @@ def parity(side: int = 256) -> Iterator[str]:
         yield f"| {name.replace('_', ' ')} | {overlap:.3f} | {color:.1f} | {depth:.2f} |"
 
 
+def nameless(folder: Path, key: Path, side: int = 320) -> None:
+    """Every thing and room in a picture of its own, in no order, and what each shows."""
+    every = things()
+    shown = [*every, *ROOMS]
+    random.Random(0).shuffle(shown)
+    folder.mkdir(parents=True)
+    for number, name in enumerate(shown):
+        what, camera = (room(name), "person") if name in ROOMS else (thing(name, every[name]), "near")
+        pictures(what, default(), side, [camera])[0].save(folder / f"{number:03}.png")
+    key.write_text(json.dumps({f"{number:03}": name for number, name in enumerate(shown)}, indent=1))
+
+
 def main(kind: str, *chosen: str) -> int:
     """Write a picture, or print the lines."""
     if kind == "parity":
         for line in parity():
             print(line, flush=True)
+        return 0
+    if kind == "nameless":
+        nameless(*map(Path, chosen))
         return 0
     if kind == "rooms":
         rooms_sheet(chosen or ROOMS, (default(),), 160).save(IMAGES / "rooms.jpg", quality=85)
