@@ -167,6 +167,27 @@ def _bounces() -> Iterator[Case]:
             top + 0.2,
             (Measure("height of the bounce, of the drop", 100 * e * e, 3.0, "%", apex, "e² h", MECHANICS),),
         )
+    struck = sqrt(2 * G * 1.2)
+    yield Case(
+        "drop_on_box",
+        stage(
+            floor(),
+            body("below", box(0.2, 0.2, 0.2), (0, 0, 0.1), mass=8.0),
+            body("falls", box(0.4, 0.2, 0.2), (0, 0, 1.5), mass=16.0),
+        ),
+        0.8,
+        (
+            Measure(
+                "speed upwards of a box that falls on one which rests",
+                0.0,
+                0.03 * struck,
+                "m/s",
+                lambda r: float(r["falls"].velocity[round(240 * (struck / G + 0.02)) :, 2].max()),
+                "0",
+                MECHANICS,
+            ),
+        ),
+    )
     fall = sqrt(2 * G * 0.5)
     yield Case(
         "bounce_oblique",
