@@ -76,6 +76,7 @@ def mitsuba() -> Any:
         ) from None
     if mitsuba.variant() != chosen:
         mitsuba.set_variant(chosen)
+        mitsuba.set_log_level(mitsuba.LogLevel.Error)
     return mitsuba
 
 
