@@ -78,9 +78,11 @@ def random_text(draw: st.DrawFn, grouped: bool = False) -> str:
     if grouped:
         balance = draw(st.sampled_from(["", "balance: low"]))
         lines.append(f"  design groups of 7 {{ cross: [pace, stuff]  turn: [tone, big]  {balance} }}")
-        changes = ["options orbit of pace, stuff"]
+        changes = ["options orbit of pace, stuff  kinds { low: height(spare) < place  high: true }",
+                   "distinct by half or 20 deg"]  # fmt: skip
     lines.append(f'  question "And then, {{pace}}?" {{ answer frame(front, end) {" ".join(changes)} }}')
     lines.append('  question low "Is it low?" { answer height(spare) < 5 cm }')
+    lines += [f"  {line}" for line in MEASURED if draw(st.booleans())]
     return SHELF + "task random : custom {\n" + "\n".join(lines) + "\n}\n"
 
 
@@ -140,8 +142,30 @@ OTHERS = (
   action roam = follow(dolly, arc, direction: lean, length: place, width: half, facing: n > 1) for 0.4 s at 0.1 s""",
     """
   use rope(top: (-60 cm, 40 cm, 80 cm), length: place, lean: lean) as string""",
+    """
+  use household as home only [book]
+  object novel : home.book { wide: big  on: table at (-45 cm, -30 cm)  called: "novel" }
+  object vase  { shape: lathe  profile: [(0, 0), (half, 0), (2 cm, place / 2), (0, place / 2)]  on: table at spot }
+  object step  { shape: extrude  outline: [(0, 0), (big, 0), (0, half)]  depth: place / 3  at: (80 cm, 0, big) }
+  object wire  { shape: sweep  along: [(0, 0, 0), (big, 0, 0), (big, half, 0)]  thickness: 4 mm  at: (1 m, 0, big) }
+  object ring  { shape: torus  size: big  thickness: half / 3  color: tone  at: (80 cm, -20 cm, place) }
+  object soap  { shape: box  size: (big, 6 cm, 2 cm)  round: half / 8  at: (80 cm, 40 cm, big)  yaw: turn }""",
+    """
+  object lid { shape: box  size: (big, 4 cm, 1 cm)  at: (-80 cm, 20 cm, place) }
+  joint rail : slider { of: lid  at: (-80 cm, 20 cm, place)  axis: (1, 0, 0)  low: 0 cm  high: half }
+  question out "How far out is it?" { answer extension(rail, at: 0.1 s * n)  within half / 4 }""",
 )
 """More that a scene may have."""
+
+MEASURED = (
+    """question high "When is the {spare} highest?" { answer when_highest(spare, from: 0.1 s, to: 0.9 s)  within 50 ms }
+  question far "How far" "is it then?" { answer position(spare, at: 0.2 s * n).x - place  within half }""",
+    """question many "How many lie?" { options [0, 1, 2]  answer count(toppled([a, spare], at: 0.5 s)) }
+  question some "Does one?" { answer any(contact([a, spare], table, from: 0.1 s)) and not all(at_rest([a, spare])) }""",
+    """question seen "Where?" { options [left_of, behind]  answer relation(spare, a, at: 0.1 s * n, seen_from: side) }
+  question met "Which first?" { options [a, table, neither]  answer touches_first(spare, [a, table], tie: 9 ms) }""",
+)
+"""What may be asked beside the pictures: at a time, of events, over several, from elsewhere."""
 
 DEEDS = (
     "action go = launch(which, direction: turn, speed: pace, climb: lean) at 0.1 s",
@@ -187,6 +211,7 @@ def busy_text(deeds: str) -> str:
               "  object spare { shape: cube  size: 3 cm  material: stuff  at: (0, 1 m, 1 m) }",
               "  observe front at [0 s, 1 s]"]  # fmt: skip
     lines.append(f'  question "And then?" {{ answer frame(front, end) {" ".join(_CHANGES)} }}')
+    lines += MEASURED
     return "use tabletop\n" + SHELF + "task busy : custom {\n" + "\n".join(lines) + "\n}\n"
 
 

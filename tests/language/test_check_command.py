@@ -87,3 +87,13 @@ def test_a_check_waits_for_nothing_that_it_does_not_need() -> None:
     imported = {line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.splitlines()}
     assert "wmspec" in imported
     assert not imported & {"numpy", "pxr", "trimesh", "scipy", "pydantic", "PIL", "multiprocessing"}
+
+
+def test_list_tells_from_how_many_groups_one_learns_and_what_is_balanced() -> None:
+    gate = ROOT / "specs/gallery/gate.wms"
+    plain, sizes = (CliRunner().invoke(main, ["list", *more, str(gate)]).output for more in ([], ["--sizes"]))
+    assert "wide (2), tone (3 in 30), wood (2 in 30)" in plain
+    assert "60: wide, aim, lane; 30: tone, wood" in sizes
+    for told in (plain, sizes):
+        assert "balanced answers of `way`" in told
+        assert told.endswith("300 instances in 60 groups\n")

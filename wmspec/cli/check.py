@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import paint, standard_input, within
+from wmspec.cli.common import balanced, by_size, paint, standard_input, within
 
 if TYPE_CHECKING:
     from wmspec.api import Diagnosis
@@ -68,13 +68,7 @@ def _print(diagnosis: Diagnosis) -> None:
 
 def _print_design(design: Design) -> None:
     """The sample sizes, and what balance may cost."""
-    named: dict[int, list[str]] = {}
-    for name, size in design.sample_sizes.items():
-        named.setdefault(size, []).append(name)
-    for size, names in named.items():
+    for size, names in by_size(design.sample_sizes).items():
         click.echo(f"  {size:,} independent group{'s' * (size != 1)}: {', '.join(names)}")
     if question := design.spec.plan.balance:
-        from wmspec.ask.balance import MOST_DRAWS
-
-        most = f"each group is drawn up to {MOST_DRAWS} times"
-        click.echo(f"  balanced answers of `{question}`: {most}; `wmspec generate --dry-run` measures how often")
+        click.echo(f"  {balanced(question)}")

@@ -6,7 +6,7 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -36,6 +36,22 @@ instance_option = click.option("--instance", "-i", default=0, show_default=True,
 redrawn_option = click.option(
     "--redrawn", default=0, metavar="N", type=click.IntRange(0), help="With its nuisances drawn anew, for the Nth time."
 )
+
+
+def by_size(sizes: Mapping[str, int]) -> dict[int, list[str]]:
+    """The names of factors and nuisances, by the sample size that they have in common."""
+    named: dict[int, list[str]] = {}
+    for name, size in sizes.items():
+        named.setdefault(size, []).append(name)
+    return named
+
+
+def balanced(question: str) -> str:
+    """What balance may cost."""
+    from wmspec.ask.balance import MOST_DRAWS
+
+    most = f"each group is drawn up to {MOST_DRAWS} times"
+    return f"balanced answers of `{question}`: {most}; `wmspec generate --dry-run` measures how often"
 
 
 def paint() -> Paint:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import dimension_option, json_option, tell
+from wmspec.cli.common import balanced, by_size, dimension_option, json_option, tell
 
 if TYPE_CHECKING:
     from wmspec.api import Task
@@ -18,12 +18,13 @@ if TYPE_CHECKING:
 @click.command("list")
 @click.argument("specs", nargs=-1, type=click.Path(path_type=Path))
 @dimension_option
+@click.option("--sizes", is_flag=True, help="Of each factor and nuisance, from how many groups something is learnt.")
 @json_option
-def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_json: bool) -> None:
+def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], sizes: bool, as_json: bool) -> None:
     """List tasks with their dimensions, factors and numbers of instances (× questions), beside the paper's cases.
 
-    Groups share every draw: their number is the sample size that nuisances have, and factors that are not crossed. A
-    factor that takes turns is crossed in some of them: `color (3 in 60)`.
+    A group shares every draw, so the number of groups is a sample size. A factor that takes turns is crossed in some
+    of them: `color (3 in 60)` has three values, which are compared in 60 groups. `--sizes` tells it of nuisances too.
 
     Without SPECS: the tasks that rebuild the paper's. `wmspec list specs/gallery` lists others that come with wmspec.
     """
@@ -34,7 +35,7 @@ def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], as_js
     if as_json:
         click.echo(json.dumps(rows, indent=2))
     else:
-        _print(rows)
+        _print(rows, sizes)
 
 
 def _row(task: Task) -> dict[str, Any]:
@@ -57,41 +58,52 @@ def _row(task: Task) -> dict[str, Any]:
     }
 
 
-def _print(rows: Sequence[dict[str, Any]]) -> None:
+def _print(rows: Sequence[dict[str, Any]], sizes: bool) -> None:
     from rich.console import Console
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     numbers = ("instances", "groups", "paper's")
-    for name in ("task", "dimension", *numbers, "factors"):
+    last = "groups from which one learns of" if sizes else "factors"
+    for name in ("task", "dimension", *numbers, last):
         table.add_column(name, justify="right" if name in numbers else "left", overflow="fold")
     for row in rows:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
-        factors = ", ".join(f"{name} ({_levels(row, name)})" for name in row["factors"])
         asked = f" × {row['questions']}" if row["questions"] > 1 else ""
-        table.add_row(
-            row["task"], row["dimension"], f"{row['instances']:,}{asked}", f"{row['groups']:,}", paper, factors
-        )
+        count, told = f"{row['instances']:,}{asked}", _sizes(row) if sizes else _factors(row)
+        table.add_row(row["task"], row["dimension"], count, f"{row['groups']:,}", paper, told)
     console = Console()
     if not console.is_terminal:  # programs read lines: one a task, however long
         console.width = 10_000
     console.print(table)
+    for row in rows:
+        if row["balance"]:
+            console.print(f"{row['task']}: {balanced(row['balance'])}", highlight=False)
     console.print(_covered(rows), highlight=False)
 
 
-def _levels(row: dict[str, Any], factor: str) -> str:
-    """How many values a factor has, and in how many groups it is crossed if that is not in all."""
-    count, size = row["factors"][factor], row["sample_sizes"][factor]
-    return f"{count or 'continuous'}" + (f" in {size:,}" if size != row["groups"] else "")
+def _sizes(row: dict[str, Any]) -> str:
+    """The factors and nuisances, by from how many groups something is learnt about them."""
+    return "; ".join(f"{size:,}: {', '.join(names)}" for size, names in by_size(row["sample_sizes"]).items())
+
+
+def _factors(row: dict[str, Any]) -> str:
+    """How many values each factor has, and in how many groups it is crossed if that is not in all."""
+    sizes = {name: row["sample_sizes"][name] for name in row["factors"]}
+    crossed = {name: "" if size == row["groups"] else f" in {size:,}" for name, size in sizes.items()}
+    return ", ".join(f"{name} ({count or 'continuous'}{crossed[name]})" for name, count in row["factors"].items())
 
 
 def _covered(rows: Sequence[dict[str, Any]]) -> str:
-    """How much of the paper these tasks rebuild."""
+    """How much there is, and how much of the paper these tasks rebuild."""
     from wmspec.paper import COLUMNS
 
     total, rebuilt = sum(c.cases for c in COLUMNS), [row["paper"] for row in rows if row["paper"]]
-    instances = sum(row["instances"] for row in rows)
+    instances, groups = sum(row["instances"] for row in rows), sum(row["groups"] for row in rows)
+    covered = f"{instances:,} instances in {groups:,} groups"
+    if not rebuilt:
+        return covered
     return (
-        f"{instances:,} instances; of the paper's {len(COLUMNS)} tasks and {total:,} instances, these rebuild "
+        f"{covered}; of the paper's {len(COLUMNS)} tasks and {total:,} instances, these rebuild "
         f"{len(rebuilt)} and {sum(there['instances'] for there in rebuilt):,}"
     )
