@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from wmspec.layout.geometry import every_piece
@@ -25,13 +26,13 @@ class Outline:
     name: str
     corners: tuple[Point, ...]
 
-    @property
+    @cached_property
     def middle(self) -> Point:
         """The mean of its corners, m."""
         n = len(self.corners)
         return (sum(x for x, _ in self.corners) / n, sum(y for _, y in self.corners) / n)
 
-    @property
+    @cached_property
     def radius(self) -> float:
         """How far (m) it reaches from its middle."""
         return max(math.dist(self.middle, corner) for corner in self.corners)
