@@ -83,6 +83,7 @@ def random_text(draw: st.DrawFn, grouped: bool = False) -> str:
     lines.append(f'  question "And then, {{pace}}?" {{ answer frame(front, end) {" ".join(changes)} }}')
     lines.append('  question low "Is it low?" { answer height(spare) < 5 cm }')
     lines += [f"  {line}" for line in MEASURED if draw(st.booleans())]
+    lines += [OPENED] * any("joint rail" in line for line in lines)
     return SHELF + "task random : custom {\n" + "\n".join(lines) + "\n}\n"
 
 
@@ -152,8 +153,7 @@ OTHERS = (
   object soap  { shape: box  size: (big, 6 cm, 2 cm)  round: half / 8  at: (80 cm, 40 cm, big)  yaw: turn }""",
     """
   object lid { shape: box  size: (big, 4 cm, 1 cm)  at: (-80 cm, 20 cm, place) }
-  joint rail : slider { of: lid  at: (-80 cm, 20 cm, place)  axis: (1, 0, 0)  low: 0 cm  high: half }
-  question out "How far out is it?" { answer extension(rail, at: 0.1 s * n)  within half / 4 }""",
+  joint rail : slider { of: lid  at: (-80 cm, 20 cm, place)  axis: (1, 0, 0)  low: 0 cm  high: half }""",
 )
 """More that a scene may have."""
 
@@ -166,6 +166,9 @@ MEASURED = (
   question met "Which first?" { options [a, table, neither]  answer touches_first(spare, [a, table], tie: 9 ms) }""",
 )
 """What may be asked beside the pictures: at a time, of events, over several, from elsewhere."""
+
+OPENED = """  question out "How far out is it?" { answer extension(rail, at: 0.1 s * n)  within half / 4 }"""
+"""What may be asked of a joint."""
 
 DEEDS = (
     "action go = launch(which, direction: turn, speed: pace, climb: lean) at 0.1 s",
@@ -211,7 +214,7 @@ def busy_text(deeds: str) -> str:
               "  object spare { shape: cube  size: 3 cm  material: stuff  at: (0, 1 m, 1 m) }",
               "  observe front at [0 s, 1 s]"]  # fmt: skip
     lines.append(f'  question "And then?" {{ answer frame(front, end) {" ".join(_CHANGES)} }}')
-    lines += MEASURED
+    lines += [*MEASURED, OPENED]
     return "use tabletop\n" + SHELF + "task busy : custom {\n" + "\n".join(lines) + "\n}\n"
 
 

@@ -161,6 +161,26 @@ def test_one_mistake_is_told_once_where_it_is_with_what_mends_it(
     assert remedy in only.help
 
 
+VARIANTS = """task tone : custom {
+  factor tint in [red, blue]
+  design groups of 20 { cross: tint }
+  variant room     { use room      object ball { color: tint  at: (0, 0, 10 cm) } }
+  variant tabletop { use tabletop  object ball { color: tint  at: (0, 0, 10 cm) } }
+  observe front at [0 s]
+  question "Which?" { answer frame(front, 0 s)  options orbit of tint }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "remedy"), [("factor tint", "factor tnit", "tnit"), ("groups", "gruops", "groups")]
+)
+def test_a_mistake_is_told_once_for_all_variants_and_all_that_follows(written: str, instead: str, remedy: str) -> None:
+    (only,) = told(VARIANTS.replace(written, instead))
+    assert only.code == "WMS201"
+    assert only.help == f"did you mean `{remedy}`?"
+
+
 def test_two_tasks_of_one_name_are_told() -> None:
     (only,) = told(SPEC + SPEC.partition("\n\n")[2])
     assert only.code == "WMS202"

@@ -21,4 +21,4 @@ def default_value(slot: Slot) -> ir.Expr:
     report = Report()
     expr = parse_expression(Span(source, 0, len(slot.default)), report)
     assert expr is not None, slot
-    return Expressions(Scope((), report), report).value(expr, slot.types, "the default").expr
+    return Expressions(Scope((), report), report, set()).value(expr, slot.types, "the default").expr

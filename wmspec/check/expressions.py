@@ -25,13 +25,16 @@ MOST_DEPTH = 120
 
 
 class Expressions:
-    """Checks the expressions of one task. Declarations are checked when they are first needed, in any order."""
+    """Checks the expressions of one task. Declarations are checked when they are first needed, in any order.
 
-    def __init__(self, scope: Scope, report: Report) -> None:
+    `unknown` are the names that were told to stand for nothing; the variants of a task share them.
+    """
+
+    def __init__(self, scope: Scope, report: Report, unknown: set[str]) -> None:
         self.scope = scope
         self.report = report
         self.subject: ir.Expr | None = None  # the acting object, inside an action's arguments
-        self._unknown: set[str] = set()
+        self._unknown = unknown
         self.doubtful: set[str] = set()
         """Named values that may be wrong themselves: no misfit of theirs is told (again)."""
         self.measured = False  # whether measured functions may stand here

@@ -12,6 +12,7 @@ from wmspec.check import ir, units
 from wmspec.check.evaluate import parts
 from wmspec.check.expressions import Expressions
 from wmspec.check.typed import Failed
+from wmspec.check.vocabulary import PLANS
 from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
 from wmspec.places import Location, Span
@@ -60,7 +61,8 @@ class Orbits:
 
     def _varied(self, name: str, span: Span) -> ir.Varied:
         factor = self._factor(name, span)
-        if self.plan.kind != "groups" and any(d.kind.id == "groups" for d in self.check.scope.designs):
+        others = PLANS.keys() - {"groups"}
+        if self.plan.kind != "groups" and any(d.kind.id not in others for d in self.check.scope.designs):
             raise Failed  # what is wrong with the design was told
         if self.plan.kind != "groups":
             what = "the options of an orbit are siblings in a group, and this design has no groups"
@@ -149,7 +151,7 @@ class Orbits:
 
     def _factor(self, name: str, span: Span) -> ir.Factor:
         if name not in self.factors:
-            self.check.fail("WMS201", f"there is no factor `{name}`", span, suggestion(name, self.factors))
+            self.check.unknown(s.Name(name, span), f"there is no factor `{name}`", suggestion(name, self.factors))
         return self.factors[name]
 
     def _values(self, name: str) -> tuple[ir.Level, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -65,10 +65,10 @@ def _line(d: Diagnostic) -> object:
 def _specs(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
     tasks = [item for item in program.file.items if isinstance(item, s.Task)]
     if not tasks:
-        _Task(None, Modules(program, report), (program.file.items,), report).library()
+        _Task(None, Modules(program, report), (program.file.items,), report, set()).library()
         return ()
     _named_apart(tasks, report)
-    specs = [_checked(task, variant, program, report) for task in tasks for variant in _variants(task, report)]
+    specs = [spec for task in tasks for spec in _checked(task, program, report)]
     if not report.failed:
         unused(program.file, report)
     return tuple(spec for spec in specs if spec is not None)
@@ -95,12 +95,14 @@ def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:
     return [*named.values()] or [None]
 
 
-def _checked(task: s.Task, variant: s.Variant | None, program: Program, report: Report) -> ir.TaskSpec | None:
-    """The task that a variant is, with what is common to all variants and to the file."""
-    items = _items(program, task, variant)
-    if variant is not None:
-        task = replace(task, name=replace(task.name, id=f"{task.name.id}_{variant.name.id}"))
-    return _Task(task, Modules(program, report), items, report).task()
+def _checked(task: s.Task, program: Program, report: Report) -> Iterator[ir.TaskSpec | None]:
+    """The tasks that the variants are, each with what is common to all of them and to the file."""
+    unknown: set[str] = set()
+    for variant in _variants(task, report):
+        named = task
+        if variant is not None:
+            named = replace(task, name=replace(task.name, id=f"{task.name.id}_{variant.name.id}"))
+        yield _Task(named, Modules(program, report), _items(program, task, variant), report, unknown).task()
 
 
 def _items(program: Program, task: s.Task | None, variant: s.Variant | None) -> list[Iterable[Item]]:
@@ -110,11 +112,18 @@ def _items(program: Program, task: s.Task | None, variant: s.Variant | None) -> 
 def known(program: Program, task: s.Task | None, variant: s.Variant | None) -> Expressions:
     """What expressions mean in a variant, in a task without any, or in a library; mistakes are passed over."""
     report = Report()
-    return _Task(task, Modules(program, report), _items(program, task, variant), report).check
+    return _Task(task, Modules(program, report), _items(program, task, variant), report, set()).check
 
 
 class _Task:
-    def __init__(self, task: s.Task | None, modules: Modules, items: Iterable[Iterable[Item]], report: Report) -> None:
+    def __init__(
+        self,
+        task: s.Task | None,
+        modules: Modules,
+        items: Iterable[Iterable[Item]],
+        report: Report,
+        unknown: set[str],
+    ) -> None:
         self.declaration = task
         self.report = report
         statements = modules.statements(*items)
@@ -123,7 +132,7 @@ class _Task:
         self.statements = [templates.expanded(statement) for statement in statements]
         self.scope = Scope(self.statements, report)
         self.scope.whole = self.scope.whole and modules.whole
-        self.check = Expressions(self.scope, report)
+        self.check = Expressions(self.scope, report, unknown)
         guessed = {_line(d) for d in report.diagnostics}
         declared = (x.name for x in self.statements if isinstance(x, s.Let | s.Factor) and guessed)
         self.check.doubtful = {n.id for n in declared if (n.span.source.name, n.span.line) in guessed}
