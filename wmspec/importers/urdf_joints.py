@@ -32,7 +32,7 @@ class Joints:
         children = ("origin", "parent", "child", "axis", "limit", "dynamics")
         self.read.known(e, ("name", "type"), (*children, *skipped, "mimic"))
         for mimic in e.all("mimic"):
-            what = "joints that mimic others are not supported: the engines solve each by itself"
+            what = "a spec cannot say that a joint mimics another; `wmspec run` of a USD stage can"
             self.read.faults.add(e.where, what, f"remove `mimic` (line {mimic.line})")
         ends = [self.read.only(e, end) for end in ("parent", "child")]
         kind = _KINDS.get(self.read.text(e, "type"))
