@@ -13,6 +13,7 @@ import pytest
 
 from tests.browser import PATIENCE
 from tests.engines import installed
+from wmspec.api.loading import diagnose_text
 from wmspec.diagnostics import WmsError
 from wmspec.editor.page import PageServer
 from wmspec.editor.start import first_spec
@@ -78,6 +79,28 @@ def test_it_follows_the_file(served: Page) -> None:
     mended = served.settled(unreadable.version)
     assert (mended.diagnostics, mended.stale) == ((), False)
     assert mended.tasks == (("marbles", 27),)
+
+
+def test_a_text_may_be_gone_before_its_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "gone.wms"
+    path.write_text("task t : custom { objekt }")
+
+    def then_gone(text: str, at: Path) -> object:
+        path.write_bytes(b"\xff\xfe")
+        return diagnose_text(text, at)
+
+    monkeypatch.setattr("wmspec.editor.watch.diagnose_text", then_gone)
+    watch = Watch(path, Drawing("mujoco", instances=1, size=32))
+    page = Page(path, watch, PageServer(watch, 0))
+    worker = threading.Thread(target=watch.run)
+    worker.start()
+    mistaken = page.settled(-1)
+    unreadable = page.settled(mistaken.version)
+    watch.stop()
+    page.server.server_close()
+    worker.join()
+    assert mistaken.diagnostics[0].code
+    assert "UTF-8" in unreadable.diagnostics[0].message
 
 
 def test_only_this_machine_by_its_own_name_is_answered(served: Page) -> None:

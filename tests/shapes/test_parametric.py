@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.engines import ENGINES, installed
@@ -138,6 +138,7 @@ def test_convex_pieces_cover_an_outline(outline: Outline) -> None:
         assert all((b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) >= -1e-9 for a, b, c in corners)
 
 
+@example([(0.01, 0.010000000000000002, 0.01), (0.01, 0.01, 0.01)])
 @given(st.lists(st.tuples(lengths, lengths, lengths), min_size=2, max_size=5))
 def test_a_sweep_weighs_its_section_along_its_path(along: list[tuple[float, float, float]]) -> None:
     try:

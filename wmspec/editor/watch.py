@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from threading import Condition, Event
@@ -11,10 +12,11 @@ from typing import Literal
 
 from wmspec.api.loading import diagnose_text
 from wmspec.api.task import Task
-from wmspec.diagnostics import Diagnostic, WmsError
+from wmspec.diagnostics import Diagnostic, Report, WmsError
 from wmspec.editor import sheet
 from wmspec.execute.pool import Helper, Lost
-from wmspec.parse.load import read_source
+from wmspec.parse.load import load_source, read_source, shown
+from wmspec.places import Source
 
 #: How often the files are looked at (s), and how long one instance may take.
 PERIOD, PATIENCE = 0.2, 60.0
@@ -102,17 +104,16 @@ class Watch:
         told = State(phase="drawing", diagnostics=diagnosis.diagnostics, tasks=diagnosis.tasks, rows=last, stale=True)
         if not tasks:
             self._say(replace(told, phase="done", stale=bool(last)))
-            return self.state_libraries()
+            return self._libraries(text)
         self._say(told)
         self._draw(helper, text, tasks, told, contents)
         return tuple(path for task in tasks for path in task.program.libraries)
 
-    def state_libraries(self) -> tuple[Path, ...]:
-        """The libraries of a text that has mistakes: one of them may be where these are."""
-        from wmspec.diagnostics import Report
-        from wmspec.parse.load import load
-
-        return tuple(load(self.path, Report()).libraries)
+    def _libraries(self, text: str) -> tuple[Path, ...]:
+        """Those of a text that has mistakes, whatever is in the file by now: one of them may be where these are."""
+        with suppress(WmsError):
+            return tuple(load_source(Source(shown(self.path), text), self.path.parent, Report()).libraries)
+        return ()
 
     def _draw(
         self, helper: Helper, text: str, tasks: tuple[Task, ...], told: State, contents: dict[Path, bytes]

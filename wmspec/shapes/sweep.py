@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 SIDES = 16
 """The rod is a prism of so many sides, mitred where the path bends: that is what it weighs, and how it is touched."""
+CLOSEST = 1e-6
+"""Points that are no further apart (m) are one: a rod between them has no weight that could be told from rounding."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Sweep(Shape):
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """The middle is where the path has (0, 0, 0). It is 1 cm thick unless its `thickness` is said."""
         along = words.get("along", ())
-        if len(along) < 2 or any(a == b for a, b in pairwise(along)):
+        if len(along) < 2 or any(math.dist(a, b) < CLOSEST for a, b in pairwise(along)):
             raise UnfitError("needs two points or more along its path, each apart from the next", "along")
         made = cls(tuple(along), words.get("thickness", 0.01))
         for (p, q), (a, b) in zip(pairwise(made.along), pairwise(made._rings), strict=True):
