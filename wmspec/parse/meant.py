@@ -126,9 +126,9 @@ def hyphenated(words: Sequence[Token], i: int) -> int:
 
 
 def _keyword(place: Place) -> Iterator[Repair]:
-    """A misspelled keyword. Of two letters, it is rather something else."""
+    """A misspelled keyword. Of two letters, it is rather something else; one that stands for a name is well spelled."""
     text = place.word.text
-    if text.isidentifier():
+    if text.isidentifier() and not ("NAME" in place.accepted and text in tables().keywords):
         for keyword, kind, apart in _near(text):
             if kind in place.accepted and kind != place.word.type:
                 cost = (0.8 if len(text) > 2 or apart == 0 else 2.0) + 0.5 * apart
