@@ -1,6 +1,7 @@
 """Sheets for readers who know nothing of a task, and what their answers score.
 
 python -m tools.readings sheets DATASET... -o FOLDER -k KEYS     TASK/NN.png, TASK/questions.txt; keys apart
+python -m tools.readings sheets ... --readers 4                  READER/TASK/...: no reader has two siblings of a group
 python -m tools.readings score KEYS ANSWERS...                   a table in Markdown
 
 A sheet shows what a model is shown: the pictures in order, the question, the options by letters. Nothing in FOLDER
@@ -77,24 +78,39 @@ def tier(row: Row) -> str:
 # ---------------------------------------------------------------- sheets
 
 
-def sheets(dataset: DatasetReader, count: int, folder: Path, keys: Path) -> None:
-    """The sheets of every task of a dataset, what they ask as text, and their key."""
+def dealt(rows: Sequence[Row], readers: int) -> list[list[Row]]:
+    """A hand for each reader: siblings of a group, which settle each other, go to different readers."""
+    hands: list[list[Row]] = [[] for _ in range(readers)]
+    groups: dict[tuple[int, int], int] = {}
+    for row in rows:
+        group = (row["question"], row["block"])
+        turn = groups[group] = groups.get(group, row["block"]) + 1
+        hands[turn % readers].append(row)
+    return hands
+
+
+def sheets(dataset: DatasetReader, count: int, folder: Path, keys: Path, readers: int = 1) -> None:
+    """The sheets of every task of a dataset for each reader, what they ask as text, and their key."""
     for task in dataset.tasks:
         rows = [r for r in dataset.rows(task) if r["engine"] == dataset.engines[0] and r["option_kind"]]
         picked = chosen(rows, count)
-        place = folder / task
-        shutil.rmtree(place, ignore_errors=True)
-        place.mkdir(parents=True)
-        text = []
-        for number, start in enumerate(range(0, len(picked), A_SHEET), 1):
-            some = picked[start : start + A_SHEET]
-            page = typeset.above([_question(row) for row in some], 34)
-            typeset.padded(page, MARGIN).save(place / f"{number:02d}.png", optimize=True)
-            text += [f"Sheet {number:02d}.png", "", *(line for row in some for line in _words(row))]
-        (place / "questions.txt").write_text("\n".join(text) + "\n", encoding="utf-8")
+        for reader, hand in enumerate(dealt(picked, readers), 1):
+            _write(hand, (folder / str(reader) if readers > 1 else folder) / task)
         keys.mkdir(parents=True, exist_ok=True)
         truth = {name_of(row): _key(row) for row in picked}
         (keys / f"{task}.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
+
+
+def _write(rows: Sequence[Row], place: Path) -> None:
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir(parents=True)
+    text = []
+    for number, start in enumerate(range(0, len(rows), A_SHEET), 1):
+        some = rows[start : start + A_SHEET]
+        page = typeset.above([_question(row) for row in some], 34)
+        typeset.padded(page, MARGIN).save(place / f"{number:02d}.png", optimize=True)
+        text += [f"Sheet {number:02d}.png", "", *(line for row in some for line in _words(row))]
+    (place / "questions.txt").write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
 def name_of(row: Row) -> str:
@@ -191,13 +207,14 @@ def main() -> None:
     making.add_argument("-o", "--output", type=Path, required=True)
     making.add_argument("-k", "--keys", type=Path, required=True)
     making.add_argument("--count", type=int, default=30)
+    making.add_argument("--readers", type=int, default=1)
     scoring = verbs.add_parser("score", help="score answers")
     scoring.add_argument("keys", type=Path)
     scoring.add_argument("answers", nargs="+", type=Path)
     asked = parser.parse_args()
     if asked.verb == "sheets":
         for folder in asked.datasets:
-            sheets(DatasetReader.open(folder), asked.count, asked.output, asked.keys)
+            sheets(DatasetReader.open(folder), asked.count, asked.output, asked.keys, asked.readers)
         return
     keys = {
         name: key for file in sorted(asked.keys.glob("*.json")) for name, key in json.loads(file.read_text()).items()

@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from PIL import Image
 
 from tests.dataset.made import make, plan
@@ -33,6 +35,16 @@ def test_every_question_is_on_a_sheet_and_in_the_key_and_no_truth_beside_it(tmp_
         assert len(sheets) == 2
         with Image.open(sheets[0]) as sheet:
             assert sheet.width == readings.WIDTH
+
+
+@given(blocks=st.lists(st.integers(0, 5), max_size=40), readers=st.integers(1, 5))
+def test_siblings_go_to_different_readers_while_there_are_any(blocks: list[int], readers: int) -> None:
+    rows = [{"question": 0, "block": block, "id": str(i)} for i, block in enumerate(blocks)]
+    hands = readings.dealt(rows, readers)
+    assert sorted(row["id"] for hand in hands for row in hand) == sorted(row["id"] for row in rows)
+    for block in set(blocks):
+        held = [sum(row["block"] == block for row in hand) for hand in hands]
+        assert max(held) - min(held) <= 1
 
 
 def test_scores_count_what_is_right(tmp_path: Path) -> None:
