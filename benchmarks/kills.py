@@ -51,6 +51,8 @@ INSTANCES = 80
 SOON = 1.5
 #: Seconds that processes may take to see that the run they worked for is gone.
 LINGER = 30.0
+#: Ray's processes that do no work.
+AGENTS = (b"ray::DashboardAgent", b"ray::RuntimeEnvAgent")
 
 
 class Failed(Exception):
@@ -85,11 +87,13 @@ class Victim:
         return code
 
     def _left(self) -> bool:
-        try:
-            os.killpg(self.run.pid, 0)
-        except ProcessLookupError:
-            return False
-        return True
+        """Whether processes of it are there, but for Ray's agents, which see a minute later that they are alone."""
+        for entry in Path("/proc").glob("[0-9]*"):
+            pid = int(entry.name)
+            with suppress(ProcessLookupError):
+                if os.getpgid(pid) == self.run.pid and not any(agent in _command(pid) for agent in AGENTS):
+                    return True
+        return False
 
     def workers(self) -> list[int]:
         """The processes that do its work."""

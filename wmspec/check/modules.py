@@ -8,7 +8,7 @@ needs.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -217,10 +217,9 @@ def _each(node: Any, change: Any, but: str = "") -> Any:
     if not isinstance(node, Node):
         return node
     made = {}
-    for field in fields(node):  # type: ignore[arg-type]
-        old = getattr(node, field.name)
-        if field.name != but and isinstance(old, Node | tuple) and not isinstance(old, Span):
+    for name, old in vars(node).items():
+        if name != but and isinstance(old, Node | tuple) and not isinstance(old, Span):
             new = change(old)
             if new is not old:
-                made[field.name] = new
+                made[name] = new
     return replace(node, **made) if made else node  # type: ignore[type-var]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import Literal
 
 from wmspec.node import Node
@@ -388,4 +387,4 @@ def parts(node: object) -> Iterator[object]:
     if isinstance(node, tuple):
         yield from node
     elif isinstance(node, Node):
-        yield from (getattr(node, field.name) for field in fields(node))  # type: ignore[arg-type]
+        yield from vars(node).values()
