@@ -19,12 +19,14 @@ from wmspec.shapes.cylinder import Cylinder
 from wmspec.shapes.shape import AXES
 from wmspec.space import UP, dot, rotate, times
 
-#: How long (s) an impact takes in MuJoCo: what is met within that time is met at once. Others take one step.
+#: How long (s) an impact takes where it takes longest: what is met within that time is met at once.
 IMPACT = 0.003
 #: Things that are no further (m) apart touch, in every engine.
 TOUCHING = 1e-4
-#: What MuJoCo's contacts give way for each m/s (s), with as many steps as it makes for fast impacts.
+#: What the softest contacts give way for each m/s (s), with as many steps as are made for fast impacts.
 GIVES = 2.2e-3 / FINEST
+#: The language knows nothing of engines: a page names them.
+OTHERS = "leave those engines out; `wmspec explain WMS608` names them"
 
 
 @rule("WMS608")
@@ -39,11 +41,13 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
             continue
         touch = gap < TOUCHING
         how = "touch" if touch else f"are {_length(gap)} apart"
-        who = "every engine lets both" if touch else "MuJoCo lets both"
-        what = f"`{a}` and `{b}` {how} {scene.where}: {who} answer what strikes one of them, at once"
+        who = "every engine" if touch else "engines in which impacts take time"
+        both = "lets both" if touch else "let both"
+        what = f"`{a}` and `{b}` {how} {scene.where}: {who} {both} answer what strikes one of them, at once"
         note = Note(f"`{a}` is declared here", values.place(a))
-        engines = "" if touch else ", leave MuJoCo out with `--backend pybullet,sapien`,"
-        remedy = f"leave {_length(IMPACT * speed)} between them{engines} or give them a `restitution` below {BOUNCY:g}"
+        others = "" if touch else f", or {OTHERS}"
+        apart = f"leave {_length(IMPACT * speed)} between them"
+        remedy = f"{apart}, or give them a `restitution` below {BOUNCY:g}{others}"
         yield Breach(what, values.place(b), remedy, (note,), about=(a, b))
 
 
@@ -54,8 +58,8 @@ def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
     joined = _joined(values)
     for name in _touchable(values):
         if not values.property(name, "fixed") and name not in joined and any(_lying(values, name)):
-            what = f"`{name}` is a disc on its rim {scene.where}; SAPIEN brakes it as it rolls"
-            remedy = "make it as long as it is thick, or leave SAPIEN out with `--backend mujoco,pybullet`"
+            what = f"`{name}` is a disc on its rim {scene.where}; some engines brake it as it rolls"
+            remedy = f"make it as long as it is thick, or {OTHERS}"
             yield Breach(what, values.place(name, "shape"), remedy, about=name)
 
 
@@ -70,14 +74,14 @@ def sliding_mesh(scene: Scene) -> Iterator[Breach]:
         name = values.property(action.name, "object")
         if name in touchable and any(piece.solid.primitive is None for piece in pieces(values, name)):
             kinds = "neither box, ball, capsule nor cylinder"
-            what = f"`{name}` is launched {scene.where} and is {kinds}; PyBullet brakes it as it slides"
-            remedy = "make it of those, or leave PyBullet out with `--backend mujoco,sapien`"
+            what = f"`{name}` is launched {scene.where} and is {kinds}; some engines brake it as it slides"
+            remedy = f"make it of those, or {OTHERS}"
             yield Breach(what, values.place(name, "shape"), remedy, about=name)
 
 
 @rule("WMS608")
 def fast_and_thin(scene: Scene) -> Iterator[Breach]:
-    """Something so fast that MuJoCo lets it into, or through, what is thin."""
+    """Something so fast that engines with soft contacts let it into, or through, what is thin."""
     values = scene.values
     speed = max(_speeds(values), default=0.0)
     if speed <= FAST:
@@ -87,8 +91,9 @@ def fast_and_thin(scene: Scene) -> Iterator[Breach]:
         thin = min(_thickness(piece) for piece in pieces(values, name))
         if depth > ENTERED * thin:
             fast = f"something moves at {units.told(speed, units.SPEED)} {scene.where}"
-            what = f"`{name}` is {_length(thin)} thick, and {fast}; in MuJoCo that goes {_length(depth)} deep"
-            remedy = "make it thicker, or the other slower, or leave MuJoCo out with `--backend pybullet,sapien`"
+            deep = f"where contacts are soft that goes {_length(depth)} deep"
+            what = f"`{name}` is {_length(thin)} thick, and {fast}; {deep}"
+            remedy = f"make it thicker, the other slower, or {OTHERS}"
             yield Breach(what, values.place(name), remedy, about=name)
 
 

@@ -24,8 +24,8 @@ from wmspec.lint.rule import Breach, rule
 from wmspec.lint.visibility import blind
 from wmspec.places import Location
 
-#: What a pair of things takes in MuJoCo for a second of an episode (s), measured with 150 falling spheres; and what is
-#: worth a warning (s).
+#: What a pair of things takes for a second of an episode (s), measured with 150 falling spheres; and what is worth a
+#: warning (s).
 _PAIR_SECONDS, _LONG = 8e-4, 20.0
 
 
