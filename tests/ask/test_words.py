@@ -7,7 +7,7 @@ import pytest
 from tests.ask.asking import SCENE
 from tests.language.specs import task_from
 from wmspec.ask.describe import Ambiguous, described, together
-from wmspec.ask.verbalize import say, say_option, written
+from wmspec.ask.verbalize import question_text, say, say_option, written
 from wmspec.layout.values import Values
 
 TASK = """{objects}
@@ -133,3 +133,10 @@ def test_several_are_said_together_where_nothing_else_is_called_so(look: str, sa
     assert say(names, "list of objects", values(many)) == said
     others = f"objects others[3] {{ {look}  at: (index * 20 cm, 50 cm, 0) }}"
     assert together(names, values(f"{many} {others}")) is None
+
+
+def test_an_article_before_an_object_is_that_of_the_text() -> None:
+    question = 'question "The {a} and {other}: does the {a} move, or bathe {other}?" { answer moved(a) }'
+    there = values("object a { color: red }", question)
+    said = question_text(there.spec.questions[0], there, there)
+    assert said == "The red cube and the green cone: does the red cube move, or bathe the green cone?"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -36,6 +37,8 @@ _SI = {
 _TUPLES = ("pair of", "triple of")
 #: Relations in a text, where what they relate to follows.
 _RELATIONS = {"left_of": "to the left of", "right_of": "to the right of", "in_front_of": "in front of"}
+
+_ENDS_IN_THE = re.compile(r"\bthe $", re.IGNORECASE)
 
 
 def say(value: Any, sort: str, values: Values) -> str:
@@ -98,8 +101,14 @@ def question_text(question: ir.Question, env: Environment, values: Values) -> st
 
 
 def filled(parts: Sequence[str | ir.Said], env: Environment, values: Values) -> str:
-    """A text with its values said."""
-    return "".join(p if isinstance(p, str) else _spoken(p, env, values) for p in parts)
+    """A text with its values said; an article before an object, which has its own, is the text's."""
+    text = ""
+    for part in parts:
+        words = part if isinstance(part, str) else _spoken(part, env, values)
+        if not isinstance(part, str) and _ENDS_IN_THE.search(text):
+            words = words.removeprefix("the ")
+        text += words
+    return text
 
 
 def _spoken(part: ir.Said, env: Environment, values: Values) -> str:

@@ -92,6 +92,16 @@ def _sqrt(_values: Values, x: float) -> float:
     return math.sqrt(x)
 
 
+_ROUNDING = 1e-6
+
+
+def _rgb(_values: Values, red: float, green: float, blue: float) -> str:
+    for part in (red, green, blue):
+        if not -_ROUNDING <= part <= 1 + _ROUNDING:
+            raise NoValue(f"`rgb` takes parts from 0 to 1, not {part:g} (of 255, write `120 / 255`)")
+    return colors.word((red, green, blue))
+
+
 # ---------------------------------------------------------------- what is there
 
 
@@ -144,7 +154,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "behind": _beside(0.0, 1.0),
     "polar": _polar,
     "between": _between,
-    "rgb": lambda _, *parts: colors.word(parts),
+    "rgb": _rgb,
     "shade": lambda _, color, share: colors.shade(color, share),
     "min": _extreme(min),
     "max": _extreme(max),

@@ -11,7 +11,7 @@ from wmspec.diagnostics import Note
 from wmspec.layout.values import Values
 from wmspec.lint.asked import asked, pictured
 from wmspec.lint.rule import Breach, rule
-from wmspec.lint.scene_rules import Scene, objects_inside_one_another, outside
+from wmspec.lint.scene_rules import Scene, late_action, objects_inside_one_another, outside
 from wmspec.stage.document import Document
 from wmspec.stage.episode import built
 
@@ -44,6 +44,13 @@ def option_after_the_end(changed: Changed) -> Iterator[Breach]:
         yield outside(time, otherwise, changed.change.place)
 
 
+@rule(late_action.code, late_action.severity)
+def action_added_too_late(changed: Changed) -> Iterator[Breach]:
+    """An action that a counterfactual adds when the episode is over."""
+    if changed.change.change == "add":
+        yield from (one for one in late_action.breaches(changed.otherwise) if one.about == changed.change.name)
+
+
 @rule("WMS503", "error")
 def idle_counterfactual(changed: Changed) -> Iterator[Breach]:
     """A counterfactual that changes nothing."""
@@ -62,7 +69,7 @@ def twin_counterfactuals(changed: Changed) -> Iterator[Breach]:
         if other.change == "levels" or changed.change.change == "levels":
             continue
         twin = Values(values.spec, changed.scene.instance.values, other, changed.scene.instance.key)
-        if not built(changed.otherwise.values).differing(built(twin)):
+        if _alike(changed, other, twin):
             what = f"`{changed.change.name}` and `{other.name}` come to the same {changed.scene.where}"
             note = Note(f"`{other.name}` is declared here", other.place)
             yield Breach(what, changed.change.place, "leave one out", (note,), about=changed.change.name)
@@ -90,11 +97,24 @@ def objects_put_inside_one_another(changed: Changed) -> Iterator[Breach]:
 
 RULES = (
     option_after_the_end,
+    action_added_too_late,
     idle_counterfactual,
     twin_counterfactuals,
     broad_counterfactual,
     objects_put_inside_one_another,
 )
+
+
+def _alike(changed: Changed, other: Counterfactual, twin: Values) -> bool:
+    """Whether two counterfactuals come to the same; added actions differ on the stages in their names at least."""
+    if changed.change.change == other.change == "add":
+        return _done(changed.otherwise.values, changed.change.name) == _done(twin, other.name)
+    return not built(changed.otherwise.values).differing(built(twin))
+
+
+def _done(values: Values, action: str) -> tuple[str, dict[str, object]]:
+    thing = values.spec.thing(action)
+    return thing.verb, {name: values.property(action, name) for name in thing.properties}
 
 
 def _more(changed: Changed) -> Iterator[str]:
