@@ -15,7 +15,7 @@ from wmspec.check.task import check_program
 from wmspec.cli import main
 from wmspec.diagnostics import Report, SpecError
 from wmspec.parse.format import WIDTH, format_spec
-from wmspec.parse.load import library_folder, load_source
+from wmspec.parse.load import library_folder, load_source, read_source
 from wmspec.places import Source
 
 CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
@@ -185,3 +185,9 @@ task t : custom {
 """
     (task,) = check_program(load_source(Source("test.wms", text), Path(), Report()), Report())
     assert task.questions[0].ensures[0].text == "not moved(a) and not contact(a, table)"
+
+
+def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path) -> None:
+    text = "let a = 1\n"
+    (tmp_path / "lib.wms").write_bytes(b"\xef\xbb\xbf" + text.encode())
+    assert read_source(tmp_path / "lib.wms").text == text

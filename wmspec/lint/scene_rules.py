@@ -51,10 +51,22 @@ def objects_inside_one_another(scene: Scene) -> Iterator[Breach]:
     begun = f"under `{change.name}`" if change else "at the start"
     for pair in overlaps(scene.values):
         depth = units.told(float(f"{pair.depth:.2g}"), units.LENGTH)
+        place = scene.values.place(pair.second)
+        if of := _set_of(scene.values, pair.first, pair.second):
+            what = f"members of `{of}` are {depth} inside one another {begun} {scene.where}"
+            remedy = "say with `index` where each is, as in `at (index * 10 cm, 0)`, or make them smaller"
+            yield Breach(what, place, remedy, about=of)
+            continue
         what = f"`{pair.second}` is {depth} inside `{pair.first}` {begun} {scene.where}"
         note = Note(f"`{pair.first}` is declared here", scene.values.place(pair.first))
         remedy = "move them apart, make one smaller, or exclude this with `require`"
-        yield Breach(what, scene.values.place(pair.second), remedy, (note,), (pair.first, pair.second))
+        yield Breach(what, place, remedy, (note,), (pair.first, pair.second))
+
+
+def _set_of(values: Values, first: str, second: str) -> str:
+    """The set that both are members of; empty if there is none."""
+    sets = {values.spec.thing(name).set for name in (first, second)}
+    return sets.pop() if len(sets) == 1 else ""
 
 
 @rule("WMS602")

@@ -57,7 +57,7 @@ def load_source(source: Source, folder: Path, report: Report) -> Program:
 def read_source(path: Path) -> Source:
     """The text of a file. Raises WmsError with the reason if it cannot be read."""
     try:
-        text = read_plain(path, MARKUP).decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
+        text = read_plain(path, MARKUP).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise WmsError(
             f"not UTF-8 text (byte {error.start})", FilePlace(str(path)), "a .wms file is plain UTF-8 text"
