@@ -34,3 +34,23 @@ def test_a_run_that_is_told_to_end_says_nothing_of_its_insides(tmp_path: Path, n
     assert "semaphore" not in told
     assert "Traceback" not in told
     assert list(out.glob(".progress/*/*/*.instance"))
+
+
+TWICE = """
+import signal
+import click
+from wmspec.cli import main
+
+def interrupted(*_, **__):
+    signal.raise_signal(signal.SIGINT)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+click.Group.invoke = click.echo = interrupted
+main(["list"])
+"""
+
+
+def test_ctrl_c_ends_a_run_once() -> None:
+    done = subprocess.run([sys.executable, "-c", TWICE], capture_output=True, text=True, check=False)
+    assert done.returncode == 128 + signal.SIGINT
+    assert done.stderr == ""

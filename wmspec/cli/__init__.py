@@ -55,6 +55,12 @@ def _end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  a handl
     raise SystemExit(128 + number)
 
 
+def _interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
+    """Ctrl-C ends a run once: what ends, and Ray takes seconds to, is not ended again halfway."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    raise KeyboardInterrupt
+
+
 def _open_streams() -> None:
     """Have all three streams: what is opened next would take the place of one that is closed, and be written into."""
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
@@ -83,6 +89,8 @@ class _Commands(click.Group):
         _open_streams()
         # Told to end, a run ends its workers first, and says nothing of what they share.
         signal.signal(signal.SIGTERM, _end)
+        if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:  # as it is of jobs in the background
+            signal.signal(signal.SIGINT, _interrupt)
         try:
             return super().__call__(*arguments, **options)
         except OSError as error:  # what nobody foresaw, such as that the disk is full to which the output goes
