@@ -179,12 +179,17 @@ def _text(place: Place) -> Iterator[Repair]:
 
 
 def _sign(place: Place) -> Iterator[Repair]:
-    """One sign for another. A closing bracket that touches the word before it is rather that than one too many."""
+    """One sign for another. A closing bracket that touches the word before it is rather that than one too many.
+
+    After the first word in brackets, or after a comma, `=` is rather that of a named argument elsewhere.
+    """
     word, touches = place.word, place.before.end == place.word.start and place.i > 0
     means = "means nothing here" if word.type == "STRAY" else "is unexpected here"
+    argues = word.type == "EQUAL" and place.i > 1 and place.words[place.i - 2].type in ("LPAR", "COMMA")
     for kind, sign in SIGNS.items():
         if kind in place.accepted and kind != word.type and any({kind, word.type} <= alike for alike in _ALIKE):
             cost = 2.4 if word.text in ")]}" and touches and sign != "}" else 2.9
+            cost = 1.9 if argues and sign == ":" else cost
             made = word._replace(type=kind, text=sign)
             yield place.instead(made, told=f"`{word.text}` {means}", help=f"write `{sign}`", cost=cost)
     if word.type == "EQUAL" and "COMPARE" in place.accepted:
