@@ -176,9 +176,9 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
 
 
 def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly) -> None:
-    """The points by which bodies will be held, not yet active, those that close loops, and joints that mimic others, as
+    """What holds as stiffly as steps let.
 
-    stiff as steps let.
+    The points by which bodies will be held, not yet active, those that close loops, and joints that mimic others.
     """
     if not (episode.grips or whole.ties or whole.gears):
         return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.scene.articulations import Gear, Link, Tie
+from wmspec.scene.articulations import Gear, Link, Tie, ascent
 from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
@@ -21,7 +21,7 @@ PARTS = (
         joints.branches,
         joints.connect,
         joints.couple,
-        joints.ascent,
+        ascent,
         joints.ball,
         joints.ignored,
         joints.frame,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.articulations import Gear, Link
+from wmspec.scene.articulations import Gear, Link, ascent
 from wmspec.scene.silence import silence
 
 with silence():
@@ -29,11 +29,8 @@ def branches(tree: tuple[Link, ...]) -> list[tuple[Link, ...]]:
         part = parts[-1] if limb.kind == "ball" or limb.parent not in part_of else part_of[limb.parent]
         part.append(limb)
         part_of[limb.body] = part
-        if limb.parent < 0 and limb.kind not in (
-            "free",
-            "ball",
-        ):  # what else hangs on the world, of trees that are joined
-            part_of[limb.parent] = part
+        if limb.parent < 0 and limb.kind not in ("free", "ball"):
+            part_of[limb.parent] = part  # with what else hangs on the world, of trees that are joined
     return [tuple(part) for part in parts]
 
 
@@ -70,14 +67,6 @@ def couple(gear: Gear, branch: tuple[Link, ...], links: dict[int, Any], step: fl
     parts = [links[body] for body in chain]
     damping = DAMPED * (STIFFEST / step) / gear.lightness
     parts[0].articulation.create_fixed_tendon(parts, pulls, pulls, gear.offset, 0.0, stiffness, damping)
-
-
-def ascent(body: int, above: dict[int, int]) -> list[int]:
-    """A body, what holds it, what holds that, and so on to the root."""
-    way = [body]
-    while way[-1] in above:
-        way.append(above[way[-1]])
-    return way
 
 
 def ball(limb: Link, part: Any, parent: Any) -> Any:

@@ -5,7 +5,7 @@ Dataclasses that nothing changes, compared by value. `wmspec.check.record` write
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field
 from typing import Annotated, Any, Literal, dataclass_transform
 
@@ -212,6 +212,11 @@ class Observation(Node):
     times: Expr
     channels: tuple[Channel, ...] = ("rgb",)
     place: Location
+
+
+def last_shown(observations: Iterable[Observation]) -> Call:
+    """When the last picture is taken: the end of a task that has no `horizon`."""
+    return Call(function="max", arguments=tuple(o.times for o in observations))
 
 
 Change = Literal["action", "state", "without", "order", "add", "levels"]

@@ -145,7 +145,6 @@ def task(
     by_type: dict[type, list[Any]] = {}
     for part in parts:
         by_type.setdefault(type(part), []).append(part)
-    seen = tuple(o.times for o in by_type.get(ir.Observation, []))
     return ir.TaskSpec(
         name=name,
         dimension=dimension,
@@ -158,7 +157,7 @@ def task(
         things=tuple(sorted(by_type.get(ir.Thing, ()), key=lambda t: t.kind == "action")),
         observations=tuple(by_type.get(ir.Observation, ())),
         questions=tuple(by_type.get(ir.Question, ())),
-        horizon=expression(horizon) if horizon is not None else ir.Call(function="max", arguments=seen),
+        horizon=expression(horizon) if horizon is not None else ir.last_shown(by_type.get(ir.Observation, [])),
         title=title or name,
         description=description,
         license=license,

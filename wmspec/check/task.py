@@ -281,4 +281,4 @@ class _Task:
                 span = self._settings["horizon"].value.span
                 self.report.add("WMS304", f"`horizon` must be at most {SECONDS.most} s", span)
             return typed.expr
-        return ir.Call(function="max", arguments=tuple(o.times for o in observations))
+        return ir.last_shown(observations)

@@ -5,14 +5,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmspec.compare.allow import closing, impacts, sample
 from wmspec.compare.model import Regime
 from wmspec.execute.backends import info, names
-from wmspec.scene.capability import ROLLING_CYLINDERS, SLIDING_MESHES, approximated
+from wmspec.scene.capability import ROLLING_CYLINDERS, SLIDING_MESHES, Capability, approximated
 from wmspec.scene.contact import colliders, mix
 from wmspec.scene.hard import BOUNCY, STEEP, disc
 from wmspec.scene.model import Body, Contact, Scene, Trace
@@ -32,12 +33,10 @@ def regimes(scene: Scene, traces: tuple[Trace, Trace], apart: float) -> tuple[Re
     found = [Regime(d.message, str(d.place)) for _, engine in known for d in approximated(engine.lacks, scene)]
     found += [Regime(ROW, where) for trace in traces for where in _rows(scene, trace, apart)]
     for trace, engine in known:
-        if any(lack.capability is ROLLING_CYLINDERS for lack in engine.lacks):
-            kind = f"{engine.title} rolls discs as polygons, which brake"
-            found += [Regime(kind, where) for where in _rolls(scene, trace)]
-        if any(lack.capability is SLIDING_MESHES for lack in engine.lacks):
-            kind = f"{engine.title} brakes convex meshes that slide"
-            found += [Regime(kind, where) for where in _slides(scene, trace)]
+        lacking = {lack.capability for lack in engine.lacks}
+        for capability, (kind, entered) in SEEN.items():
+            if capability in lacking:
+                found += [Regime(f"{engine.title} {kind}", where) for where in entered(scene, trace)]
     return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
 
 
@@ -87,10 +86,8 @@ def _rolls(scene: Scene, trace: Trace) -> Iterator[str]:
             axis = rotate(trace.orientation[:, i], rotate(geom.pose.orientation, np.array([0.0, 0.0, 1.0])))
             rolls = np.abs((axis * trace.angular_velocity[:, i]).sum(axis=1)) * geom.shape.radius > SLOW
             lying = np.abs(axis @ scene.gravity) / size < STEEP
-            times = trace.time[rolls & lying]
-            touched = [c for c in trace.contacts if body.name in (c.first, c.second)]
-            if any(c.start <= t <= c.stop for t in times.tolist() for c in touched):
-                yield f"`{body.name}` rolls from {times[0]:.3g} s on"
+            if (rolls & lying & _touching(trace, body)).any():
+                yield f"`{body.name}` rolls from {trace.time[rolls & lying][0]:.3g} s on"
                 break
 
 
@@ -101,7 +98,22 @@ def _slides(scene: Scene, trace: Trace) -> Iterator[str]:
             continue
         speed = np.linalg.norm(trace.linear_velocity[:, i], axis=1)
         flat = (speed > SLOW) & (np.linalg.norm(trace.angular_velocity[:, i], axis=1) < UPRIGHT)
-        touched = [c for c in trace.contacts if body.name in (c.first, c.second)]
-        slides = flat & np.any([(c.start <= trace.time) & (trace.time <= c.stop) for c in touched], axis=0)
+        slides = flat & _touching(trace, body)
         if (speed[slides] / scene.rate).sum() > FAR:
             yield f"`{body.name}` slides from {trace.time[slides][0]:.3g} s on"
+
+
+def _touching(trace: Trace, body: Body) -> NDArray[np.bool_]:
+    """When (T,) a body touches anything."""
+    touches = np.zeros(len(trace.time), np.bool_)
+    for contact in trace.contacts:
+        if body.name in (contact.first, contact.second):
+            touches |= (contact.start <= trace.time) & (trace.time <= contact.stop)
+    return touches
+
+
+#: What some engines lack and traces show: what to call it, and where a body enters it.
+SEEN: Mapping[Capability, tuple[str, Callable[[Scene, Trace], Iterator[str]]]] = {
+    ROLLING_CYLINDERS: ("rolls discs as polygons, which brake", _rolls),
+    SLIDING_MESHES: ("brakes convex meshes that slide", _slides),
+}

@@ -32,7 +32,12 @@ class Changed:
     @cached_property
     def differing(self) -> Mapping[str, frozenset[str]]:
         """What differs on the stages, with what it was made of. Raises WmsError if the other cannot be built."""
-        return self.stage.differing(built(self.otherwise.values))
+        return self.stage.differing(self.other_stage)
+
+    @cached_property
+    def other_stage(self) -> Document:
+        """The stage as it would be. Raises WmsError if it cannot be built."""
+        return built(self.otherwise.values)
 
 
 @rule("WMS304", "error")
@@ -109,7 +114,7 @@ def _alike(changed: Changed, other: Counterfactual, twin: Values) -> bool:
     """Whether two counterfactuals come to the same; added actions differ on the stages in their names at least."""
     if changed.change.change == other.change == "add":
         return _done(changed.otherwise.values, changed.change.name) == _done(twin, other.name)
-    return not built(changed.otherwise.values).differing(built(twin))
+    return not changed.other_stage.differing(built(twin))
 
 
 def _done(values: Values, action: str) -> tuple[str, dict[str, object]]:

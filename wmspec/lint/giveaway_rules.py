@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from wmspec.check import units
 from wmspec.check.evaluate import evaluate, parts
-from wmspec.check.ir import Call, Question, Ref, Said
+from wmspec.check.ir import Question, Ref, Said, last_shown
 from wmspec.lint.asked import asked, pictured
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
@@ -75,8 +75,8 @@ SCENE_RULES = (told_by_pictures,)
 def _remedy(scene: Scene, question: Question) -> str:
     """Without a `horizon`, the end is the last picture that is shown."""
     spec = scene.values.spec
-    written = spec.horizon != Call(function="max", arguments=tuple(o.times for o in spec.observations))
-    if not written and any(isinstance(part, Ref) and part.name == "end" for part in parts(question.answer)):
+    unwritten = spec.horizon == last_shown(spec.observations)
+    if unwritten and any(isinstance(part, Ref) and part.name == "end" for part in parts(question.answer)):
         return "without a `horizon` the last picture is the end: write `horizon TIME`, a later one"
     return "show what comes before it"
 

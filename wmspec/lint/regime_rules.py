@@ -34,16 +34,15 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
     """Bouncy things in a row, touching or nearly: an impact goes through all of them at once."""
     values = scene.values
     speed = max(_speeds(values), default=0.0)
-    free = [name for name in _touchable(values) if not values.property(name, "fixed")]
+    free = list(_free(values))
     for a, b in combinations(free, 2) if speed else ():
         gap, way = separation(values, a, b)
         if gap > IMPACT * speed or abs(way[2]) > STEEP or _bounce(values, a, b) < BOUNCY:
             continue
         touch = gap < TOUCHING
         how = "touch" if touch else f"are {_length(gap)} apart"
-        who = "every engine" if touch else "engines in which impacts take time"
-        both = "lets both" if touch else "let both"
-        what = f"`{a}` and `{b}` {how} {scene.where}: {who} {both} answer what strikes one of them, at once"
+        who = "every engine lets" if touch else "engines in which impacts take time let"
+        what = f"`{a}` and `{b}` {how} {scene.where}: {who} both answer what strikes one of them, at once"
         note = Note(f"`{a}` is declared here", values.place(a))
         others = "" if touch else f", or {OTHERS}"
         apart = f"leave {_length(IMPACT * speed)} between them"
@@ -55,9 +54,8 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
 def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
     """A cylinder shorter than thick that lies on its side, where it may roll."""
     values = scene.values
-    joined = _joined(values)
-    for name in _touchable(values):
-        if not values.property(name, "fixed") and name not in joined and any(_lying(values, name)):
+    for name in _loose(values):
+        if any(_lying(values, name)):
             what = f"`{name}` is a disc on its rim {scene.where}; some engines brake it as it rolls"
             remedy = f"make it as long as it is thick, or {OTHERS}"
             yield Breach(what, values.place(name, "shape"), remedy, about=name)
@@ -67,12 +65,12 @@ def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
 def sliding_mesh(scene: Scene) -> Iterator[Breach]:
     """A convex mesh that is sent off, and may slide."""
     values = scene.values
-    touchable = {name for name in _touchable(values) if not values.property(name, "fixed")} - _joined(values)
+    loose = set(_loose(values))
     for action in values.spec.things:
         if action.kind != "action" or action.verb != "launch" or not values.there(action.name):
             continue
         name = values.property(action.name, "object")
-        if name in touchable and any(piece.solid.primitive is None for piece in pieces(values, name)):
+        if name in loose and any(piece.solid.primitive is None for piece in pieces(values, name)):
             kinds = "neither box, ball, capsule nor cylinder"
             what = f"`{name}` is launched {scene.where} and is {kinds}; some engines brake it as it slides"
             remedy = f"make it of those, or {OTHERS}"
@@ -122,6 +120,17 @@ def _lying(values: Values, name: str) -> Iterator[bool]:
         if isinstance(piece.solid, Cylinder) and disc(piece.solid.radius, piece.solid.height):
             axis = rotate(values.pose(name).orientation, rotate(piece.pose.orientation, UP))
             yield abs(dot(axis, UP)) < STEEP
+
+
+def _free(values: Values) -> Iterator[str]:
+    """Those that can be touched and move."""
+    return (name for name in _touchable(values) if not values.property(name, "fixed"))
+
+
+def _loose(values: Values) -> Iterator[str]:
+    """Those that no joint holds, either."""
+    joined = _joined(values)
+    return (name for name in _free(values) if name not in joined)
 
 
 def _joined(values: Values) -> set[str]:

@@ -89,8 +89,7 @@ def trees(scene: Scene) -> tuple[Tree, ...]:
     """The jointed bodies, parents before children, in the order of each tree's root among the bodies.
 
     A tree's root is what is jointed to the world, of which it may have several if joints mimic each other, or else its
-    first body. Raises StageError, with the joint's path, for
-    joints that do not fit.
+    first body. Raises StageError, with the joint's path, for joints that do not fit.
     """
     return _joined(scene, [tuple(_link(scene, branch) for branch in tree) for tree in spanning(scene)])
 
@@ -132,6 +131,14 @@ def paired(scene: Scene) -> frozenset[str]:
     return frozenset(name for j in scene.joints if j.mimic for name in (j.name, j.mimic.leader))
 
 
+def ascent(body: int, above: Mapping[int, int]) -> list[int]:
+    """A body, what holds it, what holds that, and so on to what is not held."""
+    way = [body]
+    while way[-1] in above:
+        way.append(above[way[-1]])
+    return way
+
+
 _SPREAD = 0.1  # m: how far apart the points of a hinge or a fixed joint are that closes a loop
 _POINTS = {
     "ball": ((0.0, 0.0, 0.0),),
@@ -166,7 +173,7 @@ def _points(scene: Scene, name: str | None, frame: Pose, kind: str) -> tuple[int
     return body, tuple(floats(apply(at, np.array(point))) for point in _POINTS[kind])
 
 
-def closes(joint: Joint, coupled: frozenset[str] = frozenset()) -> bool:
+def closes(joint: Joint, coupled: frozenset[str]) -> bool:
     """Whether points that stay together do what the joint does, which may be one of those `coupled` with others."""
     plain = joint.drive is None and joint.limits is None and joint.name not in coupled
     return joint.kind in _POINTS and plain

@@ -9,7 +9,7 @@ from math import atan, degrees
 
 from wmspec.diagnostics import Diagnostic, Report, StageError
 from wmspec.places import PrimPlace
-from wmspec.scene.articulations import Link, closing, trees
+from wmspec.scene.articulations import ascent, closing, trees
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff
 from wmspec.scene.hard import ENTERED
@@ -183,20 +183,13 @@ def _mimics_apart(scene: Scene) -> Where:
 def _mimics_past(scene: Scene) -> Where:
     links = {link.body: link for tree in trees(scene) for link in tree}
     held = {scene.joints[link.joint].name: link.body for link in links.values() if link.joint >= 0}
+    above = {link.body: link.parent for link in links.values() if link.kind not in ("ball", "free")}
     for joint in scene.joints:
         if joint.mimic:
-            one, other = (_ascent(links, held[name]) for name in (joint.name, joint.mimic.leader))
+            one, other = (ascent(held[name], above) for name in (joint.name, joint.mimic.leader))
             passed = {*one[:-1], *other[:-1]} - (set(one[1:]) & set(other[1:]))
             if one[-1] != other[-1] or not all(links[body].kind in ("hinge", "slider") for body in passed):
                 yield joint.path, f"a joint that mimics {joint.mimic.leader}, with a ball or fixed joint between"
-
-
-def _ascent(links: Mapping[int, Link], body: int) -> list[int]:
-    """A body, what holds it, what holds that, and so on to what floats, a ball joint or the world."""
-    way = [body]
-    while way[-1] in links and links[way[-1]].kind not in ("ball", "free"):
-        way.append(links[way[-1]].parent)
-    return way
 
 
 def _drive(joint: Joint) -> str:

@@ -16,9 +16,10 @@ from wmspec.scene.transform import rotation
 
 @dataclass(frozen=True)
 class Coordinates:
-    """`bodies`: the numbers of those in trees (N,). `ways` (n, 6 N): their velocities, in world axes, where one of the
+    """The n coordinates of the joints of N bodies.
 
-    n coordinates changes by 1 a second. `holders` (n,): the body that each one's joint holds. `masses` (6 N, 6 N).
+    `bodies`: the numbers of those in trees (N,). `ways` (n, 6 N): their velocities, in world axes, where one of the
+    coordinates changes by 1 a second. `holders` (n,): the body that each one's joint holds. `masses` (6 N, 6 N).
     """
 
     bodies: tuple[int, ...]

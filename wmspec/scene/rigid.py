@@ -35,9 +35,10 @@ class Piece:
 
 @dataclass(frozen=True)
 class Rigid:
-    """A body in its centre-of-mass frame, SI units. `damping`: linear and angular rate, 1/s. `velocity`: linear and
+    """A body in its centre-of-mass frame, SI units.
 
-    angular at the start, in world axes, of a body with joints that begins to move; others are kicked by the episode.
+    `damping`: linear and angular rate, 1/s. `velocity`: linear and angular at the start, in world axes, of a body with
+    joints that begins to move; others are kicked by the episode.
     """
 
     name: str
@@ -52,9 +53,9 @@ class Rigid:
 
 @dataclass(frozen=True)
 class Assembly:
-    """All bodies in order, trees of those with joints, pairs of numbers that pass through each other, loops, and joints
+    """All bodies in order, and how they hang together.
 
-    that mimic others.
+    Trees of those with joints, pairs of numbers that pass through each other, loops, and joints that mimic others.
     """
 
     bodies: tuple[Rigid, ...]

@@ -1,6 +1,6 @@
-"""Joints that mimic others, as Newton's, PhysX's and MuJoCo's schemas have them: `y = c0 + c1 x`, in degrees and the
+"""Joints that mimic others, as Newton's, PhysX's and MuJoCo's schemas have them; UsdPhysics itself has none.
 
-stage's lengths. UsdPhysics itself has none.
+One follows the other by `y = c0 + c1 x`, in degrees and the stage's lengths.
 """
 
 from __future__ import annotations
