@@ -8,7 +8,9 @@ from typing import Any
 
 import pytest
 
+from tests.language.specs import SPECS
 from tests.language.test_format import without_places
+from wmspec.check.dimensions import DIMENSIONS
 from wmspec.check.ir import TaskSpec
 from wmspec.check.record import plain
 from wmspec.check.task import check_program
@@ -16,13 +18,23 @@ from wmspec.check.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHT
 from wmspec.diagnostics import Report
 from wmspec.lint.dry_run import dry_run
 from wmspec.parse.format import format_spec
-from wmspec.parse.load import load_source
+from wmspec.parse.load import load_source, read_source
+from wmspec.parse.parser import parse
+from wmspec.parse.syntax import Task
 from wmspec.places import Source
 
 ROOT = Path(__file__).parents[2]
 PAGE_PATH = ROOT / "docs/language.md"
 PAGE = PAGE_PATH.read_text()
 EXAMPLES = re.findall(r"^```wms(?: \w+)?\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+
+
+def test_every_dimension_of_the_catalogue_is_a_known_one() -> None:
+    for path in SPECS:
+        tasks = (item for item in parse(read_source(path), Report()).items if isinstance(item, Task))
+        for names in ([n.id for n in task.path] for task in tasks):
+            for i, name in enumerate(names):
+                assert name in DIMENSIONS[".".join(names[:i])].split(), path
 
 
 def tasks_in(text: str) -> list[tuple[TaskSpec, int]]:

@@ -35,6 +35,15 @@ if TYPE_CHECKING:
 #: What stands for several types in the table of functions.
 _MEANT: dict[Type, tuple[Type, ...]] = {COUNTED: (List(OBJECT), List(TRUTH)), VIEWER: (CAMERA, OBJECT)}
 
+#: How what is no quantity becomes one.
+_AS_QUANTITY: dict[Type, str] = {
+    List(TRUTH): "write `count(...)` to count those that hold",
+    OBJECT: "say what is measured of it, as in `height(...)`",
+    List(OBJECT): "say what is measured of them, as in `height(...)`; `count(...)` is how many there are",
+    JOINT: "say what is measured of it: `angle(...)` of a hinge, `extension(...)` of a slider",
+    List(JOINT): "say what is measured of them: `angle(...)` of hinges, `extension(...)` of sliders",
+}
+
 #: The measures of joints: of which kind of joint each is, and that of the other kind.
 MOVES = {"angle": ("hinge", "extension"), "extension": ("slider", "angle")}
 
@@ -52,6 +61,8 @@ def call(check: Expressions, e: s.Call) -> Typed:
                    f"write `{signature(name, function)}`")  # fmt: skip
     wanted = function.parameters + function.parameters[-1:] * (len(positional) - least)
     given = [_argument(check, name, a, kind) for a, kind in zip(positional, wanted, strict=True)]
+    if function.repeated:
+        given = _pooled(check, name, positional, given)
     options = _options(check, e, name, function)
     each = _each(check, name, function, positional, given)
     if each is not None:
@@ -61,6 +72,7 @@ def call(check: Expressions, e: s.Call) -> Typed:
         if check.subject is None:
             check.fail("WMS205", "`toward` needs an acting object: it is for the arguments of actions", e.span)
         arguments = (check.subject, *arguments)
+    _unlike(check, name, arguments, positional[-1].span if positional else e.span)
     kind = _result(check, name, function, positional, given)
     if kind == OBJECT and options:  # of equals it gives `neither`
         kind = LABEL
@@ -68,6 +80,24 @@ def call(check: Expressions, e: s.Call) -> Typed:
         _moves(check, name, positional[0], given[0])
     expr = ir.Call(function=name, arguments=arguments, options=options, each=each)
     return Typed(expr, kind if each is None else List(kind))
+
+
+def _pooled(check: Expressions, name: str, written: list[s.Argument], given: list[Typed]) -> list[Typed]:
+    """Quantities and lists of them as what a function of several is of; one alone is a mistake."""
+    if len(given) == 1 and not isinstance(given[0].type, List):
+        remedy = f"give it several, as in `{name}(a, b)`, or a list"
+        check.fail("WMS205", f"`{name}` is of several quantities, and this is one", written[0].span, remedy)
+    return [Typed(g.expr, _item(g.type)) if isinstance(g.type, List) else g for g in given]
+
+
+def _unlike(check: Expressions, name: str, arguments: tuple[ir.Expr, ...], span: Span) -> None:
+    """Complain of a thing that is to be measured against itself."""
+    if len(arguments) < 2 or not isinstance(arguments[0], ir.Value) or not isinstance(arguments[0].value, str):
+        return
+    second = arguments[1]
+    if arguments[0] in (second.items if isinstance(second, ir.Items) else (second,)):
+        what = f"`{name}` is of a thing and another, and both are `{arguments[0].value}` here"
+        check.fail("WMS205", what, span, "name another one")
 
 
 def _function(check: Expressions, e: s.Call) -> tuple[str, Function]:
@@ -145,9 +175,9 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
     item = typed.type.item if isinstance(typed.type, List) else typed.type
     if not isinstance(item, Quantity):
         what = article(str(typed.type))
-        remedy = "write `count(...)` to count those that hold" if typed.type == List(TRUTH) else ""
+        remedy = _AS_QUANTITY.get(typed.type, "")
         check.fail("WMS302", f"`{function}` wants quantities, but this is {what}", argument.span, remedy)
-    return Typed(typed.expr, item) if FUNCTIONS[function].repeated else typed
+    return typed
 
 
 def _one_or_each(check: Expressions, function: str, argument: s.Argument, kind: Type) -> Typed:

@@ -26,9 +26,9 @@ def beside(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.
 
     What varies stays so: the folder is put before it.
     """
-    texts = list(_texts(check, written, set()))
-    folders = {str(PurePosixPath(t.span.source.name).parent) for t in texts}
-    for text in texts:
+    named = list(texts(check, written, set()))
+    folders = {str(PurePosixPath(t.span.source.name).parent) for t in named}
+    for text in named:
         if name == "file" and is_asset(text):
             remedy = f'write `file: "{text.value[:40]}"` in the object; it cannot depend on a factor'
             if text.value.lower().endswith(STAGES):
@@ -101,7 +101,7 @@ def _neighbours(folder: Path) -> Iterator[Path]:
         return
 
 
-def _texts(check: Expressions, e: s.Expr, seen: set[Span]) -> Iterator[s.Text]:
+def texts(check: Expressions, e: s.Expr, seen: set[Span]) -> Iterator[s.Text]:
     """The texts that an expression can be, those of the factors and `let`s in it too."""
     match e:
         case s.Text():
@@ -110,13 +110,13 @@ def _texts(check: Expressions, e: s.Expr, seen: set[Span]) -> Iterator[s.Text]:
             declared = check.scope.names.get(e.id)
             if isinstance(declared, s.Factor | s.Let) and declared.span not in seen:
                 seen.add(declared.span)
-                yield from _texts(check, declared.domain if isinstance(declared, s.Factor) else declared.value, seen)
+                yield from texts(check, declared.domain if isinstance(declared, s.Factor) else declared.value, seen)
         case s.Operation(operator="if"):
             for branch in e.operands[1:]:
-                yield from _texts(check, branch, seen)
+                yield from texts(check, branch, seen)
         case s.Items():
             for item in e.items:
-                yield from _texts(check, item, seen)
+                yield from texts(check, item, seen)
         case s.Call():
             for argument in e.arguments:
-                yield from _texts(check, argument.value, seen)
+                yield from texts(check, argument.value, seen)

@@ -79,6 +79,8 @@ class Questions:
         """A question with all its clauses."""
         self._named_once(question)
         text = self.pieces(question.text)
+        if all(isinstance(part, str) and not part.strip() for part in text):
+            self.check.fail("WMS304", "this question asks nothing", question.text.span, "say what is asked")
         clauses: dict[str, list[s.Clause]] = {}
         for clause in question.clauses:
             clauses.setdefault(clause.kind, []).append(clause)

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from wmspec.check import ir
 from wmspec.check.balance import balance
+from wmspec.check.dimensions import near_known
 from wmspec.check.expand import Assets
 from wmspec.check.expressions import Expressions
 from wmspec.check.factors import Factors
@@ -175,6 +176,7 @@ class _Task:
     def task(self) -> ir.TaskSpec | None:
         assert self.declaration is not None
         path = [n.id for n in self.declaration.path]
+        near_known(self.declaration.path, self.report)
         factors = self.each(s.Factor, self.factors.factor)
         lets = self.each(s.Let, self.factors.let)
         requires = self.each(s.Require, self.factors.require)

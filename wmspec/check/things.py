@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import cast
 
 from wmspec.check import actions, ir
@@ -9,19 +10,20 @@ from wmspec.check.actions import DURATION, START, Act
 from wmspec.check.bounds import within
 from wmspec.check.defaults import default_value
 from wmspec.check.expressions import Expressions
-from wmspec.check.files import beside
+from wmspec.check.files import beside, texts
 from wmspec.check.members import setting
 from wmspec.check.owners import Owner, owner, parts
 from wmspec.check.property_schema import inherited
 from wmspec.check.typed import Failed
 from wmspec.check.types import A_TIME, article
 from wmspec.check.verbs import ROBOTS
-from wmspec.check.vocabulary import FILES, JOINTS, MEASURES, Slot
-from wmspec.diagnostics import Note, suggestion
+from wmspec.check.vocabulary import COLORS, FILES, JOINTS, MEASURES, Slot
+from wmspec.diagnostics import Note, Remedy, suggestion
 from wmspec.parse import syntax as s
 from wmspec.places import Location, Span
 from wmspec.shapes import SHAPES
 
+_ARTICLE = re.compile(r"(the|an?)\b\s*", re.IGNORECASE)
 _MODELS = {"joint": tuple(JOINTS), "robot": tuple(ROBOTS)}
 
 
@@ -153,8 +155,25 @@ class Things:
         name, slot = p.name.id, of.slots[p.name.id]
         typed = setting(self.check, of, p, slot)
         within(self.check, typed.expr, slot, p.value.span, f"`{name}`")
+        if name in ("called", "plural"):
+            self._noun(of, p)
         expr = beside(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
         return ir.Setting(value=expr, place=Location.of(p.value.span))
+
+    def _noun(self, of: Owner, p: s.Property) -> None:
+        """Complain about a name with what texts put before it: `the blue crate`; and about one without letters."""
+        for text in texts(self.check, p.value, set()):
+            noun = text.value.strip()
+            before = _ARTICLE.match(noun)
+            noun = noun[before.end() :] if before else noun
+            color, _, rest = noun.partition(" ")
+            noun = rest.strip() if rest and color in COLORS and "color" in of.said else noun
+            if not noun:
+                self.check.fail("WMS304", f"`{p.name.id}` says no name", text.span, 'write a noun, as in `"crate"`')
+            if noun != text.value:
+                remedy = Remedy.of(f'write `"{noun}"`', text.span.text, f'"{noun}"')
+                what = f"texts put article and colour before what is said with `{p.name.id}`"
+                self.check.fail("WMS304", what, text.span, remedy)
 
     def _joins_two(self, joint: ir.Thing, block: s.Block) -> None:
         of, to = joint.properties.get("of"), joint.properties.get("to")

@@ -90,13 +90,18 @@ def _moved(values: Values, joint: Thing) -> Pose:
 def within_limits(values: Values, thing: Thing, start: float, help: str = "") -> None:
     """Raise ImpossibleValue, with a remedy, if a hinge or slider starts beyond its limits."""
     joint, model = thing.name, thing.model
+    if (end := beyond(values, joint, start)) is not None:
+        place = values.place(joint, "start" if values.has(joint, "start") else end)
+        limit = told(values.property(joint, end), model)
+        raise ImpossibleValue(f"`{joint}` starts at {told(start, model)}, beyond its limit of {limit}", place, help)
+
+
+def beyond(values: Values, joint: str, coordinate: float) -> str | None:
+    """Which limit of a hinge or slider, `low` or `high`, a coordinate (rad or m) is beyond; None if it is within."""
     for end, sign in (("low", 1.0), ("high", -1.0)):
-        if values.has(joint, end) and sign * (start - values.property(joint, end)) < -_ROUNDING:
-            limit = values.property(joint, end)
-            place = values.place(joint, "start" if values.has(joint, "start") else end)
-            raise ImpossibleValue(
-                f"`{joint}` starts at {told(start, model)}, beyond its limit of {told(limit, model)}", place, help
-            )
+        if values.has(joint, end) and sign * (coordinate - values.property(joint, end)) < -_ROUNDING:
+            return end
+    return None
 
 
 def told(coordinate: float, model: str) -> str:

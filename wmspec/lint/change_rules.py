@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from wmspec.check.ir import Counterfactual, Question
 from wmspec.diagnostics import Note
 from wmspec.layout.values import Values
+from wmspec.lint.action_rules import target_beyond_limit
 from wmspec.lint.asked import asked, pictured
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene, late_action, objects_inside_one_another, outside
@@ -100,6 +101,15 @@ def objects_put_inside_one_another(changed: Changed) -> Iterator[Breach]:
         yield from objects_inside_one_another.breaches(changed.otherwise)
 
 
+@rule(target_beyond_limit.code, target_beyond_limit.severity)
+def target_put_beyond_limit(changed: Changed) -> Iterator[Breach]:
+    """A drive that a counterfactual sends beyond a limit of its joint."""
+    if changed.change.property == "target":
+        before = {one.about for one in target_beyond_limit.breaches(changed.scene)}
+        for one in (one for one in target_beyond_limit.breaches(changed.otherwise) if one.about not in before):
+            yield replace(one, place=changed.change.place, about=(changed.change.place, one.about))
+
+
 RULES = (
     option_after_the_end,
     action_added_too_late,
@@ -107,6 +117,7 @@ RULES = (
     twin_counterfactuals,
     broad_counterfactual,
     objects_put_inside_one_another,
+    target_put_beyond_limit,
 )
 
 

@@ -10,6 +10,7 @@ from wmspec.design.design import Design
 from wmspec.diagnostics import Report
 from wmspec.layout.values import Values
 from wmspec.lint import (
+    action_rules,
     change_rules,
     design_rules,
     giveaway_rules,
@@ -60,6 +61,7 @@ def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
     stage = built(scene.values)
     linter.check(scene, scene_rules.RULES)
     linter.check(scene, plausible_rules.RULES)
+    linter.check(scene, action_rules.RULES)
     linter.check(scene, hidden_rules.RULES)
     linter.check(scene, regime_rules.RULES)
     linter.check(scene, giveaway_rules.SCENE_RULES)
