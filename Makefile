@@ -55,7 +55,7 @@ quick: setup
 lowest: setup
 	$(BIN)/python -m venv --clear build/lowest
 	$(BIN)/python -m tools.supply lowest > build/lowest/lowest.txt
-	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt hypothesis pytest pytest-xdist usd-validation-nvidia
+	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
 	build/lowest/bin/pip install --quiet --no-deps -e .
 	build/lowest/bin/pytest $(QUICK)
 

@@ -1,6 +1,7 @@
 """A Ray cluster makes what one machine makes, whatever becomes of its machines."""
 
 import hashlib
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -75,12 +76,12 @@ def test_no_cluster_is_told(tmp_path: Path) -> None:
 
 
 def test_a_machine_that_is_lost_changes_nothing(cluster: Any, tmp_path: Path) -> None:
-    choices: Any = {"backend": "mujoco", "per_task": 8, "size": 64, "seed": 3}
+    choices: Any = {"backend": "mujoco", "per_task": 24, "size": 64, "seed": 3}
     generate(SPEC, tmp_path / "here", workers=1, **choices)
     lost = cluster.add_node(num_cpus=1)
 
     class Progress:
-        """Takes a machine away once two instances are there."""
+        """Takes a machine away once all three are at work: what it had to do then has to wait for the others."""
 
         def __init__(self) -> None:
             self.count = 0
@@ -93,7 +94,11 @@ def test_a_machine_that_is_lost_changes_nothing(cluster: Any, tmp_path: Path) ->
         def __call__(self, task: str, count: int) -> None:
             self.count += count
             if self.count == 2:
+                while ray.available_resources().get("CPU", 0) > 0:
+                    time.sleep(0.1)
                 cluster.remove_node(lost, allow_graceful=False)
+                while sum(node["Alive"] for node in ray.nodes()) == 3:
+                    time.sleep(0.1)
 
     watched = Progress()
     generate(

@@ -6,18 +6,17 @@ is here. So the same pieces give the same results, and the same of them fail for
 
 from __future__ import annotations
 
-import signal
+import logging
 import socket
-import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import wait
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from importlib import import_module
 from typing import Any, TypeVar
 
 from wmspec.diagnostics import WmsError
-from wmspec.execute.pool import PATIENCE, Effort, Job, LocalWorkers, Lost, result
+from wmspec.execute.pool import PATIENCE, Effort, Job, LocalWorkers, Lost, result, undisturbed
 
 T = TypeVar("T")
 
@@ -32,58 +31,48 @@ def ray_cluster(address: str, workers: int | None, timeout: float, versions: Map
     `workers`: so many, or one for each of its processors. `versions`: those of wmspec and engines, which decide what
     comes out. Raises WmsError if there is no Ray, no cluster, or a machine of other versions.
     """
-    ray = _ray()
-    quiet = {"log_to_driver": False, "configure_logging": False, "include_dashboard": None if address else False}
-    joined = not ray.is_initialized()
-    if joined:
-        try:
-            _answers(address)
-            with _own_signals():
-                ray.init(address or "local", num_cpus=None if address else workers, **quiet)
-        except (ValueError, RuntimeError, OSError) as error:
-            reason = " ".join(str(error).split())[:300].rstrip(".")
-            raise WmsError(
-                f"there is no Ray cluster at `{address}`: {reason}" if address else f"Ray does not start: {reason}",
-                help="start one with `ray start --head`, or leave --address out to have one on this machine alone",
-            ) from error
-    try:
+    with nullcontext() if _ray().is_initialized() else _joined(address, workers):
         _check(versions)
-        processors = int(ray.cluster_resources().get("CPU", 0))
+        processors = int(_ray().cluster_resources().get("CPU", 0))
         yield Effort(workers or max(1, processors), timeout, RayWorkers)
-    finally:
-        if joined:
-            ray.shutdown()
 
 
 class RayWorkers:
     """One worker of the cluster, and another in its place if its machine is lost."""
 
     def __init__(self) -> None:
+        self._losses = 0
         self._begin()
-
-    @property
-    def active(self) -> bool:
-        """Always: what was given to one that is gone tells so itself."""
-        return True
 
     def take(self, job: Job, others: Iterable[Job]) -> None:  # noqa: ARG002  as `Workers` has it
         """Have the job done."""
-        job.future = self._actor.do.remote(job.work, job.piece, job.timeout).future()
+        with undisturbed():
+            job.future = self._actor.do.remote(job.work, job.piece, job.timeout).future()
 
-    def result(self, job: Job, others: Iterable[Job]) -> Any:
-        """What the job gives. Raises what it raises, BrokenProcessPool if machines are lost again and again."""
+    def done(self, jobs: Sequence[Job]) -> bool:
+        """Whether the first of its jobs is done; where its machine is lost, another takes over.
+
+        Nobody may wait here for that one: it may have to wait until the others have no more to do.
+        """
+        if not jobs[0].future.done():
+            return False
+        if not _gone(jobs[0]) or self._losses == PATIENCE:
+            return True
+        self._losses += 1
+        self._renew(jobs)
+        return False
+
+    def result(self, job: Job, others: Iterable[Job]) -> Any:  # noqa: ARG002
+        """What a job that is done gives. Raises what it raises, BrokenProcessPool if all its machines were lost."""
         from ray.exceptions import RayError, RayTaskError
 
-        for _ in range(PATIENCE):
-            while not wait([job.future], timeout=1).done:
-                pass
-            try:
-                return job.future.result()
-            except RayTaskError as error:
-                raise error.cause from None
-            except RayError:  # it, or what it had made, is gone with its machine
-                self._renew([job, *others])
-        raise BrokenProcessPool
+        self._losses = 0
+        try:
+            return job.future.result()
+        except RayTaskError as error:
+            raise error.cause from None
+        except RayError:
+            raise BrokenProcessPool from None
 
     def finish(self) -> None:
         """Let another have its processor."""
@@ -91,15 +80,15 @@ class RayWorkers:
 
     def stop(self) -> None:
         """End it, whatever it is doing."""
-        _ray().kill(self._actor)
+        with undisturbed():
+            _ray().kill(self._actor)
 
     def _begin(self) -> None:
-        self._actor: Any = _remote(_Actor, num_cpus=1).remote()
+        with undisturbed():
+            self._actor: Any = _remote(_Actor, num_cpus=1).remote()
 
     def _renew(self, jobs: Iterable[Job]) -> None:
-        from ray.exceptions import RayError
-
-        undone = [job for job in jobs if not job.future.done() or isinstance(job.future.exception(), RayError)]
+        undone = [job for job in jobs if not job.future.done() or _gone(job)]
         self.stop()
         self._begin()
         for job in undone:
@@ -120,15 +109,40 @@ class _Actor:
         return done
 
 
+def _gone(job: Job) -> bool:
+    """Whether a job that is over came to nothing, since its worker, or what that had made, is gone with its machine."""
+    from ray.exceptions import RayError, RayTaskError
+
+    error = job.future.exception()
+    return isinstance(error, RayError) and not isinstance(error, RayTaskError)
+
+
 @contextmanager
-def _own_signals() -> Iterator[None]:
-    """Whoever is told to end ends as before: Ray would answer SIGTERM by an exit code of its own."""
-    before = signal.getsignal(signal.SIGTERM)
+def _joined(address: str, workers: int | None) -> Iterator[None]:
+    """Being a part of a cluster. Raises WmsError if there is none."""
+    with ThreadPoolExecutor(1) as thread:  # what Ray starts ends with the thread that starts it
+        try:
+            _join(thread, address, workers)
+            yield
+        finally:
+            with undisturbed():
+                _ray().shutdown()
+
+
+def _join(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None:
+    """Begin Ray in a thread: in the main one it takes SIGTERM for itself, and a signal would leave it half begun."""
+    ray = _ray()
+    quiet = {"log_to_driver": False, "logging_level": logging.ERROR, "include_dashboard": None if address else False}
     try:
-        yield
-    finally:
-        if threading.current_thread() is threading.main_thread():
-            signal.signal(signal.SIGTERM, before)
+        _answers(address)
+        with undisturbed():
+            thread.submit(ray.init, address or "local", num_cpus=None if address else workers, **quiet).result()
+    except (ValueError, RuntimeError, OSError) as error:
+        reason = " ".join(str(error).split())[:300].rstrip(".")
+        raise WmsError(
+            f"there is no Ray cluster at `{address}`: {reason}" if address else f"Ray does not start: {reason}",
+            help="start one with `ray start --head`, or leave --address out to have one on this machine alone",
+        ) from error
 
 
 def _answers(address: str) -> None:
@@ -151,12 +165,13 @@ def _check(versions: Mapping[str, str]) -> None:
         node: _remote(_versions, num_cpus=0, scheduling_strategy=NodeAffinitySchedulingStrategy(node, soft=False))
         for node in nodes
     }
-    answers = {node: there.remote(tuple(versions)) for node, there in asked.items()}
+    # Not by `ray.get`, which gives another exit code to who is told to end meanwhile.
+    answers = {node: there.remote(tuple(versions)).future() for node, there in asked.items()}
     for node, answer in answers.items():
         try:
-            there = ray.get(answer, timeout=FIRST)
-        except RayError as error:
-            reason = " ".join(str(error).split())[-300:]
+            there = answer.result(timeout=FIRST)
+        except (RayError, TimeoutError) as error:
+            reason = " ".join(str(error).split())[-300:] or f"it has not answered for {FIRST:g} s"
             raise WmsError(
                 f"the machine {nodes[node]} of the cluster cannot run wmspec: {reason}",
                 help="install the same wmspec, with the same engines, on every machine",

@@ -105,11 +105,11 @@ def by_units(
                 return
             wait([seat.jobs[0].future for seat in seats], timeout=1, return_when=FIRST_COMPLETED)
             for seat in seats:
-                if seat.over:
+                if seat.workers.done(seat.jobs):
                     job = seat.jobs.popleft()
                     yield job.piece, cast(T, result(job, seat.jobs, seat.workers))
     except BaseException:
-        with _undisturbed():
+        with undisturbed():
             for seat in seats:
                 seat.workers.stop()
         raise
@@ -182,21 +182,15 @@ class _Seat:
             self.jobs.append(job(self.unit.popleft()))
             self.workers.take(self.jobs[-1], self.jobs)
 
-    @property
-    def over(self) -> bool:
-        """Whether its first job is done, or its process is gone."""
-        return bool(self.jobs) and (self.jobs[0].future.done() or not self.workers.active)
-
 
 class Workers(Protocol):
     """Those who do jobs, wherever they are."""
 
-    @property
-    def active(self) -> bool:
-        """Whether they have not given up."""
-
     def take(self, job: Job, others: Iterable[Job]) -> None:
         """Have a job done, while others are under way."""
+
+    def done(self, jobs: Sequence[Job]) -> bool:
+        """Whether the first of their jobs is done, or given up."""
 
     def result(self, job: Job, others: Iterable[Job]) -> Any:
         """What a job gives."""
@@ -219,16 +213,15 @@ class LocalWorkers:
         self._count = count
         self._begin()
 
-    @property
-    def active(self) -> bool:
-        """Whether they have not given up."""
-        return bool(self._pool.active)
-
     def take(self, job: Job, others: Iterable[Job]) -> None:
         """Have the job done."""
         if not self._pool.active:
             self._renew(other for other in others if other is not job)
         self._schedule(job)
+
+    def done(self, jobs: Sequence[Job]) -> bool:
+        """Whether the first of their jobs is done, or given up."""
+        return bool(jobs[0].future.done() or not self._pool.active)
 
     def result(self, job: Job, others: Iterable[Job]) -> Any:
         """What the job gives. Raises what pebble does, BrokenProcessPool if the processes die again and again."""
@@ -245,19 +238,19 @@ class LocalWorkers:
 
     def finish(self) -> None:
         """Wait until all that was taken is done."""
-        with _undisturbed():
+        with undisturbed():
             self._pool.close()
             self._pool.join()
 
     def stop(self) -> None:
         """End the processes, whatever they are doing."""
-        with _undisturbed():
+        with undisturbed():
             self._pool.stop()
             self._pool.join()
 
     def _begin(self) -> None:
         self._pool: Any = ProcessPool(max_workers=self._count, max_tasks=PIECES_PER_WORKER, context=_Context())
-        with _undisturbed():
+        with undisturbed():
             _ = self._pool.active  # asked for this, it begins
 
     def _renew(self, jobs: Iterable[Job]) -> None:
@@ -268,7 +261,7 @@ class LocalWorkers:
             self._schedule(job)
 
     def _schedule(self, job: Job) -> None:
-        with _undisturbed():
+        with undisturbed():
             job.future = self._pool.schedule(_done, args=(job.work, *job.piece), timeout=job.timeout)
 
 
@@ -296,11 +289,12 @@ def _reason(error: Exception) -> str:
 
 
 @contextmanager
-def _undisturbed() -> Iterator[None]:
+def undisturbed() -> Iterator[None]:
     """What signals do, they do afterwards.
 
     Where one raises an exception while a queue wakes its reader, the next word to the reader is lost (in
-    `threading.Condition.notify`): the processes never end, nor does what waits for them.
+    `threading.Condition.notify`): the processes never end, nor does what waits for them. Ray aborts, or ends by an exit
+    code of its own.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
