@@ -36,12 +36,16 @@ class Box:
         size, a, b = np.abs(turn), self.half - slack, other.half - slack
         faces = np.abs(way) > a + size @ b
         others = np.abs((way[:, None, :] @ turn)[:, 0]) > (a @ size) + b
+        meets = ~(faces.any(axis=1) | others.any(axis=1))
+        if not meets.any():
+            return np.asarray(meets)
+        way, turn, size = way[meets], turn[meets], size[meets]
         i, j = _NEXT, _LAST
         edge = np.abs(way[:, j, None] * turn[:, i, :] - way[:, i, None] * turn[:, j, :])
         reach = a[i][:, None] * size[:, j, :] + a[j][:, None] * size[:, i, :]
         reach = reach + size[:, :, j] * b[i] + size[:, :, i] * b[j]
-        edges = (edge > reach + 1e-9).any(axis=(1, 2))
-        return np.asarray(~(faces.any(axis=1) | others.any(axis=1) | edges))
+        meets[meets] = ~(edge > reach + 1e-9).any(axis=(1, 2))
+        return np.asarray(meets)
 
 
 def collision(made: Plan, action: Thing) -> tuple[str, str] | None:
