@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from wmspec.scene.backend import Graphics, Info
-from wmspec.scene.capability import BALL_LIMITS, TWO_FRICTIONS, Lack, fast_impacts, fine_drives, stiff_drives
+from wmspec.scene.capability import (
+    BALL_LIMITS,
+    DOUBLE_PENDULUMS,
+    LEANING_CYLINDERS,
+    TWO_FRICTIONS,
+    Lack,
+    fast_impacts,
+    fine_drives,
+    stiff_drives,
+)
 from wmspec.scene.hard import FINEST
 
 STEPS_PER_SECOND = 3840
@@ -29,6 +38,14 @@ INFO = Info(
             f"MuJoCo's contacts give way, even with {FINEST} times as many steps; make it slower, or what it may hit "
             "thicker",
             nearly=True,
+        ),
+        Lack(
+            LEANING_CYLINDERS,
+            "MuJoCo tips them from 0.85 of the angle on, as it carries them on few points; use boxes",
+        ),
+        Lack(
+            DOUBLE_PENDULUMS,
+            "MuJoCo integrates to first order: a few per cent come and go",
         ),
         Lack(TWO_FRICTIONS, "MuJoCo has one coefficient, that of motion", nearly=True),
     ),

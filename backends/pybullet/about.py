@@ -5,6 +5,7 @@ from __future__ import annotations
 from wmspec.scene.backend import Compiled, Info
 from wmspec.scene.capability import (
     BALL_LIMITS,
+    DOUBLE_PENDULUMS,
     MIMICS_APART,
     SEVERAL_MATERIALS,
     SLIDING_MESHES,
@@ -40,6 +41,10 @@ INFO = Info(
         Lack(
             SLIDING_MESHES,
             "Bullet keeps contacts where they no longer are: they stop 1 to 8 % early; use boxes or cylinders",
+        ),
+        Lack(
+            DOUBLE_PENDULUMS,
+            "Bullet integrates to first order: a few per cent come and go",
         ),
         Lack(TWO_FRICTIONS, "PyBullet has one coefficient, that of motion", nearly=True),
         Lack(MIMICS_APART, "PyBullet's gears are of one multibody; join the two by a joint"),

@@ -8,10 +8,10 @@ from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
 
 from . import joints, shapes, world
-from .physics import prepare
+from .physics import landing, prepare
 
 CONSTANTS = {
-    world: ("FASTEST_SPIN", "APART", "POSITION_ITERATIONS", "VELOCITY_ITERATIONS", "JUMP"),
+    world: ("FASTEST_SPIN", "APART", "POSITION_ITERATIONS", "VELOCITY_ITERATIONS", "LANDING_ITERATIONS", "JUMP"),
     shapes: ("CONTACT_OFFSET", "ALONG_X"),
     joints: ("JOINTS", "STIFFEST", "DAMPED", "FASTEST_JOINT"),
 }
@@ -35,5 +35,6 @@ def native(scene: Scene) -> dict[str, str]:
     """`run.py`: file name -> text. Raises WmsError for a scene that SAPIEN can't honour."""
     whole, timeline = prepare(scene)
     constants = {name: getattr(module, name) for module, names in CONSTANTS.items() for name in names}
-    values = constants | {"ASSEMBLY": whole, "EPISODE": timeline}
-    return {"run.py": script("SAPIEN", "sapien", scene, parts=PARTS, values=values, world="world = World(ASSEMBLY)")}
+    values = constants | {"ASSEMBLY": whole, "LANDING": landing(scene), "EPISODE": timeline}
+    made = "world = World(ASSEMBLY, LANDING)"
+    return {"run.py": script("SAPIEN", "sapien", scene, parts=PARTS, values=values, world=made)}

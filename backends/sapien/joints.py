@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, pi
 from typing import Any
 
 import numpy as np
 
 from wmspec.scene.articulations import Gear, Link, ascent
+from wmspec.scene.rigid import Assembly
 from wmspec.scene.silence import silence
 
 with silence():
@@ -16,7 +18,27 @@ with silence():
 JOINTS = {"fixed": "fixed", "hinge": "revolute", "slider": "prismatic"}
 STIFFEST = 0.3  # of the vibration of what mimics about what it mimics, in radians a step
 DAMPED = 0.5  # the same vibration's damping: a quarter of the critical one
+ROUNDED = 1e-6  # of limits, rad or m: PhysX computes with 32 bits
 FASTEST_JOINT = 1e4  # rad/s or m/s, PhysX's default is 100
+
+
+def once_limited(assembly: Assembly) -> Assembly:
+    """The same joints, without the limits that others which mimic them keep as well.
+
+    Where both are at their limits PhysX opens them by itself: a gripper's closed fingers were 59 mm apart after 1 s.
+    """
+    limits = {limb.body: limb.limits for tree in assembly.trees for limb in tree}
+    kept = {gear.leader for gear in assembly.gears if _within(gear, limits[gear.body], limits[gear.leader])}
+    trees = (tuple(replace(limb, limits=()) if limb.body in kept else limb for limb in tree) for tree in assembly.trees)
+    return replace(assembly, trees=tuple(trees))
+
+
+def _within(gear: Gear, mimics: tuple[float, ...], leads: tuple[float, ...]) -> bool:
+    """Whether the limits of what mimics keep its leader within its own."""
+    if not mimics or not leads or not gear.ratio:
+        return False
+    low, high = sorted((end - gear.offset) / gear.ratio for end in mimics)
+    return leads[0] - ROUNDED <= low and high <= leads[1] + ROUNDED
 
 
 def branches(tree: tuple[Link, ...]) -> list[tuple[Link, ...]]:

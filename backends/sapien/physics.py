@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from wmspec.diagnostics import StageError
 from wmspec.places import PrimPlace
-from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, play
+from wmspec.scene.landings import landings
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly
@@ -16,7 +16,7 @@ from wmspec.scene.validate import validate
 
 from .about import INFO
 from .barrels import barrels
-from .joints import ignored
+from .joints import ignored, once_limited
 from .shapes import BITS, lanes, mean
 from .world import World
 
@@ -29,7 +29,7 @@ def execute(scene: Scene) -> Trace:
     Raises WmsError for a scene that SAPIEN can't honour, EngineError when SAPIEN loses track of it.
     """
     whole, timeline = prepare(scene)
-    world = World(whole)
+    world = World(whole, landing(scene))
     verify(world, scene, timeline)
     return trace(INFO.name, scene, timeline, play(world, timeline))
 
@@ -39,7 +39,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     validate(scene)
     require(INFO.lacks, scene)
     timeline = episode(scene, INFO.steps_per_second)
-    whole = barrels(assembly(scene, timeline))
+    whole = once_limited(barrels(assembly(scene, timeline)))
     bodies, needed = whole.bodies, lanes(whole.bodies)
     over = {material for pair, bit in needed.items() if bit >= BITS for material in pair}
     if over:
@@ -58,9 +58,14 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     return whole, timeline
 
 
+def landing(scene: Scene) -> tuple[int, ...]:
+    """The numbers of the bodies that begin above others, and of those."""
+    return tuple(sorted({number for pair in landings(scene) for number in pair}))
+
+
 def verify_joints(world: World, scene: Scene) -> None:
     """Raise WmsError unless SAPIEN has the scene's limits and drives."""
-    for limb in (limb for tree in trees(scene) for limb in tree):
+    for limb in dict.fromkeys(limb for tree in world.trees.values() for limb in tree):
         path = scene.joints[limb.joint].path
         if limb.limits and limb.kind != "ball":
             readback(path, "the limits", world.joints[limb.joint].limits[0], limb.limits, tolerance=SINGLE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,9 @@ FASTEST_SPIN = 1000.0  # rad/s, PhysX's default is 100
 APART = 1.0  # m/s: with which bodies that overlap are parted at most; unlimited, a bounce comes out too high
 POSITION_ITERATIONS = 100  # an elastic impact loses 0.4/n² of its speed
 VELOCITY_ITERATIONS = 4
+LANDING_ITERATIONS = (
+    64  # the same of bodies of which one lands on another: with 4 it rises again at up to half its speed
+)
 JUMP = 1e-9  # m: what is further from where it was to be has been placed there
 
 
@@ -29,10 +33,11 @@ class World:
 
     PhysX averages the materials of a pair where the geometric mean is wanted. So each pair of materials has a lane, a
     bit of the collision groups: on it a piece has a copy of its shape with the lane's material, which meets the
-    other material's copies only. One material needs one copy.
+    other material's copies only. One material needs one copy. `landing`: the numbers of the bodies that fall on others,
+    and of those.
     """
 
-    def __init__(self, assembly: Assembly) -> None:
+    def __init__(self, assembly: Assembly, landing: Collection[int]) -> None:
         sapien.physx.set_scene_config(
             gravity=np.array(assembly.gravity, np.float32),
             bounce_threshold=0.01,  # m/s; the default of 2 swallows bounces
@@ -45,7 +50,7 @@ class World:
         self.system = sapien.physx.PhysxCpuSystem()
         self.scene = sapien.Scene([self.system])
         self.scene.set_timestep(assembly.step)
-        self.bodies = assembly.bodies
+        self.bodies, self.landing = assembly.bodies, landing
         self.targets: dict[int, Any] = {}
         self.ties: dict[int, list[Any]] = {}
         self.lanes = lanes(assembly.bodies)
@@ -91,7 +96,7 @@ class World:
         self.clothe(part, number)
         if body.motion == "dynamic":
             solve(part, body)
-            iterate(part)
+            iterate(part, LANDING_ITERATIONS if number in self.landing else VELOCITY_ITERATIONS)
         if body.motion == "kinematic":
             part.set_kinematic(True)
         self.scene.add_entity(entity(part, number, body.start))
@@ -141,7 +146,7 @@ class World:
                 connect(link.joint, limb, sapien.Pose() if limb is top else above, geared=limb.joint in geared)
         for one in entities:
             self.scene.add_entity(one)
-        iterate(next(iter(links.values())).articulation)
+        iterate(next(iter(links.values())).articulation, VELOCITY_ITERATIONS)
         self.rest(links, branch, moving=True)
         for gear in self.gears:
             if gear.body in links:
@@ -257,8 +262,8 @@ def solve(part: Any, body: Rigid) -> None:
     part.set_max_depenetration_velocity(APART)
 
 
-def iterate(part: Any) -> None:
+def iterate(part: Any, velocity_iterations: int) -> None:
     """How a body or an articulation is solved: PhysX's defaults put bodies to sleep and iterate too little."""
     part.set_sleep_threshold(0.0)
     part.set_solver_position_iterations(POSITION_ITERATIONS)
-    part.set_solver_velocity_iterations(VELOCITY_ITERATIONS)
+    part.set_solver_velocity_iterations(velocity_iterations)

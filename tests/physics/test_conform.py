@@ -62,6 +62,12 @@ def test_a_thin_wall_holds_what_is_fast_in_mujoco() -> None:
     assert score.passed, score.measured
 
 
+def test_what_falls_on_what_rests_stays_there_in_sapien() -> None:
+    installed("sapien")
+    (score,) = scores("sapien", by_backend("sapien"), chosen(["drop_on_box"]))
+    assert score.passed, score.measured
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(
     "name", ["free_fall", "slide_box", "four_bar", "filtered_pair", "drive_critical", "units", *COUPLED]

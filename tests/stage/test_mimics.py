@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 from pxr import Usd
 
+from tests.engines import ENGINES, installed
 from wmspec.conform.build import body, box, joint, stage
 from wmspec.diagnostics import StageError
 from wmspec.scene.articulations import trees
@@ -81,3 +83,30 @@ def test_what_does_not_start_where_it_should_is_moved_or_refused() -> None:
 def test_what_cannot_be_mimicked_is_refused(joints: tuple[str, ...], reason: str) -> None:
     with pytest.raises(StageError, match=reason):
         opened(machine(*joints))
+
+
+def limited(other: tuple[float, float]) -> Scene:
+    falls = joint("Prismatic", "falls", "", "cart", axis="Z", limits=(-0.1, 0.04))
+    at, mimic = (1.0, 0.0, 0.0), ("falls", 0.0, 1.0)
+    slides = joint("Prismatic", "slides", "", "wheel", at, axis="X", limits=other, mimic=mimic)
+    scene = opened(stage(body("cart", CUBE), body("wheel", CUBE, at), falls, slides))
+    return replace(scene, duration=1.0, rate=240)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("other", [(-0.1, 0.04), (-0.5, 0.5), (-0.05, 0.04)])
+def test_the_limits_of_either_hold_both(engine: str, other: tuple[float, float]) -> None:
+    scene = limited(other)
+    trace = installed(engine).execute(scene)
+    cart, wheel = (trace.position[-1, trace.bodies.index(name)] for name in ("cart", "wheel"))
+    assert cart[2] == pytest.approx(max(-0.1, other[0]), abs=5e-4)
+    assert wheel[0] == pytest.approx(1 + max(-0.1, other[0]), abs=5e-4)
+
+
+@pytest.mark.parametrize(("other", "kept"), [((-0.1, 0.04), 1), ((-0.05, 0.04), 1), ((-0.5, 0.5), 2)])
+def test_sapien_has_limits_once_where_what_mimics_keeps_them(other: tuple[float, float], kept: int) -> None:
+    installed("sapien")
+    from backends.sapien.physics import prepare
+
+    whole, _ = prepare(limited(other))
+    assert sum(bool(limb.limits) for tree in whole.trees for limb in tree) == kept

@@ -15,6 +15,8 @@ from pxr import Usd, UsdUtils
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.api.drawing import Drawing, renderer_of
+from wmspec.compare.regimes import entered
+from wmspec.compare.tolerance import Tolerances
 from wmspec.diagnostics import Diagnostic, StageError, WmsError, suggestion
 from wmspec.execute import archive
 from wmspec.execute.backends import info
@@ -81,8 +83,14 @@ class Episode:
 
     @property
     def notes(self) -> tuple[Diagnostic, ...]:
-        """What was taken for something else, or executed only nearly as it is meant, as warnings with their prims."""
-        return tuple(dict.fromkeys((*self.scene.notes, *approximated(info(self.engine).lacks, self.scene))))
+        """What was taken for something else, or executed only nearly as it is meant, as warnings with their prims; and
+
+        motion of it that engines get wrong.
+        """
+        wrong = entered(self.scene, self.trace, Tolerances().event)
+        doubts = (Diagnostic(f"{regime.kind}: {regime.where}", severity="warning") for regime in wrong)
+        nearly = approximated(info(self.engine).lacks, self.scene)
+        return tuple(dict.fromkeys((*self.scene.notes, *nearly, *doubts)))
 
     @property
     def contacts(self) -> tuple[Contact, ...]:

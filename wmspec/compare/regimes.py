@@ -13,9 +13,18 @@ from numpy.typing import NDArray
 from wmspec.compare.allow import closing, impacts, sample
 from wmspec.compare.model import Regime
 from wmspec.execute.backends import info, names
-from wmspec.scene.capability import ROLLING_CYLINDERS, SLIDING_MESHES, Capability, approximated
+from wmspec.scene.capability import (
+    DOUBLE_PENDULUMS,
+    HEAVY_LANDINGS,
+    LEANING_CYLINDERS,
+    ROLLING_CYLINDERS,
+    SLIDING_MESHES,
+    Capability,
+    approximated,
+)
 from wmspec.scene.contact import colliders, mix
-from wmspec.scene.hard import BOUNCY, STEEP, disc
+from wmspec.scene.hard import BOUNCY, HEAVIER, LANDS, STEEP, SWINGS, disc, leaning
+from wmspec.scene.landings import dull, landings
 from wmspec.scene.model import Body, Contact, Scene, Trace
 from wmspec.scene.transform import rotate
 from wmspec.shapes.cylinder import Cylinder
@@ -27,16 +36,22 @@ SLOW = 0.05
 FAR, UPRIGHT = 0.05, 1.0
 
 
-def regimes(scene: Scene, traces: tuple[Trace, Trace], apart: float) -> tuple[Regime, ...]:
-    """What a scene and two traces of it enter, each kind once; a pair `apart` (s) for longer touches anew."""
-    known = [(trace, info(trace.engine)) for trace in traces if trace.engine in names()]
-    found = [Regime(d.message, str(d.place)) for _, engine in known for d in approximated(engine.lacks, scene)]
-    found += [Regime(ROW, where) for trace in traces for where in _rows(scene, trace, apart)]
-    for trace, engine in known:
-        lacking = {lack.capability for lack in engine.lacks}
-        for capability, (kind, entered) in SEEN.items():
-            if capability in lacking:
-                found += [Regime(f"{engine.title} {kind}", where) for where in entered(scene, trace)]
+def regimes(scene: Scene, traces: tuple[Trace, ...], apart: float) -> tuple[Regime, ...]:
+    """What a scene and traces of it enter, each kind once; a pair `apart` (s) for longer touches anew."""
+    engines = [info(trace.engine) for trace in traces if trace.engine in names()]
+    found = [Regime(d.message, str(d.place)) for engine in engines for d in approximated(engine.lacks, scene)]
+    found += [regime for trace in traces for regime in entered(scene, trace, apart)]
+    return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
+
+
+def entered(scene: Scene, trace: Trace, apart: float) -> tuple[Regime, ...]:
+    """What a trace shows of it, each kind once."""
+    found = [Regime(ROW, where) for where in _rows(scene, trace, apart)]
+    engine = info(trace.engine) if trace.engine in names() else None
+    lacking = {lack.capability for lack in engine.lacks} if engine else set()
+    for capability, (kind, where_entered) in SEEN.items():
+        if engine and capability in lacking:
+            found += [Regime(f"{engine.title} {kind}", where) for where in where_entered(scene, trace, apart)]
     return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
 
 
@@ -76,7 +91,60 @@ def _beside(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
     return True
 
 
-def _rolls(scene: Scene, trace: Trace) -> Iterator[str]:
+def _lands(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
+    """Impacts, without a bounce, of something heavy on something that touches a third thing."""
+    index = {body.name: i for i, body in enumerate(scene.bodies)}
+    jointed = {name for joint in scene.joints for name in (joint.first, joint.second)}
+    free = {b.name: b for b in scene.bodies if b.motion == "dynamic" and colliders(b) and b.name not in jointed}
+    above = landings(scene)
+    for hit in impacts(trace, apart):
+        if not {hit.first, hit.second} <= free.keys() or not dull(free[hit.first], free[hit.second]):
+            continue
+        light, heavy = sorted((hit.first, hit.second), key=lambda name: _mass(free[name]))
+        least = HEAVIER if (index[heavy], index[light]) in above else 1.0
+        caught = any(
+            light in (c.first, c.second) and heavy not in (c.first, c.second) and c.start < hit.start <= c.stop
+            for c in trace.contacts
+        )
+        fast = closing(trace, index[heavy], index[light], hit.start) > LANDS
+        if caught and fast and _mass(free[heavy]) >= least * _mass(free[light]) * (1 - 1e-6):
+            yield f"`{heavy}` lands on `{light}` at {hit.start:.3g} s"
+
+
+def _mass(body: Body) -> float:
+    return body.inertia.mass if body.inertia is not None else 0.0
+
+
+def _leans(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
+    """Cylinders that stand still on slopes on which they only just do."""
+    size = np.linalg.norm(scene.gravity)
+    for i, body in enumerate(scene.bodies):
+        for geom in colliders(body) if body.motion == "dynamic" and size and len(colliders(body)) == 1 else ():
+            if not isinstance(shape := geom.shape, Cylinder):
+                continue
+            axis = rotate(trace.orientation[:, i], rotate(geom.pose.orientation, np.array([0.0, 0.0, 1.0])))
+            angle = np.arccos(np.clip(np.abs(axis @ scene.gravity) / size, 0.0, 1.0))
+            still = np.linalg.norm(trace.angular_velocity[:, i], axis=1) < SLOW
+            just = np.array([leaning(shape.radius, shape.height, float(a)) for a in angle])
+            if (still & just & _touching(trace, body)).any():
+                yield f"`{body.name}` stands {np.degrees(angle[still & just][0]):.3g} degrees from upright"
+
+
+def _whips(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
+    """Bodies that swing fast from others that swing."""
+    index = {body.name: i for i, body in enumerate(scene.bodies)}
+    swings = [j for j in scene.joints if j.kind in ("hinge", "ball") and j.drive is None]
+    for joint in swings:
+        ends = {joint.first, joint.second}
+        if joint.first is None or not any(ends & {j.first, j.second} for j in swings if j is not joint):
+            continue
+        first, second = (trace.angular_velocity[:, index[name]] for name in (joint.first, joint.second))
+        fast = np.linalg.norm(second - first, axis=1) > SWINGS
+        if fast.any():
+            yield f"`{joint.second}` swings from `{joint.first}`, fast from {trace.time[fast][0]:.3g} s on"
+
+
+def _rolls(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
     """Cylinders shorter than thick that roll on their sides."""
     size = np.linalg.norm(scene.gravity)
     for i, body in enumerate(scene.bodies):
@@ -91,7 +159,7 @@ def _rolls(scene: Scene, trace: Trace) -> Iterator[str]:
                 break
 
 
-def _slides(scene: Scene, trace: Trace) -> Iterator[str]:
+def _slides(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
     """Convex meshes that slide, as far as matters."""
     for i, body in enumerate(scene.bodies):
         if body.motion != "dynamic" or all(geom.shape.primitive for geom in colliders(body)):
@@ -113,7 +181,10 @@ def _touching(trace: Trace, body: Body) -> NDArray[np.bool_]:
 
 
 #: What some engines lack and traces show: what to call it, and where a body enters it.
-SEEN: Mapping[Capability, tuple[str, Callable[[Scene, Trace], Iterator[str]]]] = {
+SEEN: Mapping[Capability, tuple[str, Callable[[Scene, Trace, float], Iterator[str]]]] = {
     ROLLING_CYLINDERS: ("rolls discs as polygons, which brake", _rolls),
+    LEANING_CYLINDERS: ("tips cylinders too early", _leans),
+    HEAVY_LANDINGS: ("lets what lands on something lighter rise again", _lands),
+    DOUBLE_PENDULUMS: ("loses or gains some of the energy of double pendulums", _whips),
     SLIDING_MESHES: ("brakes convex meshes that slide", _slides),
 }

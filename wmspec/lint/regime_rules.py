@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import combinations, permutations
 
 from wmspec.check import units
+from wmspec.check.ir import Thing
 from wmspec.diagnostics import Note
-from wmspec.layout.geometry import pieces
-from wmspec.layout.solids import Piece
+from wmspec.layout.geometry import pieces, volume
+from wmspec.layout.solids import Piece, bounds
 from wmspec.layout.values import Values
 from wmspec.lint.overlap import separation
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
-from wmspec.scene.hard import BOUNCY, ENTERED, FAST, FINEST, STEEP, disc
+from wmspec.scene.hard import BOUNCY, ENTERED, FAST, FINEST, HEAVIER, LANDS, STEEP, disc, leaning
 from wmspec.shapes.cylinder import Cylinder
 from wmspec.shapes.shape import AXES
 from wmspec.space import UP, dot, rotate, times
@@ -35,9 +36,9 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
     values = scene.values
     speed = max(_speeds(values), default=0.0)
     free = list(_free(values))
-    for a, b in combinations(free, 2) if speed else ():
+    for a, b in combinations(free, 2) if speed or _falling(values) else ():
         gap, way = separation(values, a, b)
-        if gap > IMPACT * speed or abs(way[2]) > STEEP or _bounce(values, a, b) < BOUNCY:
+        if gap > max(IMPACT * speed, TOUCHING) or abs(way[2]) > STEEP or _bounce(values, a, b) < BOUNCY:
             continue
         touch = gap < TOUCHING
         how = "touch" if touch else f"are {_length(gap)} apart"
@@ -45,7 +46,7 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
         what = f"`{a}` and `{b}` {how} {scene.where}: {who} both answer what strikes one of them, at once"
         note = Note(f"`{a}` is declared here", values.place(a))
         others = "" if touch else f", or {OTHERS}"
-        apart = f"leave {_length(IMPACT * speed)} between them"
+        apart = f"leave {_length(IMPACT * speed)} between them" if speed else "leave some millimetres between them"
         remedy = f"{apart}, or give them a `restitution` below {BOUNCY:g}{others}"
         yield Breach(what, values.place(b), remedy, (note,), about=(a, b))
 
@@ -59,6 +60,56 @@ def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
             what = f"`{name}` is a disc on its rim {scene.where}; some engines brake it as it rolls"
             remedy = f"make it as long as it is thick, or {OTHERS}"
             yield Breach(what, values.place(name, "shape"), remedy, about=name)
+
+
+@rule("WMS608")
+def leaning_cylinder(scene: Scene) -> Iterator[Breach]:
+    """A cylinder that stands on a slope on which it nearly tips."""
+    values = scene.values
+    for name in _loose(values):
+        (piece, *others) = pieces(values, name)
+        if others or not isinstance(piece.solid, Cylinder):
+            continue
+        angle = math.acos(min(1.0, abs(_rise(values, name, piece))))
+        if leaning(piece.solid.radius, piece.solid.height, angle):
+            tips = math.atan(2 * piece.solid.radius / piece.solid.height)
+            what = f"`{name}` stands {_degrees(angle)} from upright {scene.where}, and tips from {_degrees(tips)} on"
+            remedy = f"let the slope be gentler or steeper, make it a box, or {OTHERS}"
+            yield Breach(f"{what}; some engines tip it before", values.place(name, "shape"), remedy, about=name)
+
+
+@rule("WMS608")
+def heavy_landing(scene: Scene) -> Iterator[Breach]:
+    """Something heavy that begins in the air above something much lighter, and hardly bounces."""
+    values = scene.values
+    if not values.gravity:
+        return
+    boxes = {name: bounds(pieces(values, name), values.pose(name)) for name in _loose(values)}
+    for a, b in permutations(boxes, 2):
+        (low, high), (least, most) = boxes[a], boxes[b]
+        above = low[2] - most[2] > LANDS**2 / (2 * values.gravity)
+        if above and all(low[i] < most[i] and least[i] < high[i] for i in range(2)) and _bounce(values, a, b) < BOUNCY:
+            heavier = _mass(values, a) / _mass(values, b)
+            if heavier >= HEAVIER:
+                what = f"`{a}` falls on `{b}` {scene.where} and is {heavier:.3g} times as heavy"
+                remedy = f"make their masses more alike, or {OTHERS}"
+                yield Breach(f"{what}; some engines let it rise again", values.place(a), remedy, about=(a, b))
+
+
+@rule("WMS608")
+def double_pendulum(scene: Scene) -> Iterator[Breach]:
+    """What swings from something that swings, without a drive."""
+    values = scene.values
+    swings = {j.name: _ends(values, j.name) for j in _joints(values) if j.model in ("hinge", "ball")}
+    free = {j: ends for j, ends in swings.items() if not _driven(values, j)}
+    for name, ends in free.items():
+        hung = any(ends & others for j, others in free.items() if j != name)
+        if len(ends) == 2 and hung:
+            of, to = values.property(name, "of"), values.property(name, "to")
+            what = f"`{of}` swings from `{to}`, which swings itself, {scene.where}"
+            remedy = "ask early, or with a `margin` of some per cent"
+            doubt = "all engines lose or gain a few per cent of the energy of such"
+            yield Breach(f"{what}; {doubt}", values.place(name), remedy, about=name)
 
 
 @rule("WMS608")
@@ -95,7 +146,10 @@ def fast_and_thin(scene: Scene) -> Iterator[Breach]:
             yield Breach(what, values.place(name), remedy, about=name)
 
 
-RULES = (struck_in_a_row, rolling_cylinder, sliding_mesh, fast_and_thin)
+RULES = (
+    *(struck_in_a_row, rolling_cylinder, leaning_cylinder, heavy_landing, double_pendulum),
+    *(sliding_mesh, fast_and_thin),
+)
 
 
 def _touchable(values: Values) -> list[str]:
@@ -118,8 +172,25 @@ def _bounce(values: Values, a: str, b: str) -> float:
 def _lying(values: Values, name: str) -> Iterator[bool]:
     for piece in pieces(values, name):
         if isinstance(piece.solid, Cylinder) and disc(piece.solid.radius, piece.solid.height):
-            axis = rotate(values.pose(name).orientation, rotate(piece.pose.orientation, UP))
-            yield abs(dot(axis, UP)) < STEEP
+            yield abs(_rise(values, name, piece)) < STEEP
+
+
+def _rise(values: Values, name: str, piece: Piece) -> float:
+    """The cosine of the angle between the axis of a piece and the vertical."""
+    return dot(rotate(values.pose(name).orientation, rotate(piece.pose.orientation, UP)), UP)
+
+
+def _mass(values: Values, name: str) -> float:
+    """What an object weighs, kg."""
+    if values.has(name, "mass"):
+        return float(values.property(name, "mass"))
+    return float(values.property(name, "density")) * volume(values, name)
+
+
+def _falling(values: Values) -> bool:
+    """Whether anything that is free may fall: it has a joint, or rests on nothing."""
+    joined = _joined(values)
+    return any(name in joined or not values.has(name, "on") for name in _free(values))
 
 
 def _free(values: Values) -> Iterator[str]:
@@ -135,13 +206,31 @@ def _loose(values: Values) -> Iterator[str]:
 
 def _joined(values: Values) -> set[str]:
     """The objects that have joints."""
-    joints = [t.name for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
-    return {values.property(j, end) for j in joints for end in ("of", "to") if values.has(j, end)}
+    return {values.property(j.name, end) for j in _joints(values) for end in ("of", "to") if values.has(j.name, end)}
+
+
+def _joints(values: Values) -> list[Thing]:
+    return [t for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
+
+
+def _ends(values: Values, joint: str) -> set[str]:
+    """The one or two objects of a joint that move."""
+    ends = {values.property(joint, end) for end in ("of", "to") if values.has(joint, end)}
+    return {end for end in ends if not values.property(end, "fixed")}
+
+
+def _driven(values: Values, joint: str) -> bool:
+    """Whether a joint has a drive, or is braked."""
+    return any(values.has(joint, name) and values.property(joint, name) for name in ("stiffness", "damping"))
 
 
 def _thickness(piece: Piece) -> float:
     """How thick (m) a piece is at least, along its own axes."""
     return min(piece.solid.reach(axis) + piece.solid.reach(times(-1.0, axis)) for axis in AXES)
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):.3g} degrees"
 
 
 def _length(metres: float) -> str:

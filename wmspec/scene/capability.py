@@ -203,6 +203,9 @@ def _drive(joint: Joint) -> str:
 
 PRIMITIVES = Capability("boxes, spheres, cylinders, cones, capsules")
 ROLLING_CYLINDERS = Capability("discs that roll on: cylinders shorter than thick")
+LEANING_CYLINDERS = Capability("cylinders that stand on slopes on which they nearly tip")
+HEAVY_LANDINGS = Capability("what lands on something much lighter that rests")
+DOUBLE_PENDULUMS = Capability("the energy of fast double pendulums")
 SLIDING_MESHES = Capability("convex meshes, cones and hulls that slide on flat sides")
 MESHES = Capability(
     "meshes as convex hulls, convex decompositions, bounding boxes and spheres; as they are, but not dynamic ones",
@@ -214,7 +217,10 @@ JOINTS = Capability("fixed joints, hinges, sliders, ball joints; trees of them, 
 DRIVES = Capability("limits of hinges and sliders, drives")
 LOOPS = Capability("loops of joints, closed by a fixed joint, a hinge or a ball joint", _loops)
 MIMICS = Capability("joints that mimic others", _mimics)
-COMMON = (PRIMITIVES, ROLLING_CYLINDERS, MESHES, SLIDING_MESHES, MOTIONS, FILTERS, JOINTS, DRIVES, LOOPS, MIMICS)
+COMMON = (
+    *(PRIMITIVES, ROLLING_CYLINDERS, LEANING_CYLINDERS, MESHES, SLIDING_MESHES, MOTIONS, HEAVY_LANDINGS, FILTERS),
+    *(JOINTS, DOUBLE_PENDULUMS, DRIVES, LOOPS, MIMICS),
+)
 
 TWO_FRICTIONS = Capability("static friction other than the dynamic one", _sticking)
 BALL_LIMITS = Capability("ball joints with limits", _cones)

@@ -1,5 +1,7 @@
 """What is hard for engines, in numbers that rules on specs share with those on scenes; importing it costs nothing."""
 
+from math import atan
+
 BOUNCY = 0.2
 """Restitution of a pair from which on it matters which impact of a row comes first."""
 STEEP = 0.7
@@ -11,6 +13,19 @@ ENTERED = 0.5
 """The part of the thinnest body that another may enter: from its middle on it would be pushed out behind."""
 FINEST = 16
 """How many times as many steps as usual are made for what is hard at most."""
+
+LANDS, HEAVIER = 0.5, 5.0
+"""From which speed (m/s) on, and how many times as heavy, things are looked at that land on what rests."""
+TIPS = 0.85
+"""From which part of the angle at which a cylinder tips on, some engines tip it."""
+SWINGS = 3.0
+"""How fast (rad/s) the two of a double pendulum turn against each other, or faster, when their energy is looked at."""
+
+
+def leaning(radius: float, height: float, angle: float) -> bool:
+    """Whether a cylinder (m) whose axis is turned so far (rad) from the vertical still stands, but only just."""
+    tips = atan(2 * radius / height)
+    return TIPS * tips < angle < tips
 
 
 def disc(radius: float, height: float) -> bool:

@@ -1,0 +1,56 @@
+"""What begins above something else that moves, and may land on it: a blow to what is caught between two others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from wmspec.scene.bounds import bounds, upright
+from wmspec.scene.contact import apart, colliders, mix
+from wmspec.scene.hard import BOUNCY
+from wmspec.scene.model import Array, Body, Scene
+from wmspec.scene.transform import compose
+
+CLEAR = 1e-3  # m: what is nearer rests on it
+
+
+def landings(scene: Scene) -> frozenset[tuple[int, int]]:
+    """Pairs of bodies without joints, by their numbers: the first begins in the air above the second, and hardly
+    bounces off it.
+    """
+    if not scene.gravity.any():
+        return frozenset()
+    axis = int(np.abs(scene.gravity).argmax())
+    up, sides = -np.sign(scene.gravity[axis]), [i for i in range(3) if i != axis]
+    jointed = {name for joint in scene.joints for name in (joint.first, joint.second)}
+    free = [i for i, b in enumerate(scene.bodies) if b.motion == "dynamic" and colliders(b) and b.name not in jointed]
+    boxes = {i: upright(colliders(scene.bodies[i]), scene.bodies[i].pose) for i in free}
+    air = [i for i in free if not any(_meet(boxes[i], box) for box in _boxes(scene, i))] if len(free) > 1 else []
+    passing = apart(scene)
+    return frozenset(
+        (i, j)
+        for i in air
+        for j in free
+        if (up * boxes[i][:, axis]).min() > (up * boxes[j][:, axis]).max()
+        and _meet(boxes[i][:, sides], boxes[j][:, sides])
+        and (min(i, j), max(i, j)) not in passing
+        and dull(scene.bodies[i], scene.bodies[j])
+    )
+
+
+def _boxes(scene: Scene, but: int) -> Iterator[Array]:
+    """The upright boxes (2, 3) m around all pieces of other bodies."""
+    for i, body in enumerate(scene.bodies):
+        if i != but:
+            yield from (bounds(geom.shape, compose(body.pose, geom.pose)) for geom in colliders(body))
+
+
+def _meet(a: Array, b: Array) -> bool:
+    """Whether boxes touch, or nearly."""
+    return bool((a[0] < b[1] + CLEAR).all() and (b[0] < a[1] + CLEAR).all())
+
+
+def dull(a: Body, b: Body) -> bool:
+    """Whether two bodies hardly bounce off each other, or pieces of them don't."""
+    return any(mix(g.friction, h.friction).restitution < BOUNCY for g in colliders(a) for h in colliders(b))
