@@ -36,7 +36,7 @@ class Box:
         size, a, b = np.abs(turn), self.half - slack, other.half - slack
         faces = np.abs(way) > a + size @ b
         others = np.abs((way[:, None, :] @ turn)[:, 0]) > (a @ size) + b
-        meets = ~(faces.any(axis=1) | others.any(axis=1))
+        meets = np.asarray(~(faces.any(axis=1) | others.any(axis=1)))
         if not meets.any():
             return np.asarray(meets)
         way, turn, size = way[meets], turn[meets], size[meets]
