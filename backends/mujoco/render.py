@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from wmspec.diagnostics import GraphicsError
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, whole
+from wmspec.scene.contact_shadow import ContactShadows
 from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.scene.picture import check
 from wmspec.scene.shadow import SHADE, Casters
@@ -35,7 +36,7 @@ class Renderer:
     """
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
-        self._scene, self._casters = scene, Casters(scene)
+        self._scene, self._casters, self._contact = scene, Casters(scene), ContactShadows(scene)
         self._rect = mujoco.MjrRect(0, 0, width, height)
         self._model: Any = build(scene, width, height).compile()
         self._data: Any = mujoco.MjData(self._model)
@@ -49,10 +50,14 @@ class Renderer:
         self._gl.make_current()
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         self._place(shot)
-        self._aim(seeing(self._scene, shot), shot)
+        camera = seeing(self._scene, shot)
+        self._aim(camera, shot)
         rgb = self._render(ids=False)
         ids = self._bodies(self._render(ids=True))
-        return Frame(rgb, ids, np.where(ids >= 0, self._distance(), np.float32(0)) if depth else None)
+        if not (depth or self._contact.any):
+            return Frame(rgb, ids)
+        distance = np.where(ids >= 0, self._distance(), np.float32(0))
+        return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance if depth else None)
 
     def repaint(self, scene: Scene) -> bool:
         """Draw a scene from now on that differs in colours only."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wmspec.diagnostics import WmsError
 from wmspec.scene.camera import projection_matrix, seeing, view_matrix
 from wmspec.scene.color import texture, whole
+from wmspec.scene.contact_shadow import ContactShadows
 from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import Image, check, halve, quantize
 from wmspec.scene.shadow import SHADE, Casters
@@ -52,7 +53,8 @@ class Renderer:
     """Draws one scene: every side of a visible geometry is a massless body of a client of its own."""
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
-        self._scene, self._casters, self._size = scene, Casters(scene), (width, height)
+        self._scene, self._size = scene, (width, height)
+        self._casters, self._contact = Casters(scene), ContactShadows(scene)
         self._client = pybullet.connect(pybullet.DIRECT)
         # what's in front comes first: what's behind it then need not be coloured
         order = sorted(range(len(scene.bodies)), key=self._casters.size)
@@ -74,7 +76,7 @@ class Renderer:
         distance[ids < 0] = 0
         shaded = np.float32(SHADE) * self._occlusion(camera, shot, distance)
         rgb = quantize(lit - shaded[..., None] * np.maximum(lit - dark, 0))
-        return Frame(rgb, ids, distance if depth else None)
+        return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance if depth else None)
 
     def repaint(self, scene: Scene) -> bool:
         """Draw a scene from now on that differs in colours only."""

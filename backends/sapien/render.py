@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from wmspec.diagnostics import GraphicsError
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, to_bytes, to_linear, to_srgb
+from wmspec.scene.contact_shadow import ContactShadows
 from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.picture import check, over
 from wmspec.scene.shadow import SHADE, Casters
@@ -46,7 +47,7 @@ class Renderer:
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         _sentinel()
-        self._scene, self._casters = scene, Casters(scene)
+        self._scene, self._casters, self._contact = scene, Casters(scene), ContactShadows(scene)
         self._world: Any = _world()
         self._bodies = bodies(self._world, scene)
         self._owner = np.full(max((body.per_scene_id for body in self._bodies), default=0) + 1, -1, np.int16)
@@ -68,7 +69,8 @@ class Renderer:
         color.take_picture()
         shape.take_picture()  # before the first is waited for
         rgb, seen = over(color.get_picture("Picture"), self._scene.background), shape.get_picture("Seen")
-        return Frame(rgb, self._ids(seen[..., 1]), seen[..., 0].copy() if depth else None)
+        ids, distance = self._ids(seen[..., 1]), seen[..., 0].copy()
+        return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance if depth else None)
 
     def repaint(self, scene: Scene) -> bool:
         """Draw a scene from now on that differs in colours only."""
