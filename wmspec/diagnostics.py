@@ -7,7 +7,7 @@ wants to know (its code, its place) is in the value; no text is ever read back.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Self
@@ -27,6 +27,7 @@ def plain(text: str, _part: Part) -> str:
     return text
 
 
+_NAME = re.compile(r"(?<![\w./])[A-Za-z_]\w*")
 #: What a terminal obeys instead of showing it, or what turns the order of what follows.
 _OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
@@ -198,6 +199,8 @@ class Report:
     """Collects diagnostics, each once, and gives them in the order of the text."""
 
     def __init__(self, error: type[WmsError] = SpecError) -> None:
+        self.names: dict[str, str] = {}
+        """What is written for names that wmspec made, `tiles[1]` for `tiles_1`: so they are told."""
         self._error = error
         self._diagnostics: dict[tuple[str, str, str], Diagnostic] = {}
 
@@ -218,6 +221,11 @@ class Report:
         for d in diagnostics:
             self._diagnostics.setdefault((d.code, str(d.place), d.message), d)
 
+    def take(self, other: Report) -> None:
+        """Record all that another report has, and how it tells names."""
+        self.include(other.diagnostics)
+        self.names |= other.names
+
     @contextmanager
     def gathered(self) -> Iterator[None]:
         """Record a `WmsError` of the block and go on after it."""
@@ -229,7 +237,8 @@ class Report:
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """All that was recorded, by file and place; what is in no text in the order in which it was."""
-        return tuple(sorted(self._diagnostics.values(), key=lambda d: (*_order(d.place), d.code)))
+        ordered = sorted(self._diagnostics.values(), key=lambda d: (*_order(d.place), d.code))
+        return tuple(_written(d, self.names) for d in ordered) if self.names else tuple(ordered)
 
     @property
     def failed(self) -> bool:
@@ -240,6 +249,17 @@ class Report:
         """Raise the report's kind of error with everything recorded if anything is an error."""
         if self.failed:
             raise self._error.of(self.diagnostics)
+
+
+def _written(d: Diagnostic, names: Mapping[str, str]) -> Diagnostic:
+    """The diagnostic with names as they are written."""
+
+    def told(text: str) -> str:
+        return _NAME.sub(lambda name: names.get(name[0], name[0]), text)
+
+    help = Remedy.of(told(d.help), d.help.wrong, told(d.help.right)) if isinstance(d.help, Remedy) else told(d.help)
+    notes = tuple(replace(note, message=told(note.message)) for note in d.notes)
+    return replace(d, message=told(d.message), help=help, notes=notes)
 
 
 def _order(place: Place | None) -> tuple[str, int]:

@@ -60,6 +60,8 @@ def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
     assert 1_000 < task["size"] < 1_000_000
     assert task["asked"] == task["tried"]
     assert 0 <= task["rejected"] <= task["tried"]
+    assert sum(task["reasons"].values()) == task["rejected"]
+    assert task["reasons"].keys() == task["examples"].keys()
 
 
 def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -> None:

@@ -46,6 +46,8 @@ def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kep
         assert f"  {len(told)} {reason}, such as instance {r['index']} in pybullet: {r['detail']}" in done.stdout
         (task,) = json.loads(wmspec(*command, "--json", folder=tmp_path).stdout)
         assert task["examples"][reason] == r
+        dry = [*(word for word in command if word not in ("-o", "out")), "--dry-run"]
+        assert f"  {len(told)} {reason}, such as" in wmspec(*dry, folder=tmp_path).stdout
 
 
 ROBOT = """

@@ -29,6 +29,13 @@ def test_json_has_a_shorthand() -> None:
     assert long.exit_code == 2
 
 
+def test_good_tasks_are_told_beside_one_with_mistakes() -> None:
+    outcome = run(CORPUS / "three_mistakes.wms", CORPUS / "good.wms", CORPUS / "as_written_scene.wms")
+    assert outcome.exit_code == 2
+    assert outcome.stdout.splitlines()[0] == "good: 2 instances, no mistakes"
+    assert "as_written" not in outcome.stdout
+
+
 @pytest.mark.parametrize("name", sorted(p.name for p in CORPUS.glob("*.wms")))
 def test_sarif_keeps_the_rules_of_its_schema(name: str) -> None:
     """The required properties, closed sets and bounds of the SARIF 2.1.0 schema for what we write."""

@@ -67,12 +67,13 @@ def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn) -> tuple[Task
 class Diagnosis:
     """What is wrong with specs: the `diagnostics`, warnings too, and every task's name with its number of instances.
 
-    `designs` are those of the tasks that have one, by name.
+    `designs` are those of the tasks that have one, by name; `mistaken` are the tasks whose scenes have mistakes.
     """
 
     diagnostics: tuple[Diagnostic, ...]
     tasks: tuple[tuple[str, int], ...]
     designs: Mapping[str, Design] = field(default_factory=dict, repr=False, compare=False)
+    mistaken: frozenset[str] = frozenset()
 
     @property
     def passed(self) -> bool:
@@ -86,12 +87,10 @@ def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
     Libraries and files are looked for beside a file, and from a `text` in the working folder. Raises WmsError if a file
     cannot be read.
     """
-    from wmspec.lint.dry_run import dry_run
-
     report = Report()
     files: list[Path | Source] = [*spec_files(map(Path, paths)), *([_text(text)] if text is not None else [])]
     tasks = [task for path in files for task in _checked(path, 0, report)]
-    return _diagnosis(report, tasks, [dry_run(task.spec, report) for task in tasks])
+    return _diagnosis(report, tasks, tried=True)
 
 
 def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnosis, tuple[Task, ...]]:
@@ -99,20 +98,29 @@ def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnos
 
     Unless it is `tried`, no scenes are built.
     """
-    from wmspec.lint.dry_run import dry_run
     from wmspec.parse.load import shown
 
     report = Report()
     program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, report)
     tasks = tuple(Task(spec, program, path) for spec in check_program(program, report))
-    designs = [dry_run(task.spec, report) if tried else None for task in tasks]
-    return _diagnosis(report, tasks, designs), () if report.failed else tasks
+    return _diagnosis(report, tasks, tried), () if report.failed else tasks
 
 
-def _diagnosis(report: Report, tasks: Sequence[Task], designs: Sequence[Design | None]) -> Diagnosis:
-    sizes = tuple((t.name, 0 if d is None else len(d)) for t, d in zip(tasks, designs, strict=True))
-    by_name = {t.name: d for t, d in zip(tasks, designs, strict=True) if d is not None}
-    return Diagnosis(report.diagnostics, sizes, by_name)
+def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:
+    """What the report says, and what becomes of each task; their scenes are `tried` first."""
+    from wmspec.lint.dry_run import dry_run
+
+    sizes: list[tuple[str, int]] = []
+    designs: dict[str, Design] = {}
+    mistaken: set[str] = set()
+    for task in tasks:
+        own = Report()
+        design = dry_run(task.spec, own) if tried else None
+        report.include(own.diagnostics)
+        sizes.append((task.name, 0 if design is None else len(design)))
+        designs |= {} if design is None else {task.name: design}
+        mistaken |= {task.name} if own.failed else set()
+    return Diagnosis(report.diagnostics, tuple(sizes), designs, frozenset(mistaken))
 
 
 def spec_files(paths: Iterable[Path]) -> list[Path]:
@@ -172,6 +180,6 @@ def _checked(spec: Path | Source, seed: int, report: Report) -> list[Task]:
     own = Report()  # mistakes of one file do not keep another's tasks from being checked
     program = _program(spec, own)
     checked = check_program(program, own)
-    report.include(own.diagnostics)
+    report.take(own)
     path = spec if isinstance(spec, Path) else None
     return [Task(task, program, path, seed) for task in checked]

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import ir
 from wmspec.check.typed import Failed, Typed
-from wmspec.check.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, ROBOT, Type
-from wmspec.check.verbs import ROBOTS, VERBS, Verb
+from wmspec.check.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, OBJECT, ROBOT, Type
+from wmspec.check.verbs import OTHERWISE, ROBOTS, UNAIDED, VERBS, Verb
 from wmspec.check.vocabulary import Slot
 from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
@@ -68,13 +68,20 @@ def act(check: Expressions, action: s.Action) -> Act:
     name = call.function.id
     if name not in VERBS:
         able = [f"`ROBOT.{name}(...)` of a {model}" for model, verbs in ROBOTS.items() if name in verbs]
-        hint = f"robots can: {' or '.join(able)}" if able else suggestion(name, VERBS)
+        hint = f"did you mean `{OTHERWISE[name]}`?" if name in OTHERWISE else suggestion(name, VERBS)
+        if able:
+            hint = f"robots can: {' or '.join(able)}"
+            hint += f"; nobody is needed for `{UNAIDED[name]}(...)`" if name in UNAIDED else ""
         check.fail("WMS204", f"there is no verb `{name}`", call.function.span, hint)
     return Act(name, VERBS[name], "", call)
 
 
 def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
     """A robot's verb."""
+    who = check.infer(function.value, (ROBOT,))
+    if who.type == OBJECT and function.name.id in VERBS:
+        remedy = f"write `{function.name.id}({', '.join(x.span.text for x in (function.value, *call.arguments))})`"
+        check.fail("WMS204", "only a robot does something itself, and this is an object", function.span, remedy)
     who = check.value(function.value, (ROBOT,), "whoever acts")
     if not isinstance(who.expr, ir.Value):
         check.fail("WMS302", "which robot acts is a constant", function.value.span)

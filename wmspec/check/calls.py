@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import ir
 from wmspec.check.evaluate import parts
-from wmspec.check.functions import FUNCTIONS, Function
-from wmspec.check.typed import Typed, constant, fits, joined
+from wmspec.check.functions import FUNCTIONS, OTHERWISE, Function
+from wmspec.check.typed import Failed, Typed, constant, fits, joined
 from wmspec.check.types import (
     CAMERA,
     COUNTED,
@@ -25,6 +25,7 @@ from wmspec.check.types import (
     article,
 )
 from wmspec.check.verbs import VERBS
+from wmspec.check.vocabulary import JOINTS
 from wmspec.diagnostics import suggestion
 from wmspec.parse import syntax as s
 from wmspec.places import Span
@@ -103,10 +104,21 @@ def _unlike(check: Expressions, name: str, arguments: tuple[ir.Expr, ...], span:
 def _function(check: Expressions, e: s.Call) -> tuple[str, Function]:
     if not isinstance(e.function, s.Name) or e.function.id not in FUNCTIONS:
         shown = e.function.span.text
-        verb = isinstance(e.function, s.Member) or shown in VERBS
-        hint = "a verb stands in an action: `action NAME = ...`" if verb else suggestion(shown, FUNCTIONS)
-        check.fail("WMS204", f"there is no function `{shown}`", e.function.span, hint)
+        check.fail("WMS204", f"there is no function `{shown}`", e.function.span, _instead(e, shown))
     return e.function.id, FUNCTIONS[e.function.id]
+
+
+def _instead(e: s.Call, shown: str) -> str:
+    """What to write for a function that there is not: `ball.contact(box)` begins with its function."""
+    if isinstance(e.function, s.Member):
+        name = OTHERWISE.get(e.function.name.id, e.function.name.id)
+        if name in FUNCTIONS:
+            return f"write `{name}({', '.join(x.span.text for x in (e.function.value, *e.arguments))})`"
+    if isinstance(e.function, s.Member) or shown in VERBS:
+        return "a verb stands in an action: `action NAME = ...`"
+    if (other := OTHERWISE.get(shown)) is not None:
+        return f"did you mean `{other}`?" if other in FUNCTIONS else other
+    return suggestion(shown, FUNCTIONS)
 
 
 def _result(check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]) -> Type:
@@ -153,6 +165,8 @@ def _moves(check: Expressions, name: str, written: s.Argument, joint: Typed) -> 
         if not isinstance(block, s.Block) or block.model is None or block.kind != "joint":
             continue
         kind, (wanted, other) = block.model.id, MOVES[name]
+        if kind not in JOINTS:  # which was reported
+            raise Failed
         if kind != wanted:
             remedy = (
                 f"write `{other}({written.span.text})`" if kind == MOVES[other][0] else "ask of a body that it moves"

@@ -9,7 +9,7 @@ from itertools import product
 
 from wmspec.check import ir
 from wmspec.check.expressions import Expressions
-from wmspec.check.functions import FUNCTIONS
+from wmspec.check.functions import DRAWN, FUNCTIONS
 from wmspec.check.lists import MOST_VALUES
 from wmspec.check.typed import constant, joined
 from wmspec.check.types import A_NUMBER, TRUTH, List, Quantity, Type, Vector, article
@@ -57,7 +57,9 @@ def read(check: Expressions, e: s.Expr) -> Written:
         case s.Call(function=s.Name(id=name)) if name in FORMS:
             return FORMS[name](check, e)
         case s.Call(function=s.Name(id=name)) if name not in FUNCTIONS:
-            check.fail("WMS204", f"there is no domain `{name}`", e.function.span, suggestion(name, FORMS))
+            check.fail(
+                "WMS204", f"there is no domain `{name}`", e.function.span, DRAWN.get(name) or suggestion(name, FORMS)
+            )
         case s.Range(step=None, count=None):
             return _interval(check, e)
         case s.Name(id=name) if isinstance(let := check.scope.names.get(name), s.Let):

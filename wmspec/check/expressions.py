@@ -10,11 +10,12 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from wmspec.check import calls, ir, lists, members, names, operators, units
+from wmspec.check.libraries import having
 from wmspec.check.scope import Scope
 from wmspec.check.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.check.types import DIRECTION, OBJECT, TEXT, TRUTH, Quantity, Type, Vector, article, either
 from wmspec.check.units import NUMBER, Dimension
-from wmspec.diagnostics import Note, Report
+from wmspec.diagnostics import Note, Remedy, Report
 from wmspec.parse import syntax as s
 from wmspec.places import Span
 
@@ -101,6 +102,11 @@ class Expressions:
         if not e.id or not self.scope.whole or doubled or e.id in self._unknown:
             raise Failed
         self._unknown.add(e.id)
+        if self.scope.alone and "did you mean" not in help:
+            library, brought = having(self.scope.strange())
+            if e.id in brought:
+                self._unknown |= brought
+                self.fail(code, message, e.span, f"write `use {library}` above, which has it")
         close = self.scope.names.get(help.partition("did you mean `")[2].partition("`")[0])
         near = close is not None and close.name.span.source is e.span.source
         notes = (Note("it is declared here", close.name.span),) if close is not None and near else ()
@@ -118,6 +124,8 @@ class Expressions:
         examples = [f"`{example(k)}`" for k in wanted[:2] if example(k)]
         quantities = isinstance(actual, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
+        if isinstance(e, s.Text) and e.value in names.fitting(self, wanted):
+            help = Remedy.of(f"write `{e.value}`, without quotes", span.text, e.value)
         if actual == OBJECT and DIRECTION in wanted:
             help = f"write `toward({span.text})`"
         elif isinstance(e, s.Name):

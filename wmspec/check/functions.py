@@ -131,3 +131,37 @@ FUNCTIONS: dict[str, Function] = {
     "contrast": Function("how much its colour differs from what is around it (CIEDE2000), least over the looks", (OBJECT, CAMERA), A_NUMBER, "wmspec.ask.visibility:contrast"),
     "frame": Function("the picture from a camera at a time of the episode", (CAMERA, A_TIME), PICTURE, "wmspec.ask.observed:frame", moments=2),
 }  # fmt: skip
+
+#: What people call functions that have another name here; and what to write for those that there are not.
+OTHERWISE: dict[str, str] = {
+    **dict.fromkeys(("len", "length", "number", "size", "num"), "count"),
+    **dict.fromkeys(("collide", "collides", "collided", "collision", "touch", "touches", "touching", "hit", "hits"), "contact"),
+    **dict.fromkeys(("collision_time", "hit_time", "touch_time", "time_of_contact"), "contact_time"),
+    **dict.fromkeys(("dist", "gap", "separation"), "distance"),
+    **dict.fromkeys(("velocity", "vel", "pace"), "speed"),
+    **dict.fromkeys(("fell", "fallen", "falls", "tipped", "tips", "fell_over"), "toppled"),
+    **dict.fromkeys(("moves", "moving", "is_moving", "has_moved"), "moved"),
+    **dict.fromkeys(("stopped", "still", "resting", "stationary", "is_static"), "at_rest"),
+    **dict.fromkeys(("inside", "includes", "holds"), "contains"),
+    **dict.fromkeys(("pos", "location", "where"), "position"),
+    **dict.fromkeys(("biggest", "greatest"), "largest"),
+    **dict.fromkeys(("quickest",), "fastest"),
+    **dict.fromkeys(("direction",), "heading"),
+    **dict.fromkeys(("path",), "trajectory"),
+    **dict.fromkeys(("x", "y", "z"), "write `position(NAME).x`, `.y` or `.z`"),
+    **dict.fromkeys(("mean", "average", "avg"), "write `sum(...) / NUMBER`"),
+    **dict.fromkeys(("round",), "write `floor(NUMBER + 0.5)`"),
+    **dict.fromkeys(("ceil",), "write `-floor(-NUMBER)`"),
+    **dict.fromkeys(("tan",), "write `sin(ANGLE) / cos(ANGLE)`"),
+    **dict.fromkeys(("pow", "square"), "write `a * a`"),
+    **dict.fromkeys(("exists", "present"), "write `NAME.present`"),
+    **dict.fromkeys(("nearest", "closest", "farthest", "furthest"), "compare distances: `if distance(a, c) < distance(b, c) then a else b`"),
+    **dict.fromkeys(("argmax", "argmin"), "name the one: `fastest`, `slowest`, `largest`, `smallest`, `first` and others take a list of objects"),
+    **dict.fromkeys(("rotation", "turned", "orientation", "yaw"), "of a joint, write `angle(JOINT)`; where an object goes is `heading(NAME)`"),
+}  # fmt: skip
+
+#: The same for domains.
+DRAWN: dict[str, str] = {
+    **dict.fromkeys(("random", "rand", "randint", "choice", "range", "linspace"), "write `[a, b, c]`, `a .. b by c` or `a .. b in 5`; a nuisance is drawn from that, or from `a .. b`"),
+    **dict.fromkeys(("gauss", "gaussian"), "did you mean `normal`?"),
+}  # fmt: skip

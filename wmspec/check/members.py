@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmspec.check import actions, ir
+from wmspec.check.functions import FUNCTIONS
 from wmspec.check.names import BLOCKS, present, undeclared
 from wmspec.check.owners import Owner, owner, parts
 from wmspec.check.typed import Failed, Typed, constant
 from wmspec.check.types import (
     A_NUMBER,
     ACTION,
+    JOINT,
     OBJECT,
     PART,
     Quantity,
@@ -42,14 +44,14 @@ def member(check: Expressions, e: s.Member) -> Typed:
         check.fail("WMS203", f"{article(str(whole.type))} has no properties", e.name.span)
     kind = _OWNERS[whole.type]
     if not isinstance(whole.expr, ir.Value):  # which one depends on a factor
-        slot = _row(check, PROPERTIES[kind], e.name, kind)
+        slot = _row(check, PROPERTIES[kind], e, kind)
         return Typed(ir.Property(owner=whole.expr, name=e.name.id), slot.types[0])
     name = str(whole.expr.value)
     if (of_asset := _of_asset(check, name, e.name)) is not None:
         return of_asset
     if whole.type == OBJECT and f"{name}.{e.name.id}" in _parts(check, name):
         return Typed(ir.Value(value=f"{name}.{e.name.id}"), PART)
-    return Typed(ir.Property(owner=whole.expr, name=e.name.id), _type(check, named(check, name), e.name))
+    return Typed(ir.Property(owner=whole.expr, name=e.name.id), _type(check, named(check, name), e))
 
 
 def _of_asset(check: Expressions, name: str, member: s.Name) -> Typed | None:
@@ -80,11 +82,22 @@ def _parts(check: Expressions, name: str) -> dict[str, Owner]:
     return {part.name: part for part in parts(block)}
 
 
-def _row(check: Expressions, table: dict[str, Slot], name: s.Name, what: str) -> Slot:
+def _row(check: Expressions, table: dict[str, Slot], e: s.Member, what: str) -> Slot:
+    name = e.name
     if name.id not in table:
         message = f"{article(what)} has no property `{name.id}`"
-        check.fail("WMS203", message, name.span, suggestion(name.id, table))
+        check.fail("WMS203", message, name.span, _measure(check, e, what) or suggestion(name.id, table))
     return table[name.id]
+
+
+def _measure(check: Expressions, e: s.Member, what: str) -> str:
+    """What to write for a measure, or a coordinate, that is written as a property; nothing if it is none."""
+    name, of = e.name.id, e.value.span.text
+    if what == "object" and name in ("x", "y", "z"):
+        return f"write `position({of}).{name}`" if check.measured else f"write `{of}.at.{name}`"
+    function = FUNCTIONS.get(name)
+    fits = function is not None and function.parameters == ({"object": OBJECT, "joint": JOINT}.get(what),)
+    return f"write `{name}({of})`" if function and fits and (check.measured or not function.measured) else ""
 
 
 def _coordinate(check: Expressions, point: Typed, kind: Vector, name: s.Name) -> Typed:
@@ -94,10 +107,12 @@ def _coordinate(check: Expressions, point: Typed, kind: Vector, name: s.Name) ->
     return Typed(ir.Operation(operator=name.id, operands=(point.expr,)), Quantity(kind.dimension))
 
 
-def _type(check: Expressions, of: Owner, name: s.Name) -> Type:
+def _type(check: Expressions, of: Owner, e: s.Member) -> Type:
     """The kind of a property: that of the value it is given, or of its default."""
+    name = e.name
     if name.id not in of.slots:
-        check.fail(*of.lacks(name))
+        code, message, span, help = of.lacks(name)
+        check.fail(code, message, span, _measure(check, e, of.type.kind) or help)
     slot = of.slots[name.id]
     if name.id in of.said:
         return setting(check, of, of.said[name.id], slot).type

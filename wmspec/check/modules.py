@@ -39,6 +39,15 @@ class Modules:
         """Whether all files could be read and found."""
         return self._program.whole
 
+    @property
+    def any(self) -> bool:
+        """Whether any library is used."""
+        return bool(self._used)
+
+    def written(self) -> dict[str, str]:
+        """How names from libraries with a name of their own are written: `here.floor` for `here_floor`."""
+        return {f"{of}_{name}": f"{of}.{name}" for of, names in self._prefixes.items() for name in names}
+
     def statements(self, *items: Iterable[Item]) -> list[s.Statement]:
         """Items without tasks and variants after what they use; all names plain, all parameters filled in."""
         own = [item for each in items for item in each]
@@ -218,7 +227,7 @@ def _each(node: Any, change: Any, but: str = "") -> Any:
         return node
     made = {}
     for name, old in vars(node).items():
-        if name != but and isinstance(old, Node | tuple) and not isinstance(old, Span):
+        if name != but and isinstance(old, s.MADE):
             new = change(old)
             if new is not old:
                 made[name] = new

@@ -101,10 +101,11 @@ def _word(word: str, wanted: tuple[Type, ...]) -> Typed | None:
 
 def suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
     """What may have been meant by a name where types of values are wanted: first what is of these, then all else."""
-    values = check.scope.of(s.Factor, s.Let)
-    if (other := SYNONYMS.get(name)) in fitting(check, wanted):
+    fit, values = fitting(check, wanted), check.scope.of(s.Factor, s.Let)
+    if (other := SYNONYMS.get(name)) in fit:
         return f"did you mean `{other}`?"
-    groups = [[w for w in group if w != name] for group in (fitting(check, wanted), values, check.scope.known())]
+    named = bool(wanted) and all(kind in BLOCKS.values() for kind in wanted)  # what no word of the language is
+    groups = [[w for w in group if w != name] for group in (fit, values, [] if named else check.scope.known())]
     return suggestion(name, *groups)
 
 

@@ -183,7 +183,20 @@ class Questions:
             self.check.misfit(clause.value, options.type, (List(answer.type),), "`options`, like the answer,")
         if isinstance(options.expr, ir.Items) and len(options.expr.items) < 2:
             self.check.fail("WMS502", "a question has two or more options", clause.value.span)
+        self._once_each(clause.value, options.expr)
         return options.expr, Typed(answer.expr, common.item)
+
+    def _once_each(self, written: s.Expr, options: ir.Expr) -> None:
+        """Complain about an option that is written twice."""
+        if not isinstance(written, s.Items) or not isinstance(options, ir.Items):
+            return
+        first: dict[ir.Expr, s.Expr] = {}
+        for item, option in zip(written.items, options.items, strict=True):
+            if isinstance(option, ir.Value) and (other := first.setdefault(option, item)) is not item:
+                notes = (Note("it is here first", other.span),)
+                self.check.fail(
+                    "WMS507", f"the option `{item.span.text}` is here twice", item.span, "remove one", notes
+                )
 
     def _within(self, clauses: dict[str, list[s.Clause]], answer: Typed) -> ir.Expr | None:
         """How far an open answer may be off."""

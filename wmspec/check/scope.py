@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from wmspec.check.functions import FUNCTIONS
 from wmspec.check.verbs import VERBS
@@ -21,7 +21,7 @@ RESERVED = {"end", "index", *WORDS["color"], *WORDS["shape"], *WORDS["tie"]}
 class Scope:
     """Declarations by name, in the order of the text, and the members of sets."""
 
-    def __init__(self, statements: Iterable[s.Statement], report: Report) -> None:
+    def __init__(self, statements: Iterable[s.Statement], report: Report, alone: bool = False) -> None:
         self.names: dict[str, Declaration] = {}
         self.sets: dict[str, str] = {}
         """The set of every member of one."""
@@ -35,8 +35,11 @@ class Scope:
         """Assets whose file cannot be used, which was reported."""
         self.designs: list[s.Design] = []
         self.questions: list[s.Question] = []
+        self.alone = alone
+        """Whether no library is used."""
         self._report = report
-        for statement in statements:
+        self._statements = tuple(statements)
+        for statement in self._statements:
             if isinstance(statement, s.Factor | s.Let | s.Block | s.Action | s.Template):
                 self.declare(statement)
             elif isinstance(statement, s.Design):
@@ -80,6 +83,17 @@ class Scope:
     def known(self) -> list[str]:
         """Every word that may be used as a value."""
         return [*self.names, *BUILTIN, "true", "false", *FUNCTIONS, *VERBS]
+
+    def written(self, of: Mapping[str, str]) -> dict[str, str]:
+        """How members of sets, and links and joints of assets, are written; the names of these are written `of`."""
+        sets = {m: f"{of.get(whole, whole)}[{m.removeprefix(whole)[1:]}]" for m, whole in self.sets.items()}
+        assets = ((a, name, block) for a, named in self.assets.items() for name, block in named.items() if block != a)
+        return sets | {block: f"{of.get(a, a)}.{name}" for a, name, block in assets}
+
+    def strange(self) -> set[str]:
+        """The names that nothing declares."""
+        written = {n.id for n in s.names(self._statements)}
+        return written.difference(self.names, BUILTIN, FUNCTIONS, VERBS)
 
     def of(self, *types: type[Declaration]) -> list[str]:
         """The names declared by statements of the given types."""

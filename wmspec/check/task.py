@@ -32,7 +32,7 @@ from wmspec.diagnostics import Diagnostic, Note, Report
 from wmspec.limits import SECONDS
 from wmspec.parse import syntax as s
 from wmspec.parse.load import Program, load
-from wmspec.places import Span
+from wmspec.places import Source, Span
 
 S = TypeVar("S", bound=s.Statement)
 T = TypeVar("T")
@@ -42,7 +42,7 @@ def check(path: Path, report: Report) -> tuple[ir.TaskSpec, ...]:
     """The tasks of a spec file. Mistakes go to the report; if there is an error, there are no tasks."""
     own = Report()
     tasks = check_program(load(path, own), own)
-    report.include(own.diagnostics)
+    report.take(own)
     return tasks
 
 
@@ -55,8 +55,14 @@ def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
     own = Report()
     own.include(report.diagnostics)
     specs = _specs(program, own)
-    report.include(d for d in own.diagnostics if not guessed or _line(d) not in guessed)
+    report.names |= own.names
+    report.include(d for d in own.diagnostics if not guessed or (_line(d) not in guessed and _of(d, program.source)))
     return specs
+
+
+def _of(d: Diagnostic, source: Source) -> bool:
+    """Whether something is told of this text, and not of a library that it uses."""
+    return not isinstance(d.place, Span) or d.place.source is source
 
 
 def _line(d: Diagnostic) -> object:
@@ -131,7 +137,7 @@ class _Task:
         substitute = Substitute()
         templates = Templates(statements, substitute, report)
         self.statements = [templates.expanded(statement) for statement in statements]
-        self.scope = Scope(self.statements, report)
+        self.scope = Scope(self.statements, report, alone=not modules.any)
         self.scope.whole = self.scope.whole and modules.whole
         self.check = Expressions(self.scope, report, unknown)
         guessed = {_line(d) for d in report.diagnostics}
@@ -144,6 +150,7 @@ class _Task:
         self._replace(Sets(self.check, self.factors, substitute).members)
         self._replace(Assets(self.check, substitute).expanded)
         self.unused = list(templates.unused())
+        report.names |= modules.written() | self.scope.written(modules.written())
 
     def _replace(self, made: Callable[[s.Block], tuple[s.Block, ...]]) -> None:
         """Put what is made of blocks in their place, and nothing where that fails."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+from wmspec.check.libraries import having
 from wmspec.check.substitute import Substitute, TooLarge
 from wmspec.check.vocabulary import PROPERTIES
 from wmspec.diagnostics import Note, Report, suggestion
@@ -32,7 +33,9 @@ class Templates:
         name = statement.model
         bare = replace(statement, model=None)
         if name.id not in self.known:
-            self._report.add("WMS201", f"there is no template `{name.id}`", name.span, suggestion(name.id, self.known))
+            library, _ = having({name.id})
+            help = f"write `use {library}` above, which has it" if library else suggestion(name.id, self.known)
+            self._report.add("WMS201", f"there is no template `{name.id}`", name.span, help)
             known = tuple(p for p in bare.properties if p.name.id in PROPERTIES["object"])
             return replace(bare, properties=known)
         self._used.add(name.id)

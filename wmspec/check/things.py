@@ -15,9 +15,9 @@ from wmspec.check.members import setting
 from wmspec.check.owners import Owner, owner, parts
 from wmspec.check.property_schema import inherited
 from wmspec.check.typed import Failed
-from wmspec.check.types import A_TIME, article
+from wmspec.check.types import A_TIME, article, either
 from wmspec.check.verbs import ROBOTS
-from wmspec.check.vocabulary import COLORS, FILES, JOINTS, MEASURES, Slot
+from wmspec.check.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES, Slot
 from wmspec.diagnostics import Note, Remedy, suggestion
 from wmspec.parse import syntax as s
 from wmspec.places import Location, Span
@@ -135,12 +135,16 @@ class Things:
         shape = properties["shape"].value if "shape" in properties else None
         for name in MEASURES:
             if name in of.said and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].takes(name):
-                remedy = "say how large it is with `size:`"
+                takes = [f"`{m}:`" for m in MEASURES if SHAPES[str(shape.value)].takes(m)]
+                takes = takes[:1] if takes[:1] == ["`size:`"] else takes
+                remedy = f"say how large it is with {either(takes[:3])}"
                 self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.said[name].name.span, remedy)
 
     def _written(self, of: Owner, p: s.Property) -> dict[str, ir.Setting]:
         """A written property, and where it is placed with `at`."""
         if p.name.id not in of.slots:
+            if p.name.id in PROPERTIES[of.type.kind] and not of.said.keys() <= PROPERTIES[of.type.kind].keys():
+                raise Failed  # what it needs may be misspelt
             self.check.fail(*of.lacks(p.name))
         if p.at is not None and p.name.id not in ("on", "inside"):
             remedy = "write `at: (x, y, z)`"

@@ -178,3 +178,17 @@ ROBOTS: dict[str, dict[str, Verb]] = {
         "look": Verb("looks up or down", {"angle": Slot((AN_ANGLE,), "how far up from level; negative is down", least=-1.5, most=1.5)}, True),
     },
 }  # fmt: skip
+
+#: What people call verbs that have another name here.
+OTHERWISE: dict[str, str] = {
+    **dict.fromkeys(("throw", "toss", "shoot", "kick", "roll", "set_velocity"), "launch"),
+    **dict.fromkeys(("hit", "strike", "knock"), "impulse"),
+    **dict.fromkeys(("animate", "translate", "walk"), "glide"),
+    **dict.fromkeys(("set_position", "place_at", "jump"), "teleport"),
+    **dict.fromkeys(("remove", "hide", "disappear", "delete"), "vanish"),
+    **dict.fromkeys(("recolor", "colour", "color"), "paint"),
+    **dict.fromkeys(("fall",), "drop"),
+    **dict.fromkeys(("freeze", "halt"), "stop"),
+}
+#: What objects have for what only robots can do.
+UNAIDED: dict[str, str] = {"push": "launch", "move": "glide", "carry": "glide", "rotate": "follow"}

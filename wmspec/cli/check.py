@@ -52,17 +52,17 @@ def _print(diagnosis: Diagnosis) -> None:
     """Diagnostics to standard error, the tasks without mistakes to standard output."""
     for diagnostic in diagnosis.diagnostics:
         click.echo(diagnostic.render(paint()) + "\n", err=True)
+    for name, count in diagnosis.tasks:
+        if name not in diagnosis.mistaken:
+            click.echo(f"{name}: {count:,} instances, no mistakes")
+            if name in diagnosis.designs:
+                _print_design(diagnosis.designs[name])
     if not diagnosis.passed:
         errors = [d for d in diagnosis.diagnostics if d.severity == "error"]
         codes = sorted({d.code for d in errors})
         more = f"`wmspec explain {codes[0]}` tells more"
         click.echo(f"{len(errors)} mistake{'s' * (len(errors) != 1)}; {more}", err=True)
-        return
-    for name, count in diagnosis.tasks:
-        click.echo(f"{name}: {count:,} instances, no mistakes")
-        if name in diagnosis.designs:
-            _print_design(diagnosis.designs[name])
-    if not diagnosis.tasks:
+    elif not diagnosis.tasks:
         click.echo("no tasks here, and no mistakes")
 
 

@@ -23,6 +23,7 @@ TRIED = 4
 def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
     """Try some instances of each task and print what all of them would take."""
     from wmspec.write.estimate import estimate
+    from wmspec.write.manifest import top_reasons
 
     total = sum(min(TRIED, len(task.indices)) for task in plan.tasks)
     with progress_bar(total, "trying") as progress:
@@ -33,6 +34,8 @@ def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
     else:
         _print(costs, effort.workers)
         for cost in costs:
+            if cost.reasons:
+                click.echo("\n".join([f"{cost.task}:", *top_reasons(cost.reasons, cost.examples)]))
             if cost.balance is not None:
                 click.echo(f"{cost.task}: {cost.balance}")
         click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")

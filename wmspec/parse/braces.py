@@ -24,6 +24,28 @@ def rebraced(source: Source, tokens: Sequence[Token]) -> Repair | None:
     return None
 
 
+def indented(source: Source, tokens: Sequence[Token], stuck: int) -> Repair | None:
+    """A block without braces, as in Python, with or without a colon: it has as many lines as are further in."""
+    colons = (i for i in range(stuck, max(0, stuck - 3), -1) if tokens[i].type == "COLON" and _begins(tokens, i + 1))
+    i = next(colons, stuck)
+    colon = tokens[i].type == "COLON"
+    deep = _indent(source, tokens[i if colon else i - 1].line)
+    if not colon and not (i and _begins(tokens, i) and _indent(source, tokens[i].line) > deep):
+        return None
+    inner = range(i + 1, len(tokens))
+    end = next((j for j in inner if _begins(tokens, j) and _indent(source, tokens[j].line) <= deep), len(tokens) - 1)
+    closed = tokens[end].type == "RBRACE" and _indent(source, tokens[end].line) == deep
+    what = "`:` opens no block" if colon else "`{` is missing here"
+    help = "write `{`" if closed else "write `{`, and `}` where it ends"
+    opened = (tokens[i]._replace(type="LBRACE", text="{"),)
+    return Repair(i, i + colon, opened, what, help, 0.5, missing=not colon, closes=None if closed else end)
+
+
+def _begins(tokens: Sequence[Token], i: int) -> bool:
+    """Whether a word is the first of its line."""
+    return i < len(tokens) and tokens[i - 1].end_line < tokens[i].line
+
+
 def _surplus(source: Source, tokens: Sequence[Token]) -> Iterator[int]:
     """Closing braces that stand in a line after something else, and close what does not begin in this line."""
     opened: list[int] = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 
 from wmspec.diagnostics import Report
+from wmspec.parse.elsewhere import decimal
 from wmspec.parse.words import Token, read
 from wmspec.places import Source, Span
 
@@ -48,6 +49,11 @@ def readable(source: Source, tokens: list[Token], report: Report) -> Iterator[To
         pair = one.text + following.text if following is not None and following.start == one.end else ""
         if pair == "//" or (pair == "/*" and one.type == "TIMES"):
             i = yield from _comment(source, tokens, i, pair, report)
+        elif one.type == "NUMBER" and (number := _decimal(tokens, i)) is not None:
+            help = f"write `{number.text}`, or a unit after each number"
+            report.add("WMS102", "a number has a point, no comma", _span(source, one, tokens[i + 2].end), help)
+            yield number
+            i += 3
         elif pair in _PAIRS:
             yield _instead(source, one, pair, *_PAIRS[pair], report)
             i += 2
@@ -62,6 +68,12 @@ def readable(source: Source, tokens: list[Token], report: Report) -> Iterator[To
         else:
             yield one
             i += 1
+
+
+def _decimal(tokens: list[Token], i: int) -> Token | None:
+    """`1,4 cm`: a number and a quantity are never side by side, but for a 0, which has no unit."""
+    number = decimal(*tokens[i : i + 3])
+    return number if number is not None and number.type == "QUANTITY" and float(tokens[i].text) else None
 
 
 def _stray(source: Source, tokens: list[Token], i: int, report: Report) -> Generator[Token, None, int]:

@@ -33,6 +33,11 @@ _ALIKE = (
     {"COLON", "EQUAL", "COMMA", "DOT", "RANGE", "COMPARE", "MINUS"},
     {"STRAY", "COMMA"},
 )
+#: The keywords of statements that are written most often, those of a task, then those of a question.
+_OFTEN = (
+    *("use", "factor", "let", "object", "objects", "action", "observe", "question", "task", "require", "horizon"),
+    *("answer", "options", "counterfactual", "ensure"),
+)
 #: Words that may be missing between two others.
 _BETWEEN = {
     "ELSE": "else",
@@ -44,7 +49,8 @@ _BETWEEN = {
     "APART": "apart by",
 }
 _NUMBER = re.compile(r"\d+(\.\d+)?")
-_UNITS = ("mm", "cm", "m", "s", "ms", "deg", "kg", "g")
+#: Units that follow a number.
+UNITS = ("mm", "cm", "m", "s", "ms", "deg", "kg", "g", "N", "rad")
 
 
 @dataclass(frozen=True)
@@ -52,7 +58,7 @@ class Repair:
     """Other words in place of those from `start` to `stop`, and what is told of it.
 
     `cost`: the lower, the likelier. What is `missing` is told after the word before. A name that is `hyphenated` is so
-    wherever it is used.
+    wherever it is used. A block that is opened `closes` before another word.
     """
 
     start: int
@@ -63,6 +69,7 @@ class Repair:
     cost: float
     missing: bool = False
     hyphenated: bool = False
+    closes: int | None = None
 
 
 class Place(NamedTuple):
@@ -206,10 +213,13 @@ def _inches(place: Place) -> Iterator[Repair]:
 
 
 def _number(place: Place) -> Iterator[Repair]:
-    """`1O cm`: a letter among the digits."""
+    """`1O cm`: a letter among the digits; `1.5.5`: two points."""
     text = place.word.text
+    if place.word.type == "DOT" and place.before.type == "NUMBER" and place.after.type in ("NUMBER", "QUANTITY"):
+        told, help = f"`{place.before.text}.{place.after.text}` is no number", "write one decimal point"
+        yield Repair(place.i - 1, place.i + 2, (place.after,), told, help, 1.0)
     number = _NUMBER.match(text) if place.word.type == "QUANTITY" else None
-    if number and text[number.end()].isalpha() and place.after.text in _UNITS:
+    if number and text[number.end()].isalpha() and place.after.text in UNITS:
         made = place.word._replace(text=f"{number[0]} {place.after.text}")
         told = f"`{text}` is no number"
         yield place.instead(made, told=told, help="write digits, and then the unit", cost=1.0, of=2)
@@ -250,11 +260,23 @@ def _no_word(place: Place) -> Iterator[Repair]:
 
 
 def _no_statement(place: Place) -> Iterator[Repair]:
-    """The keyword with which a statement begins."""
+    """The keyword with which a statement begins: rather that where a line begins, and rather a frequent one."""
+    begins = place.before.end_line < place.word.line and place.word.type not in tables().starters
+    cost = 2.7 if begins else 6.0
     starters = {w: kind for w, kind in _keywords().items() if kind in place.accepted & tables().starters}
-    help = f"such as {', '.join(f'`{word}`' for word in sorted(starters)[:6])}"
-    for kind in starters.values():
-        yield place.missing(kind, told="a statement begins with its keyword", help=help, cost=6.0)
+    first = "action" if _acts(place) else "horizon" if place.word.type == "QUANTITY" else "let"
+    ordered = [w for w in dict.fromkeys((first, *_OFTEN, *sorted(starters))) if w in starters]
+    for rank, keyword in enumerate(ordered):
+        made = Token(starters[keyword], keyword, place.word.start, place.word.line)
+        help = f"write before `{shown(place.word)}` what it is, such as `{keyword}`"
+        told = "a statement begins with its keyword"
+        yield Repair(place.i, place.i, (made,), told, help, cost + 0.001 * rank)
+
+
+def _acts(place: Place) -> bool:
+    """Whether a name is made of a call: `push = launch(...)`, `reach = arm.push(...)`."""
+    kinds = [t.type for t in place.words[place.i : place.i + 6]]
+    return kinds[:4] == ["NAME", "EQUAL", "NAME", "LPAR"] or kinds == ["NAME", "EQUAL", "NAME", "DOT", "NAME", "LPAR"]
 
 
 def _of_argument(place: Place) -> bool:

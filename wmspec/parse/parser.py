@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wmspec.diagnostics import Report
-from wmspec.parse.braces import rebraced
+from wmspec.parse.braces import indented, rebraced
 from wmspec.parse.build import build_expression, build_file
 from wmspec.parse.lookalikes import readable
 from wmspec.parse.machine import END, Machine, Tree
@@ -95,7 +95,8 @@ def _mended(
     """The words without the mistake at which reading is stuck, which is reported; and whether no name is missing."""
     inner = machine.takes("RPAR") or machine.takes("RSQB")
     braces = start == "start" and tokens[stuck].type in (END, "RBRACE") and not inner
-    change = (rebraced(source, tokens) if braces else None) or repair(start, tokens, stuck)
+    block = indented(source, tokens, stuck) if start == "start" else None
+    change = (rebraced(source, tokens) if braces and block is None else None) or repair(start, tokens, stuck, block)
     if change is None:
         _complain(source, tokens, stuck, machine.accepted(), report)
         return (dropped(machine, tokens, stuck) if start == "start" else [Token("NAME", "", 0, 0), tokens[-1]]), False

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 
+from wmspec.parse.elsewhere import elsewhere
 from wmspec.parse.machine import Machine
 from wmspec.parse.meant import Place, Repair, guesses, hyphenated
 from wmspec.parse.tables import tables
@@ -22,11 +24,16 @@ LEAST, LIKELY = 3, 2.5
 _FAR = 0.15
 
 
-def repair(start: str, words: Sequence[Token], stuck: int) -> Repair | None:
-    """The change that lets most be read of the words around the one that cannot be read; None if none helps much."""
+def repair(start: str, words: Sequence[Token], stuck: int, own: Repair | None = None) -> Repair | None:
+    """The change that lets most be read of the words around the one that cannot be read; None if none helps much.
+
+    `own` is a guess that the caller has.
+    """
     stacks = _stacks(start, words, stuck)
     best, merit = None, (0, 0.0)
-    for one in _guesses(start, words, stuck, stacks):
+    for one in chain(() if own is None else (own,), _guesses(start, words, stuck, stacks)):
+        if one.start not in stacks:
+            continue
         machine = Machine(start)
         machine.states = list(stacks[one.start])
         reached = _reach(machine, one, words, stuck)
@@ -38,7 +45,11 @@ def repair(start: str, words: Sequence[Token], stuck: int) -> Repair | None:
 
 def repaired(change: Repair, words: Sequence[Token]) -> list[Token]:
     """The words with the change."""
-    made = [*words[: change.start], *change.words, *words[change.stop :]]
+    rest = list(words[change.stop :])
+    if change.closes is not None:
+        last = words[change.closes]
+        rest.insert(change.closes - change.stop, Token("RBRACE", "", last.start, last.line))
+    made = [*words[: change.start], *change.words, *rest]
     if not change.hyphenated:
         return made
     written, (name,) = [t.text for t in words[change.start : change.stop]], change.words
@@ -54,7 +65,7 @@ def repaired(change: Repair, words: Sequence[Token]) -> list[Token]:
 def sure(change: Repair, words: Sequence[Token]) -> bool:
     """Whether no name may be missing, or be another one, with the change."""
     names = [t for t in words[change.start : change.stop] if t.type == "NAME"]
-    guessed = any(t.type in tables().starters for t in change.words) and change.missing
+    guessed = any(t.type in tables().starters for t in change.words) and change.start == change.stop
     return not change.hyphenated and not guessed and (bool(change.words) or not names)
 
 
@@ -62,7 +73,8 @@ def _guesses(start: str, words: Sequence[Token], stuck: int, stacks: dict[int, l
     for i, states in stacks.items():
         machine = Machine(start)
         machine.states = states
-        for one in guesses(Place(words, i, machine.accepted()), stuck):
+        place = Place(words, i, machine.accepted())
+        for one in (*guesses(place, stuck), *elsewhere(place)):
             yield replace(one, cost=one.cost + _FAR * (stuck - i))
 
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal
+from typing import Literal, TypeVar
 
 from wmspec.node import Node
 from wmspec.places import Span
+
+N = TypeVar("N")
+#: What has parts of its own.
+MADE = (tuple, Node)
 
 # ---------------------------------------------------------------- expressions
 
@@ -368,18 +372,22 @@ class File(Node):
 
 def names(node: object) -> Iterator[Name]:
     """All names in a piece of the syntax tree."""
-    if isinstance(node, Name):
-        yield node
-    for part in parts(node):
-        yield from names(part)
+    return _every(node, Name)
 
 
 def texts(node: object) -> Iterator[Text]:
     """All quoted texts in a piece of the syntax tree."""
-    if isinstance(node, Text):
-        yield node
-    for part in parts(node):
-        yield from texts(part)
+    return _every(node, Text)
+
+
+def _every(node: object, sort: type[N]) -> Iterator[N]:
+    """All nodes of a sort in a piece of the syntax tree, in order."""
+    stack = [node]
+    while stack:
+        one = stack.pop()
+        if isinstance(one, sort):
+            yield one
+        stack += [part for part in parts(one) if isinstance(part, MADE)][::-1]
 
 
 def parts(node: object) -> Iterator[object]:

@@ -7,8 +7,10 @@ from contextlib import closing
 from dataclasses import dataclass
 from time import perf_counter
 
+from wmspec.ask.model import Rejected
 from wmspec.execute.pool import Effort, Lost, in_order
-from wmspec.write.generate import job_of
+from wmspec.write.generate import job_of, nothing
+from wmspec.write.manifest import by_reason
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import schema, table
 from wmspec.write.shards import parquet
@@ -21,7 +23,8 @@ class Cost:
     """What a task would take, judged by `tried` of its `instances`.
 
     `seconds` are what one worker needs for an instance, `size` the bytes of an instance's questions in Parquet;
-    `rejected` of the `asked` questions were rejected. `balance` is what the balance of answers cost, if there is one.
+    `rejected` of the `asked` questions were rejected, so many for each of the `reasons`, with an example. `balance` is
+    what the balance of answers cost, if there is one.
     """
 
     task: str
@@ -31,6 +34,8 @@ class Cost:
     size: float
     asked: int
     rejected: int
+    reasons: dict[str, int]
+    examples: dict[str, Rejected]
     balance: Balance | None = None
 
     def hours(self, workers: int) -> float:
@@ -109,7 +114,12 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[list[Piece]
     outcomes = [outcome for trial in whole for outcome in trial.outcomes]
     rows = [row for outcome in outcomes for row in outcome.rows]
     tried = sum(_size(unit) for unit, _ in trials)
-    lost = (tried - len(outcomes)) * len(task.spec.questions) * len(plan.engines)
+    rejected = [r for outcome in outcomes for r in outcome.rejected]
+    for unit, trial in trials:
+        if isinstance(trial, Lost):
+            nothings = (nothing(plan, task.spec, index, trial) for piece in unit for index in piece)
+            rejected += (r for outcome in nothings for r in outcome.rejected)
+    reasons, examples = by_reason(rejected)
     late = sum(_size(unit) for unit, trial in trials if isinstance(trial, Lost) and trial.kind == "timeout")
     seconds = sum(trial.seconds for trial in whole) + 2 * effort.timeout * late  # each was tried twice
     return Cost(
@@ -119,6 +129,8 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[list[Piece]
         seconds=seconds / tried,
         size=len(parquet(table(rows, schema(task.spec)))) / tried,
         asked=tried * len(task.spec.questions) * len(plan.engines),
-        rejected=lost + sum(len(outcome.rejected) for outcome in outcomes),
+        rejected=len(rejected),
+        reasons=reasons,
+        examples=examples,
         balance=sum((trial.balance for trial in whole), Balance()) if task.spec.plan.balance else None,
     )

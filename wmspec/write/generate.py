@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from itertools import groupby
 
 from wmspec.ask.model import Rejected
+from wmspec.check.ir import TaskSpec
 from wmspec.check.record import to_json
 from wmspec.execute.pool import Effort, Lost, by_units
 from wmspec.write.checkpoint import passing
@@ -55,7 +56,8 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
                     balance[task] = balance.get(task, Balance()) + made.balance
             for at, index in enumerate(indices):
                 one = shard_of[task, index]
-                one.keep(index, _lost(plan, one.shard, index, made) if isinstance(made, Lost) else made.outcomes[at])
+                spec = specs[task]
+                one.keep(index, nothing(plan, spec, index, made) if isinstance(made, Lost) else made.outcomes[at])
                 progress(task, 1)
     return Spent(shared, balance)
 
@@ -104,9 +106,8 @@ def job_of(plan: Plan, effort: Effort) -> Job:
     return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, plan.look, plan.samples, plan.renderer)
 
 
-def _lost(plan: Plan, shard: Shard, index: int, lost: Lost) -> Outcome:
+def nothing(plan: Plan, spec: TaskSpec, index: int, lost: Lost) -> Outcome:
     """What is recorded of an instance that came to nothing: all its questions are rejected in all engines."""
-    spec = shard.task.spec
     rejected = (
         Rejected(spec.name, index, q, engine, lost.kind, lost.reason)
         for engine in plan.engines

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -28,9 +28,20 @@ class TaskSummary:
 
     def __str__(self) -> str:
         """How much was kept, and the reasons that most was rejected for."""
-        often = sorted(self.rejected.items(), key=lambda one: (-one[1], one[0]))[:REASONS]
         kept = f"{self.name}: {sum(self.rows.values()):,} questions of {self.instances:,} instances"
-        return "\n".join([kept, *(f"  {n:,} {reason}, such as {_told(self.examples[reason])}" for reason, n in often)])
+        return "\n".join([kept, *top_reasons(self.rejected, self.examples)])
+
+
+def top_reasons(rejected: Mapping[str, int], examples: Mapping[str, Rejected]) -> list[str]:
+    """The reasons that most questions were rejected for, a line each, with an example."""
+    often = sorted(rejected.items(), key=lambda one: (-one[1], one[0]))[:REASONS]
+    return [f"  {n:,} {reason}, such as {_told(examples[reason])}" for reason, n in often]
+
+
+def by_reason(lost: Sequence[Rejected]) -> tuple[dict[str, int], dict[str, Rejected]]:
+    """How many questions were rejected for each reason, and the first of each."""
+    counted = Counter(str(r.reason) for r in lost)
+    return dict(sorted(counted.items())), {str(r.reason): r for r in reversed(lost)}
 
 
 def _told(one: Rejected) -> str:
@@ -77,11 +88,9 @@ def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
 
 def _count(plan: Plan, task: Task, lost: list[Rejected]) -> TaskSummary:
     asked = len(task.indices) * len(task.spec.questions)
-    by_engine, by_reason = Counter(r.engine for r in lost), Counter(r.reason for r in lost)
+    by_engine = Counter(r.engine for r in lost)
     rows = {engine: asked - by_engine[engine] for engine in plan.engines}
-    examples = {str(r.reason): r for r in reversed(lost)}
-    rejected = {str(k): n for k, n in sorted(by_reason.items())}
-    return TaskSummary(task.spec.name, len(task.indices), rows, rejected, examples)
+    return TaskSummary(task.spec.name, len(task.indices), rows, *by_reason(lost))
 
 
 def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[str, Any]:
