@@ -38,6 +38,8 @@ class Expressions:
         self._unknown = unknown
         self.doubtful: set[str] = set()
         """Named values that may be wrong themselves: no misfit of theirs is told (again)."""
+        self._blamed: set[Span] = set()
+        """Values that were given to a library and do not fit there: of each this is told once."""
         self.measured = False  # whether measured functions may stand here
         self._known: dict[tuple[str, str], Typed | None] = {}
         self._open: list[tuple[tuple[str, str], Span]] = []
@@ -140,7 +142,13 @@ class Expressions:
         self.doubtful |= named.keys()
         own = (d for d in named.values() if d.name.span.source is span.source)
         notes = tuple(Note(f"`{d.name.id}` is declared here", d.name.span) for d in own)
-        self.fail("WMS301" if quantities else "WMS302", message, span, help, notes[:2])
+        code = "WMS301" if quantities else "WMS302"
+        if (given := next((n for n in s.numbers((e, beside)) if n.span.source is not span.source), None)) is not None:
+            if given.span in self._blamed:
+                raise Failed
+            self._blamed.add(given.span)
+            self.fail(code, f"where this is used, {message}", given.span, "", (Note("it is used here", span),))
+        self.fail(code, message, span, help, notes[:2])
 
     def _number(self, e: s.Number, wanted: tuple[Type, ...]) -> Typed:
         scale, dimension = self.unit(e.unit, e.span, wanted) if e.unit else (1.0, NUMBER)

@@ -380,6 +380,11 @@ def texts(node: object) -> Iterator[Text]:
     return _every(node, Text)
 
 
+def numbers(node: object) -> Iterator[Number]:
+    """All numbers in a piece of the syntax tree."""
+    return _every(node, Number)
+
+
 def _every(node: object, sort: type[N]) -> Iterator[N]:
     """All nodes of a sort in a piece of the syntax tree, in order."""
     stack = [node]
