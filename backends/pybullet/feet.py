@@ -22,14 +22,14 @@ EIGHTH = pi / 4  # two squares, turned against each other by it, have the corner
 
 
 def footed(assembly: Assembly) -> Assembly:
-    """The same bodies, with feet for the cylinders of those that move, as far as PyBullet takes so many pieces."""
+    """The same bodies, with feet for the cylinders of those that are moved, as far as PyBullet takes so many pieces."""
     return replace(assembly, bodies=tuple(map(_body, assembly.bodies)))
 
 
 def _body(body: Rigid) -> Rigid:
     kinds = [piece.kind for piece in body.pieces]
     many = len(kinds) - max(0, kinds.count("hull") - 1) + 2 * kinds.count("cylinder")
-    if body.motion == "static" or many > MOST_PIECES:
+    if body.motion != "dynamic" or many > MOST_PIECES:
         return body
     return replace(body, pieces=tuple(part for piece in body.pieces for part in _parts(piece)))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from pxr import Usd
 
 from tests.engines import ENGINES, installed
 from wmspec.cli import main
+from wmspec.conform.build import body, cylinder, floor, stage
 from wmspec.conform.case import RATE
 from wmspec.conform.score import by_backend, by_traces, cases, chosen, scores
 from wmspec.diagnostics import WmsError
@@ -66,6 +68,19 @@ def test_what_falls_on_what_rests_stays_there_in_sapien() -> None:
     installed("sapien")
     (score,) = scores("sapien", by_backend("sapien"), chosen(["drop_on_box"]))
     assert score.passed, score.measured
+
+
+def test_cylinders_as_long_as_thick_are_balls_inside_in_sapien_unless_they_stand() -> None:
+    installed("sapien")
+    from backends.sapien.physics import prepare
+
+    def kinds(axis: str, length: float) -> list[str]:
+        text = stage(floor(), body("can", cylinder(0.1, length, axis), (0, 0, 0.1)))
+        whole, _ = prepare(replace(read(opened(text), strict=False), duration=0.1, rate=240))
+        return [piece.kind for piece in whole.bodies[1].pieces]
+
+    assert kinds("Y", 0.2) == kinds("Y", 0.4) == kinds("Z", 0.4) == ["cylinder", "capsule"]
+    assert kinds("Z", 0.2) == kinds("Y", 0.1) == ["cylinder"]
 
 
 @pytest.mark.parametrize("engine", ENGINES)

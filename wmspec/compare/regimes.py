@@ -145,13 +145,16 @@ def _whips(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
 
 
 def _rolls(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
-    """Cylinders shorter than thick that roll on their sides."""
+    """Cylinders shorter than thick, or as long that stood, that roll on their sides."""
     size = np.linalg.norm(scene.gravity)
     for i, body in enumerate(scene.bodies):
         for geom in colliders(body) if body.motion == "dynamic" and size else ():
-            if not (isinstance(geom.shape, Cylinder) and disc(geom.shape.radius, geom.shape.height)):
+            if not isinstance(geom.shape, Cylinder):
                 continue
             axis = rotate(trace.orientation[:, i], rotate(geom.pose.orientation, np.array([0.0, 0.0, 1.0])))
+            stood = bool(abs(axis[0] @ scene.gravity) / size >= STEEP)
+            if not disc(geom.shape.radius, geom.shape.height, stands=stood):
+                continue
             rolls = np.abs((axis * trace.angular_velocity[:, i]).sum(axis=1)) * geom.shape.radius > SLOW
             lying = np.abs(axis @ scene.gravity) / size < STEEP
             if (rolls & lying & _touching(trace, body)).any():

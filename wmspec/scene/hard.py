@@ -22,12 +22,19 @@ SWINGS = 3.0
 """How fast (rad/s) the two of a double pendulum turn against each other, or faster, when their energy is looked at."""
 
 
+ROOM = 1e-4
+"""m: how far the capsule in a cylinder stays within its ends, where there is room."""
+
+
 def leaning(radius: float, height: float, angle: float) -> bool:
     """Whether a cylinder (m) whose axis is turned so far (rad) from the vertical still stands, but only just."""
     tips = atan(2 * radius / height)
     return TIPS * tips < angle < tips
 
 
-def disc(radius: float, height: float) -> bool:
-    """Whether a cylinder (m) is shorter than it is thick: then no capsule fits into it for it to roll on."""
-    return height < 2 * radius * (1 - 1e-9)
+def disc(radius: float, height: float, *, stands: bool = False) -> bool:
+    """Whether a cylinder (m) is shorter than it is thick: then no capsule fits into it for it to roll on.
+
+    Into one that is as long as thick a ball fits, but on its end it would stand on the ball: not if it `stands`.
+    """
+    return height < 2 * radius * (1 - 1e-9) or (stands and height < 2 * radius + 2 * ROOM)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from wmspec.scene.bounds import bounds, upright
@@ -25,8 +23,11 @@ def landings(scene: Scene) -> frozenset[tuple[int, int]]:
     up, sides = -np.sign(scene.gravity[axis]), [i for i in range(3) if i != axis]
     jointed = {name for joint in scene.joints for name in (joint.first, joint.second)}
     free = [i for i, b in enumerate(scene.bodies) if b.motion == "dynamic" and colliders(b) and b.name not in jointed]
+    if len(free) < 2:
+        return frozenset()
     boxes = {i: upright(colliders(scene.bodies[i]), scene.bodies[i].pose) for i in free}
-    air = [i for i in free if not any(_meet(boxes[i], box) for box in _boxes(scene, i))] if len(free) > 1 else []
+    owner, around = _around(scene)
+    air = [i for i in free if not (_meet(boxes[i], around) & (owner != i)).any()]
     passing = apart(scene)
     return frozenset(
         (i, j)
@@ -39,16 +40,17 @@ def landings(scene: Scene) -> frozenset[tuple[int, int]]:
     )
 
 
-def _boxes(scene: Scene, but: int) -> Iterator[Array]:
-    """The upright boxes (2, 3) m around all pieces of other bodies."""
-    for i, body in enumerate(scene.bodies):
-        if i != but:
-            yield from (bounds(geom.shape, compose(body.pose, geom.pose)) for geom in colliders(body))
+def _around(scene: Scene) -> tuple[Array, Array]:
+    """Of all M pieces the numbers of their bodies (M,), and the upright boxes around them (M, 2, 3) m."""
+    pieces = [(i, body, geom) for i, body in enumerate(scene.bodies) for geom in colliders(body)]
+    made = [bounds(geom.shape, compose(body.pose, geom.pose)) for _, body, geom in pieces]
+    return np.array([i for i, _, _ in pieces]), np.array(made)
 
 
-def _meet(a: Array, b: Array) -> bool:
-    """Whether boxes touch, or nearly."""
-    return bool((a[0] < b[1] + CLEAR).all() and (b[0] < a[1] + CLEAR).all())
+def _meet(a: Array, b: Array) -> Array:
+    """Whether a box (2, n) touches others (..., 2, n), or nearly."""
+    meets = (a[0] < b[..., 1, :] + CLEAR) & (b[..., 0, :] < a[1] + CLEAR)
+    return np.asarray(meets.all(axis=-1))
 
 
 def dull(a: Body, b: Body) -> bool:
