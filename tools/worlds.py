@@ -3,7 +3,8 @@
 python tools/worlds.py things [NAME ...]    named; every sixth without a name by each engine: docs/images/things*.jpg
 python tools/worlds.py rooms [NAME ...]     from each camera: docs/images/rooms.jpg
 python tools/worlds.py nameless FOLDER KEY   one a picture and shuffled, to be named; what they are is in KEY
-python tools/worlds.py parity               what the pictures of the engines differ by: lines of a table
+python tools/worlds.py parity [all]         what the pictures of the engines differ by: lines of a table, for every
+                                            sixth thing and every room, or for all from each camera
 """
 
 from __future__ import annotations
@@ -184,12 +185,14 @@ def apart(a: Frame, b: Frame) -> tuple[float, float, float]:
     return overlap, color, float(np.percentile(np.abs(a.depth - b.depth)[same], 99)) * 1000
 
 
-def parity(side: int = 256) -> Iterator[str]:
-    """A line of a table for each of a sample."""
+def parity(step: int, cameras: Iterable[str], side: int = 256) -> Iterator[str]:
+    """A line of a table for each of every so many things, and for every room from each camera."""
     every = things()
-    sample = {name: (thing(name, every[name]), "near") for name in list(every)[::6]}
-    sample |= {name: (room(name), "front") for name in ROOMS}
-    for name, (what, camera) in sample.items():
+    sample = [(name, thing(name, every[name]), "near") for name in list(every)[::step]]
+    sample += [
+        (name if camera == "front" else f"{name}, {camera}", room(name), camera) for name in ROOMS for camera in cameras
+    ]
+    for name, what, camera in sample:
         drawn = {engine: frames(what, engine, side, [camera])[0] for engine in names()}
         worst = [apart(drawn[a], drawn[b]) for a, b in combinations(drawn, 2)]
         overlap, color, depth = min(w[0] for w in worst), max(w[1] for w in worst), max(w[2] for w in worst)
@@ -211,7 +214,7 @@ def nameless(folder: Path, key: Path, side: int = 320) -> None:
 def main(kind: str, *chosen: str) -> int:
     """Write a picture, or print the lines."""
     if kind == "parity":
-        for line in parity():
+        for line in parity(1, CAMERAS) if chosen else parity(6, ("front",)):
             print(line, flush=True)
         return 0
     if kind == "nameless":

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
+import PIL.Image
 from numpy.typing import NDArray
 
 from wmspec.diagnostics import WmsError
 from wmspec.scene.camera import projection_matrix, seeing, view_matrix
 from wmspec.scene.color import texture, whole
 from wmspec.scene.contact_shadow import ContactShadows
-from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
+from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot, Surface
 from wmspec.scene.picture import Image, check, halve, quantize
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
@@ -59,7 +62,8 @@ class Renderer:
         # what's in front comes first: what's behind it then need not be coloured
         order = sorted(range(len(scene.bodies)), key=self._casters.size)
         shown = [(i, j, geom) for i in order for j, geom in enumerate(scene.bodies[i].geoms) if geom.visible]
-        self._pieces = [Piece(i, j, geom.pose, *_add(geom, self._client)) for i, j, geom in shown]
+        images = _images((geom.surface for _, _, geom in shown), self._client)
+        self._pieces = [Piece(i, j, geom.pose, *_add(geom, images, self._client)) for i, j, geom in shown]
         self._owner = np.full(pybullet.getNumBodies(self._client) + 1, -1, np.int16)
         for piece in self._pieces:
             self._owner[list(piece.numbers)] = piece.body
@@ -168,15 +172,37 @@ def _metres(z: NDArray[np.float32], camera: Camera) -> NDArray[np.float32]:
     return (far * near / (far - (far - near) * z.astype(np.float64))).astype(np.float32)
 
 
-def _add(geom: Geom, client: int) -> tuple[tuple[int, ...], Array]:
+def _images(surfaces: Iterable[Surface], client: int) -> dict[tuple[str, bool], int]:
+    """PyBullet's numbers of the images of surfaces, which are softened where they are repeated."""
+    wanted = {(one.texture, one.repeats is not None) for one in surfaces if one.texture}
+    numbers: dict[tuple[str, bool], int] = {}
+    with TemporaryDirectory() as folder:
+        for file, repeated in sorted(wanted):
+            pixels, copy = texture(file), Path(folder) / f"{len(numbers)}.png"
+            if repeated:
+                PIL.Image.fromarray(_soft(pixels)).save(copy, compress_level=1)
+            path = str(copy) if repeated else file
+            numbers[file, repeated] = pybullet.loadTexture(path, physicsClientId=client)
+    return numbers
+
+
+def _soft(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The mean of 3 x 3 texels for every texel of an image (h, w, 3) that is repeated.
+
+    Afar others take the mean of the texels in a pixel; TinyRenderer takes one of them, and so might see but a joint.
+    """
+    near = [np.roll(image, (down, right), (0, 1)) for down in (-1, 0, 1) for right in (-1, 0, 1)]
+    soft: NDArray[np.uint8] = np.rint(np.mean(near, axis=0)).astype(np.uint8)
+    return soft
+
+
+def _add(geom: Geom, images: dict[tuple[str, bool], int], client: int) -> tuple[tuple[int, ...], Array]:
     """Add the sides of a geometry; return their numbers in PyBullet and their planes."""
-    image = geom.surface.texture
-    if image:
-        texture(image)  # says what is wrong with the file, if anything
-    number = pybullet.loadTexture(image, physicsClientId=client) if image else None
+    look = geom.surface
     facets, planes = zip(*sides(texcoords(geom)), strict=True)
     bodies = tuple(_side(geom, one, client) for one in facets)
-    for body in bodies if image else ():
+    for body in bodies if look.texture else ():
+        number = images[look.texture or "", look.repeats is not None]
         pybullet.changeVisualShape(body, -1, textureUniqueId=number, physicsClientId=client)
     return bodies, np.stack(planes)
 
