@@ -83,12 +83,9 @@ class Episode:
 
     @property
     def notes(self) -> tuple[Diagnostic, ...]:
-        """What was taken for something else, or executed only nearly as it is meant, as warnings with their prims; and
-
-        motion of it that engines get wrong.
-        """
+        """What was taken for something else, executed only nearly as it is meant, or is known to go wrong: warnings."""
         wrong = entered(self.scene, self.trace, Tolerances().event)
-        doubts = (Diagnostic(f"{regime.kind}: {regime.where}", severity="warning") for regime in wrong)
+        doubts = (Diagnostic(regime.told, severity="warning") for regime in wrong)
         nearly = approximated(info(self.engine).lacks, self.scene)
         return tuple(dict.fromkeys((*self.scene.notes, *nearly, *doubts)))
 

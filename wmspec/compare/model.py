@@ -71,6 +71,11 @@ class Regime:
     kind: str
     where: str
 
+    @property
+    def told(self) -> str:
+        """Both in a sentence."""
+        return f"{self.kind}: {self.where}"
+
 
 @dataclass(frozen=True)
 class Comparison:

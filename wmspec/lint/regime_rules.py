@@ -98,18 +98,21 @@ def heavy_landing(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS608")
 def double_pendulum(scene: Scene) -> Iterator[Breach]:
-    """What swings from something that swings, without a drive."""
+    """What swings from something that swings, without a drive, where questions have no margin: the first of such."""
     values = scene.values
+    questions = values.spec.questions
+    if questions and all(question.margins for question in questions):
+        return
     swings = {j.name: _ends(values, j.name) for j in _joints(values) if j.model in ("hinge", "ball")}
     free = {j: ends for j, ends in swings.items() if not _driven(values, j)}
     for name, ends in free.items():
-        hung = any(ends & others for j, others in free.items() if j != name)
-        if len(ends) == 2 and hung:
+        if len(ends) == 2 and any(ends & others for j, others in free.items() if j != name):
             of, to = values.property(name, "of"), values.property(name, "to")
             what = f"`{of}` swings from `{to}`, which swings itself, {scene.where}"
-            remedy = "ask early, or with a `margin` of some per cent"
+            remedy = "ask early, and with a `margin` of some per cent"
             doubt = "all engines lose or gain a few per cent of the energy of such"
             yield Breach(f"{what}; {doubt}", values.place(name), remedy, about=name)
+            return
 
 
 @rule("WMS608")
