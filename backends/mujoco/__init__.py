@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from wmspec.scene.backend import must_draw
 from wmspec.scene.model import Look, Renderer, Scene, Trace
 
 from .about import INFO as info
@@ -22,8 +23,9 @@ def execute(scene: Scene) -> Trace:
 def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:
     """Make a renderer of the scene's bodies and cameras.
 
-    Raises WmsError where the graphics that the look needs are missing.
+    Raises WmsError for the look photo, which is Mitsuba's, and where the graphics that a look needs are missing.
     """
+    must_draw(info, look, samples)
     if look == "beauty":
         from . import beauty
 

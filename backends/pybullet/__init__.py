@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.diagnostics import WmsError
+from wmspec.scene.backend import must_draw
 from wmspec.scene.model import Look, Renderer, Scene, Trace
 
 from .about import INFO as info
@@ -25,8 +25,7 @@ def renderer(scene: Scene, width: int, height: int, look: Look = "parity", sampl
 
     Raises WmsError for another look than parity, which is all that TinyRenderer can.
     """
-    if look not in info.looks or samples is not None:
-        raise WmsError(f"PyBullet can't draw the look '{look}'; let another engine draw, with `--renderer`")
+    must_draw(info, look, samples)
     from . import render
 
     return render.Renderer(scene, width, height)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.engines import installed
+from tests.engines import ENGINES, installed
 from tests.pixels.scenes import body, scene
 from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
@@ -60,6 +60,13 @@ def test_an_engine_without_the_look_says_so() -> None:
     installed("pybullet")
     with pytest.raises(WmsError, match="PyBullet can't draw the look 'beauty'; let another engine draw"):
         backend("pybullet").renderer(metal(), SIZE, SIZE, "beauty")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_no_engine_draws_the_photo_look_itself(engine: str) -> None:
+    installed(engine)
+    with pytest.raises(WmsError, match="doesn't draw the look 'photo', Mitsuba does"):
+        backend(engine).renderer(metal(), SIZE, SIZE, "photo")
 
 
 def test_the_surroundings_are_as_bright_as_they_say() -> None:

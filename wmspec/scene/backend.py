@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from wmspec.diagnostics import WmsError
 from wmspec.scene.capability import Lack
 from wmspec.scene.model import Look, Renderer, Scene, Trace
 
@@ -56,6 +57,19 @@ class Info:
     lacks: tuple[Lack, ...] = ()
     graphics: Graphics | None = None
     compiled: Compiled | None = None
+
+
+def must_draw(info: Info, look: Look, samples: int | None) -> None:
+    """Raises WmsError unless the engine draws the look itself, with so many samples a pixel if any are asked for."""
+    if look == "photo":
+        raise WmsError(
+            f"{info.title} doesn't draw the look 'photo', Mitsuba does for any engine; ask for it with `--look photo`, "
+            'or in Python with `look="photo"` where pictures are drawn or a `RenderCache` is made'
+        )
+    if look not in info.looks:
+        raise WmsError(f"{info.title} can't draw the look '{look}'; let another engine draw, with `--renderer`")
+    if look == "parity" and samples is not None:
+        raise WmsError("the look 'parity' has no samples to choose; leave them out, or draw the look 'beauty'")
 
 
 class Backend(Protocol):

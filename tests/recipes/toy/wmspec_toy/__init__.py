@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wmspec.diagnostics import WmsError
-from wmspec.scene.backend import Info
+from wmspec.scene.backend import Info, must_draw
 from wmspec.scene.capability import JOINTS, Lack, require
 from wmspec.scene.model import Look, Renderer, Scene, Trace
 
@@ -36,8 +36,7 @@ def execute(scene: Scene) -> Trace:
 
 def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:
     """Make a renderer. Raises WmsError for another look than parity."""
-    if look not in info.looks or samples is not None:
-        raise WmsError(f"Toy can't draw the look '{look}'; let another engine draw, with `--renderer`")
+    must_draw(info, look, samples)
     from .render import Painter
 
     return Painter(scene, width, height)
