@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from wmspec.api.verifying import verify
 from wmspec.cli import main
 from wmspec.diagnostics import WmsError
 from wmspec.execute.render_cache import RenderCache
+from wmspec.materials import TEXTURES
 from wmspec.photo import library
 from wmspec.photo.light import directions, panels, surroundings
 from wmspec.scene.camera import look_at, project, seeing
@@ -92,6 +94,17 @@ def test_colours_stay_and_shadows_fall(photo: Frame) -> None:
     assert photo.ids[int(shaded[1]), int(shaded[0])] == 0
     assert 130 < bright < 250
     assert 0.25 * bright < dark < 0.85 * bright
+
+
+@pytest.mark.parametrize("texture", [str(TEXTURES / "glass.png"), None], ids=["glass", "opaque"])
+def test_only_glass_is_seen_through(texture: str | None, photo: Frame) -> None:  # it skips without Mitsuba
+    pane = body("pane", "static", (0, -0.3, 0.1), Box((0.3, 0.005, 0.3)), Surface((1.0, 1.0, 1.0), texture=texture))
+    plain = things()
+    behind = drawn(replace(plain, bodies=(*plain.bodies, pane)))
+    x, y = project(plain.cameras[0], [(-0.14, 0, 0.1)], SIZE, SIZE)[0][0].astype(int)
+    red, green, _ = behind.rgb[y, x].astype(float)
+    assert behind.ids[y, x] == len(plain.bodies), "the mask is the pane's"
+    assert (red > 2 * green) == (texture is not None)
 
 
 def test_outlines_agree_with_the_masks() -> None:

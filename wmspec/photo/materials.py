@@ -35,17 +35,27 @@ COATS: dict[str, dict[str, float]] = {
 }
 
 
+CLEAR = 0.3
+"""The share of its colour that each surface of glass gives to what is seen through it: a vessel has four in a row."""
+
+
 @dataclass(frozen=True)
 class Material:
-    """What Mitsuba draws of a surface: its colour (a texture), and how light leaves it (a BSDF)."""
+    """What Mitsuba draws of a surface: its colour (a texture), how light leaves it (a BSDF), if it is seen through."""
 
     color: Any
     scattering: Any
+    clear: bool = False
 
 
 def material(surface: Surface) -> Material:
     """A surface's material."""
     color = mitsuba().load_dict(_color(surface))
+    if _stuff(surface) == "glass":
+        tint = {"type": "rgb", "value": (1 - CLEAR * (1 - to_linear(surface.color))).tolist()}
+        return Material(
+            color, mitsuba().load_dict({"type": "thindielectric", "specular_transmittance": tint}), clear=True
+        )
     made: dict[str, Any] = {
         "type": "principled",
         "base_color": color,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +26,9 @@ SAMPLES = 8
 """Paths a pixel, where none are asked for."""
 
 BOUNCES = 5
+GLASS = 8
+"""So many surfaces of glass besides: two vessels in a row."""
+
 GUIDES = 8
 """Samples of the plain colours, which tell the denoiser of edges and images: they cost a tenth of a path."""
 
@@ -59,15 +62,17 @@ class Tracer:
     def __init__(self, scene: Scene, size: tuple[int, int], samples: int | None = None) -> None:
         self._mi: Any = mitsuba()
         self._size, self._samples = size, samples or SAMPLES
-        self._paths: Any = self._mi.load_dict(
-            {"type": "path", "max_depth": BOUNCES, "rr_depth": 64, "hide_emitters": True, "block_size": BLOCK}
-        )
         self._plain: Any = self._mi.load_dict({"type": "path", "max_depth": 1, "block_size": BLOCK})
         self.paint(scene)
 
     def paint(self, scene: Scene) -> None:
         """Draw this scene from now on."""
         self._scene, self._pieces = scene, _pieces(scene)
+        clear = any(piece.material.clear for piece in self._pieces)
+        kind, longest = ("volpath", BOUNCES + GLASS) if clear else ("path", BOUNCES)  # volpath sees lamps through glass
+        self._paths: Any = self._mi.load_dict(
+            {"type": kind, "max_depth": longest, "rr_depth": 64, "hide_emitters": True, "block_size": BLOCK}
+        )
         around = self._mi.Bitmap(surroundings(scene.light, scene.background))
         upright = self._mi.ScalarTransform4f().rotate([1, 0, 0], 90)
         self._light: Any = self._mi.load_dict({"type": "envmap", "bitmap": around, "to_world": upright})
@@ -82,7 +87,7 @@ class Tracer:
 
     def _lit(self, shot: Shot, camera: Camera) -> Any:
         """Mitsuba's scene with every body where the shot has it: made anew, of materials and light that are kept."""
-        shapes = self._shapes(shot, lambda piece: ("bsdf", piece.material.scattering))
+        shapes = self._shapes(shot, self._pieces, lambda piece: ("bsdf", piece.material.scattering))
         still = (piece for piece in self._pieces if self._scene.bodies[piece.body].motion == "static")
         bounds = (_bounds(compose(shot.poses[piece.body], piece.pose), piece.facets) for piece in still)
         for number, corners in enumerate(panels(self._scene.light, bounds, camera.pose.position)):
@@ -90,15 +95,20 @@ class Tracer:
         return self._mi.load_dict({"type": "scene", "light": self._light, **shapes})
 
     def _glowing(self, shot: Shot) -> Any:
-        """The same with nothing but surfaces that shine in their plain colours."""
+        """The same with nothing but surfaces that shine in their plain colours, and no glass before them."""
+        solid = [piece for piece in self._pieces if not piece.material.clear]
         shapes = self._shapes(
-            shot, lambda piece: ("emitter", self._mi.load_dict({"type": "area", "radiance": piece.material.color}))
+            shot,
+            solid,
+            lambda piece: ("emitter", self._mi.load_dict({"type": "area", "radiance": piece.material.color})),
         )
         return self._mi.load_dict({"type": "scene", **shapes})
 
-    def _shapes(self, shot: Shot, attached: Callable[[_Piece], tuple[str, Any]]) -> dict[str, Any]:
+    def _shapes(
+        self, shot: Shot, pieces: Iterable[_Piece], attached: Callable[[_Piece], tuple[str, Any]]
+    ) -> dict[str, Any]:
         shapes = {}
-        for number, piece in enumerate(self._pieces):
+        for number, piece in enumerate(pieces):
             facets, pose = piece.facets, compose(shot.poses[piece.body], piece.pose)
             properties = self._mi.Properties()
             key, value = attached(piece)
