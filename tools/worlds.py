@@ -2,7 +2,7 @@
 
 python tools/worlds.py things [NAME ...]    named; every sixth without a name by each engine: docs/images/things*.jpg
 python tools/worlds.py rooms [NAME ...]     from each camera: docs/images/rooms.jpg
-python tools/worlds.py nameless FOLDER KEY   one a picture and shuffled, to be named; what they are is in KEY
+python tools/worlds.py nameless FOLDER KEY [LOOK]   one a picture and shuffled, to be named; what they are is in KEY
 python tools/worlds.py parity [all]         what the pictures of the engines differ by: lines of a table, for every
                                             sixth thing and every room, or for all from each camera
 """
@@ -17,6 +17,7 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from PIL import Image
@@ -30,7 +31,7 @@ from wmspec.parse.load import library_folder, read_source
 from wmspec.parse.parser import parse
 from wmspec.parse.syntax import Template
 from wmspec.scene.bounds import upright
-from wmspec.scene.model import Frame, Scene, Shot
+from wmspec.scene.model import Frame, Look, Scene, Shot
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 from wmspec.usd import read
@@ -63,6 +64,23 @@ task one : custom {{
   observe here.front at [0 s]
 }}
 """
+
+PLACE = """
+use {0} as here
+camera near {{ at: {1}  look_at: {2}  fov: 70 deg }}
+task one : custom {{
+  factor only in [1, 2]
+  object weight {{ shape: sphere  size: 1 mm  mass: only * 1 g  at: (0, 0, 10 cm) }}
+  observe near at [0 s]
+}}
+"""
+PLACES = {
+    "street of a town": ("town", "(-2 m, -26 m, 1.7 m)", "(0, 0, 2 m)"),
+    "living room of a flat": ("apartment", "(-0.6 m, -0.6 m, 1.6 m)", "(-4 m, -3.5 m, 0.8 m)"),
+    "bedroom of a flat": ("apartment", "(-0.6 m, 0.6 m, 1.6 m)", "(-4 m, 3.5 m, 0.7 m)"),
+    "kitchen of a flat": ("apartment", "(0.6 m, -0.6 m, 1.6 m)", "(4 m, -3.5 m, 0.8 m)"),
+    "study of a flat": ("apartment", "(0.6 m, 0.6 m, 1.6 m)", "(4 m, 3.5 m, 0.8 m)"),
+}
 
 
 def scene(text: str) -> Scene:
@@ -120,9 +138,9 @@ def room(name: str, settings: str = "") -> Scene:
     return scene(ROOM.format(name=name, settings=settings, surface=surface(name)))
 
 
-def frames(what: Scene, engine: str, side: int, cameras: Iterable[str]) -> list[Frame]:
+def frames(what: Scene, engine: str, side: int, cameras: Iterable[str], look: Look = "parity") -> list[Frame]:
     """The scene as it begins, from cameras by the ends of their names."""
-    studio = RenderCache(engine, side, side)
+    studio = RenderCache(engine, side, side, look)
     poses = tuple(body.pose for body in what.bodies)
     views = [next(one.name for one in what.cameras if one.name.endswith(camera)) for camera in cameras]
     drawn = [studio.draw(what, Shot(view, poses), depth=True) for view in views]
@@ -130,9 +148,11 @@ def frames(what: Scene, engine: str, side: int, cameras: Iterable[str]) -> list[
     return drawn
 
 
-def pictures(what: Scene, engine: str, side: int, cameras: Iterable[str] = ("near",)) -> list[Image.Image]:
+def pictures(
+    what: Scene, engine: str, side: int, cameras: Iterable[str] = ("near",), look: Look = "parity"
+) -> list[Image.Image]:
     """The same, to be looked at."""
-    return [Image.fromarray(frame.rgb) for frame in frames(what, engine, side, cameras)]
+    return [Image.fromarray(frame.rgb) for frame in frames(what, engine, side, cameras, look)]
 
 
 def rows(cells: Iterable[Image.Image], abreast: int) -> Iterator[Image.Image]:
@@ -199,16 +219,24 @@ def parity(step: int, cameras: Iterable[str], side: int = 256) -> Iterator[str]:
         yield f"| {name.replace('_', ' ')} | {overlap:.3f} | {color:.1f} | {depth:.2f} |"
 
 
-def nameless(folder: Path, key: Path, side: int = 320) -> None:
-    """Every thing and room in a picture of its own, in no order, and what each shows."""
-    every = things()
-    shown = [*every, *ROOMS]
-    random.Random(0).shuffle(shown)
+def shown(name: str) -> tuple[Scene, str]:
+    """A thing, a room or a place, and the camera that it is seen from."""
+    if name in PLACES:
+        return scene(PLACE.format(*PLACES[name])), "near"
+    if name in ROOMS:
+        return room(name), "person"
+    return thing(name, things()[name]), "near"
+
+
+def nameless(folder: Path, key: Path, look: Look = "parity", side: int = 320) -> None:
+    """Every thing, room and place in a picture of its own, in no order, and what each shows."""
+    every = [*things(), *ROOMS, *PLACES]
+    random.Random(0).shuffle(every)
     folder.mkdir(parents=True)
-    for number, name in enumerate(shown):
-        what, camera = (room(name), "person") if name in ROOMS else (thing(name, every[name]), "near")
-        pictures(what, default(), side, [camera])[0].save(folder / f"{number:03}.png")
-    key.write_text(json.dumps({f"{number:03}": name for number, name in enumerate(shown)}, indent=1))
+    for number, name in enumerate(every):
+        what, camera = shown(name)
+        pictures(what, default(), side, [camera], look)[0].save(folder / f"{number:03}.png")
+    key.write_text(json.dumps({f"{number:03}": name for number, name in enumerate(every)}, indent=1))
 
 
 def main(kind: str, *chosen: str) -> int:
@@ -218,7 +246,8 @@ def main(kind: str, *chosen: str) -> int:
             print(line, flush=True)
         return 0
     if kind == "nameless":
-        nameless(*map(Path, chosen))
+        folder, key, *look = chosen
+        nameless(Path(folder), Path(key), cast(Look, look[0]) if look else "parity")
         return 0
     if kind == "rooms":
         rooms_sheet(chosen or ROOMS, (default(),), 160).save(IMAGES / "rooms.jpg", quality=85)
