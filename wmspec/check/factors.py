@@ -154,6 +154,8 @@ class Factors:
         named = [q.name.id for q in self.check.scope.questions if q.name is not None]
         if isinstance(e, s.Name) and e.id in named:
             return e.id
+        if not self.check.scope.whole:
+            raise Failed
         remedy = suggestion(e.span.text, named) or 'name one: `question NAME "..." { ... }`, and balance its answers'
         self.check.fail("WMS201", f"there is no question `{e.span.text}`", e.span, remedy)
 

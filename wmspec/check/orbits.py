@@ -151,6 +151,9 @@ class Orbits:
 
     def _factor(self, name: str, span: Span) -> ir.Factor:
         if name not in self.factors:
+            declared = self.check.scope.names.get(name)
+            if isinstance(declared, s.Factor) and not declared.nuisance:
+                raise Failed  # what is wrong with it was told
             self.check.unknown(s.Name(name, span), f"there is no factor `{name}`", suggestion(name, self.factors))
         return self.factors[name]
 

@@ -27,10 +27,12 @@ from wmspec.lint.rule import Linter
 from wmspec.lint.scene_rules import Scene
 from wmspec.lint.task_rules import Task
 from wmspec.parse.load import pointed
-from wmspec.stage.episode import built
+from wmspec.stage import episode
 
-#: How many instances are built, and how many of them with every counterfactual.
-TRIED, TRIED_CHANGED = 12, 4
+#: How many instances are tried. Of so many things all are built, a third of them with every counterfactual; of more, fewer.
+TRIED, THINGS = 12, 100
+#: However many things there are, so many are built, half of them with every counterfactual.
+FEWEST = 4
 
 
 def dry_run(spec: TaskSpec, report: Report) -> Design | None:
@@ -40,13 +42,12 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
         linter.check(Task(spec, depend), (*task_rules.RULES, *giveaway_rules.TASK_RULES))
         design = Design(spec)
         linter.check(design, design_rules.RULES)
-        tried: list[Values] = []
-        for count, index in enumerate(design.sample(TRIED)):
-            instance = design[index]
+        instances = [design[index] for index in design.sample(TRIED)]
+        tried = [Values(spec, instance.values, None, instance.key) for instance in instances]
+        built = max(FEWEST, TRIED * THINGS // max(THINGS, len(spec.things)))
+        for count, (values, instance) in enumerate(zip(tried[:built], instances, strict=False)):
             with linter.going_on():
-                scene = Scene(Values(spec, instance.values, None, instance.key), depend, design, instance)
-                tried.append(scene.values)
-                _scene(scene, linter, changed=count < TRIED_CHANGED)
+                _scene(Scene(values, depend, design, instance), linter, changed=count < max(FEWEST // 2, built // 3))
         for question in spec.questions:
             with linter.going_on():
                 linter.check(Tried(question, tuple(tried)), option_rules.ALWAYS)
@@ -58,7 +59,7 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
 def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
     """Lint the scene of an instance, with its counterfactuals if `changed`. Raises WmsError if it cannot be staged."""
     spec, instance = scene.values.spec, scene.instance
-    stage = built(scene.values)
+    stage = episode.built(scene.values)
     linter.check(scene, scene_rules.RULES)
     linter.check(scene, plausible_rules.RULES)
     linter.check(scene, action_rules.RULES)
