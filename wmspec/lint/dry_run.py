@@ -29,7 +29,7 @@ from wmspec.lint.task_rules import Task
 from wmspec.parse.load import pointed
 from wmspec.stage import episode
 
-#: How many instances are tried. Of so many things all are built, a third of them with every counterfactual; of more, fewer.
+#: How many instances are tried. Of so many things all are built, a third of them with every counterfactual; else fewer.
 TRIED, THINGS = 12, 100
 #: However many things there are, so many are built, half of them with every counterfactual.
 FEWEST = 4
