@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from wmspec.scene.backend import Graphics, Info
 from wmspec.scene.capability import (
+    BALL_LIMITS,
     DOUBLE_PENDULUMS,
     HEAVY_LANDINGS,
     LEANING_CYLINDERS,
@@ -24,6 +25,8 @@ INFO = Info(
     steps_per_second=1920,
     looks=("parity", "beauty"),
     lacks=(
+        # Measured: SAPIEN's drives take cone limits, and let joints pass them.
+        Lack(BALL_LIMITS, "SAPIEN lets joints pass such limits; remove the cone angles, or use hinges"),
         Lack(
             ROLLING_CYLINDERS, "PhysX rolls polygons, which brake; make them as long as they are thick, or use spheres"
         ),

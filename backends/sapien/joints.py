@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, pi
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -100,9 +100,6 @@ def ball(limb: Link, part: Any, parent: Any) -> Any:
     joint.set_pose_in_child(frame(limb.below))
     for lock in (joint.set_limit_x, joint.set_limit_y, joint.set_limit_z):
         lock(0.0, 0.0)
-    if limb.limits:
-        joint.set_limit_cone(limb.limits[0], limb.limits[1])
-        joint.set_limit_twist(-pi, pi)
     part.entity.add_component(joint)
     return joint
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,8 @@ from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import engine_version, info, names
 from wmspec.execute.probe import falling_cube
 from wmspec.scene.capability import JOINTS, NEVER, Lack, friction_above, require, table
+from wmspec.scene.model import Joint
+from wmspec.scene.transform import identity
 from wmspec.shapes import Sphere
 
 ROOT = Path(__file__).parents[2]
@@ -32,7 +35,16 @@ def test_doctor_prints_it() -> None:
     assert all(name in shown.output for name, _ in table({n: info(n).lacks for n in names()}))
     found = json.loads(CliRunner().invoke(main, ["doctor", "--capabilities", "--json"]).output)
     lacking = {row["capability"]: set(row["lacking"]) for row in found}
-    assert lacking["ball joints with limits"] == {"mujoco", "pybullet"}
+    assert lacking["ball joints with limits"] == {"mujoco", "pybullet", "sapien"}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_cone_that_an_engine_lets_joints_pass_is_refused(engine: str) -> None:
+    hanging = body("b", Sphere(0.1))
+    free = Joint("hook", "/World/hook", "ball", None, "b", identity(), identity())
+    require(info(engine).lacks, scene(hanging, joints=(free,)))
+    with pytest.raises(WmsError, match="a ball joint with limits"):
+        require(info(engine).lacks, scene(hanging, joints=(replace(free, limits=(0.5, 0.5)),)))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
