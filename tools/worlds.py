@@ -77,8 +77,8 @@ task one : custom {{
 PLACES = {
     "street of a town": ("town", "(-2 m, -26 m, 1.7 m)", "(0, 0, 2 m)"),
     "living room of a flat": ("apartment", "(-0.6 m, -0.6 m, 1.6 m)", "(-4 m, -3.5 m, 0.8 m)"),
-    "bedroom of a flat": ("apartment", "(-0.6 m, 0.6 m, 1.6 m)", "(-4 m, 3.5 m, 0.7 m)"),
-    "kitchen of a flat": ("apartment", "(0.6 m, -0.6 m, 1.6 m)", "(4 m, -3.5 m, 0.8 m)"),
+    "bedroom of a flat": ("apartment", "(-1.2 m, 0.8 m, 1.6 m)", "(-4 m, 3.5 m, 0.7 m)"),
+    "kitchen of a flat": ("apartment", "(1.2 m, -0.8 m, 1.6 m)", "(4 m, -3.5 m, 0.8 m)"),
     "study of a flat": ("apartment", "(0.6 m, 0.6 m, 1.6 m)", "(4 m, 3.5 m, 0.8 m)"),
 }
 

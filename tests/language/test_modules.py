@@ -49,6 +49,13 @@ def test_a_parameter_may_be_a_factor_of_the_task(tmp_path: Path) -> None:
     assert len(Design(found["a"])) == 2
 
 
+def test_a_value_stands_for_no_name(tmp_path: Path) -> None:
+    model = "parameter kind = true object thing : kind { shape: cube  size: 10 cm  on: ground at (0, 0) }"
+    (tmp_path / "odd.wms").write_text('"""Odd."""\nuse floor\n' + model)
+    _, errors = tasks(tmp_path, "use odd\ntask a : custom { factor t in [red, blue] observe front at [0 s] }")
+    assert any("there is no template `kind`" in error for error in errors)
+
+
 def test_a_library_with_a_name_of_its_own_clashes_with_nothing(tmp_path: Path) -> None:
     own = "object ground { shape: cube  size: 1 m  at: (0, 0, -1 m)  fixed: true }  camera front { at: (0, -1 m, 1 m) }"
     text = f"use shop as here\ntask a : custom {{ {own} {TASK.format('here.')} observe front at [0 s] }}"

@@ -8,7 +8,8 @@ needs.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -218,6 +219,12 @@ class _Replace:
         return replace(name, id=self._names.get(name.id, name.id))
 
 
+@cache
+def _named(kind: Any) -> frozenset[str]:
+    """The fields of a node that are names and no expressions: only another name can stand there."""
+    return frozenset(field.name for field in fields(kind) if field.type in ("Name", "Name | None"))
+
+
 def _each(node: Any, change: Any, but: str = "") -> Any:
     """A piece of the syntax tree whose parts are changed; as it is if none is."""
     if isinstance(node, tuple):
@@ -225,10 +232,11 @@ def _each(node: Any, change: Any, but: str = "") -> Any:
         return changed if any(a is not b for a, b in zip(changed, node, strict=True)) else node
     if not isinstance(node, Node):
         return node
-    made = {}
+    kind: Any = type(node)
+    named, made = _named(kind), {}
     for name, old in vars(node).items():
         if name != but and isinstance(old, s.MADE):
             new = change(old)
-            if new is not old:
+            if new is not old and (isinstance(new, s.Name) or name not in named):
                 made[name] = new
     return replace(node, **made) if made else node  # type: ignore[type-var]
