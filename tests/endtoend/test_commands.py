@@ -71,6 +71,10 @@ def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
         (["run", COLLIDE, "-i", "99999"], "has instances 0 to"),
         (["run", COLLIDE, "-b", "mujocco"], "did you mean `mujoco`?"),
         (["run", "nowhere.usda"], "there is no such file"),
+        (["run", "folder.usda"], "it is a folder, not a file"),
+        *((["check", f], f"{f}: it is a USD stage, not a spec; `wmspec run {f}") for f in ("a.usda", "a.usdc")),
+        (["crosscheck", "a.usda"], "it is a USD stage, not a spec; `wmspec run a.usda"),
+        (["run", "unnamed"], "it is a USD stage, not a spec; let its name end in .usd"),
         (["run", STAGE, "--for", "1ms"], "1ms: shorter than one sample; ask for at least 4.17ms"),
         (["run", STAGE, "--for", "soon"], "expected a time such as 2s"),
         (["render", COLLIDE, "--size", "7", "-o", "out"], "expected pixels such as 256"),
@@ -83,6 +87,10 @@ def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
     ],
 )
 def test_a_mistake_on_the_command_line_is_told_in_a_sentence(args: list[object], said: str, tmp_path: Path) -> None:
+    (tmp_path / "folder.usda").mkdir()
+    (tmp_path / "a.usda").write_text('#usda 1.0\n( upAxis = "Z" )\n')
+    (tmp_path / "a.usdc").write_bytes(b"PXR-USDC\xff\xfe")
+    (tmp_path / "unnamed").write_text("#usda 1.0\n")
     assert said in wmspec(*args, folder=tmp_path, code=2).stderr
 
 

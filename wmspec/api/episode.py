@@ -199,7 +199,8 @@ def open_stage(path: str | PathLike[str]) -> Usd.Stage:
     """A USD stage from anywhere. Raises WmsError if there is no such file, or if USD cannot open it."""
     path = Path(path)
     if not path.is_file():
-        raise WmsError("there is no such file", FilePlace(str(path)))
+        reason = "it is a folder, not a file" if path.is_dir() else "there is no such file"
+        raise WmsError(reason, FilePlace(str(path)))
     quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us, here and by the reader
     try:
         return opened(path, str(path))

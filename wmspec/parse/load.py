@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
-from wmspec.foreign import inside, read_plain
+from wmspec.foreign import inside, plain, read_plain
 from wmspec.limits import MARKUP
 from wmspec.parse.parser import parse
 from wmspec.parse.syntax import File, Name, Statement, Task, Use, Variant
@@ -55,8 +55,11 @@ def load_source(source: Source, folder: Path, report: Report) -> Program:
 
 
 def read_source(path: Path) -> Source:
-    """The text of a file. Raises WmsError with the reason if it cannot be read."""
+    """The text of a file. Raises WmsError with the reason if it cannot be read, or is a USD stage."""
     try:
+        with plain(path).open("rb") as file:
+            if file.read(8).startswith(_STAGE):
+                raise WmsError("it is a USD stage, not a spec", FilePlace(str(path)), _run(path))
         text = read_plain(path, MARKUP).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise WmsError(
@@ -71,6 +74,17 @@ def read_source(path: Path) -> Source:
             "a spec is written by hand: is this the right file?",
         )
     return Source(shown(path), text)
+
+
+#: How USD's own files begin, as text and as binary.
+_STAGE = (b"#usda", b"PXR-USDC")
+
+
+def _run(path: Path) -> str:
+    """What to do with a stage."""
+    if path.suffix:
+        return f"`wmspec run {path} --for 2s` executes it"
+    return f"let its name end in .usd, and `wmspec run {path}.usd --for 2s` executes it"
 
 
 def shown(path: Path) -> str:
