@@ -21,6 +21,7 @@ from wmspec.usd.filters import filtered
 from wmspec.usd.frames import World
 from wmspec.usd.notes import Notes
 from wmspec.usd.prims import Names, targets, value
+from wmspec.usd.unread import tell_sideways, tell_unread
 from wmspec.usd.unsupported import incomplete
 from wmspec.usd.walk import Census, Walk
 
@@ -48,6 +49,9 @@ def scene(stage: Usd.Stage, notes: Notes) -> Scene:
         task, duration, rate = episode.timing(census.of("WmsEpisode"))
     with problems.gathered():
         light, background = daylight(census.of("DistantLight"), census.of("DomeLight"), world, notes)
+    problems.stop_if_failed()
+    tell_sideways(stage, notes)
+    tell_unread(stage, problems, notes)
     problems.stop_if_failed()
     read = Scene(
         name=task or PurePath(stage.GetRootLayer().GetDisplayName()).stem,

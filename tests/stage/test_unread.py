@@ -1,0 +1,89 @@
+"""What a stage says of motion and nobody reads is told, once a kind; what says nothing new is not."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.stage.stages import stage
+from wmspec.diagnostics import StageError
+from wmspec.usd import read
+
+BALL = 'def Sphere "%s" ( prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"] ) { %s }\n'
+JOINT = 'def PhysicsRevoluteJoint "j" { %s\n %s }\n'
+HELD = "rel physics:body1 = </World/b>"
+
+SAID = {
+    "gravity that is off": (BALL % ("b", "bool physxRigidBody:disableGravity = 1"), "physxRigidBody:disableGravity is"),
+    "gyroscopic forces that are off": (
+        BALL % ("b", "bool physxRigidBody:enableGyroscopicForces = 0"),
+        "enableGyroscopicForces is",
+    ),
+    "a joint's friction": (
+        BALL % ("b", "") + JOINT % (HELD, "double mjc:frictionloss = 5 double mjc:armature = 1"),
+        "mjc:armature, mjc:frictionloss are another engine's own",
+    ),
+    "a joint's state": (
+        BALL % ("b", "") + JOINT % (HELD, "float state:angular:physics:position = 30"),
+        "state:angular:physics:position is",
+    ),
+    "a velocity of no body": (
+        'def Cube "b" ( prepend apiSchemas = ["PhysicsCollisionAPI"] ) { vector3f physics:velocity = (1, 0, 0) }',
+        "physics:velocity is of PhysicsRigidBodyAPI, which is not applied: left out",
+    ),
+    "a mass without its schema": (
+        BALL % ("b", "float physics:mass = 3"),
+        "physics:mass is of PhysicsMassAPI, which is not applied: read all the same",
+    ),
+    "a drive without its schema": (
+        BALL % ("b", "") + JOINT % (HELD, "float drive:angular:physics:stiffness = 3"),
+        "drive:angular:physics:stiffness is of PhysicsDriveAPI:angular, which is not applied: left out",
+    ),
+    "a velocity of another name": (
+        BALL % ("b", "vector3f physics:linearVelocity = (1, 0, 0)"),
+        "physics:linearVelocity is of no schema that it has: left out; did you mean physics:velocity?",
+    ),
+    "a misspelt schema": (
+        'def Cube "b" ( prepend apiSchemas = ["PhysicsRigidBody"] ) { }',
+        "UsdPhysics has no schema PhysicsRigidBody: left out; did you mean PhysicsRigidBodyAPI?",
+    ),
+    "a joint of nothing": (BALL % ("b", "") + JOINT % ("", ""), "a joint of no bodies: left out"),
+}
+"""What -> the prims, and what is told."""
+
+SILENT = {
+    "defaults": BALL % ("b", "bool physxRigidBody:disableGravity = 0 float newton:friction = 0"),
+    "how an engine computes": BALL % ("b", "int physxRigidBody:solverPositionIterationCount = 8"),
+    "what is read": BALL % ("b", "float physxRigidBody:linearDamping = 0.5"),
+    "what is endless": BALL % ("b", "") + JOINT % (HELD, "float physxJoint:maxJointVelocity = inf"),
+    "a velocity of zero": BALL % ("b", "vector3f physics:linearVelocity = (0, 0, 0)"),
+    "what has no part in physics": 'def Sphere "b" { float newton:mass = 3 }',
+    "a schema of others": 'def Cube "b" ( prepend apiSchemas = ["PhysicsJointStateAPI:angular"] ) { }',
+}
+
+
+@pytest.mark.parametrize("what", SAID)
+def test_what_nobody_reads_is_told_and_refused_by_the_strict(what: str) -> None:
+    prims, told = SAID[what]
+    (note,) = read(stage(prims), strict=False).notes
+    assert told in str(note)
+    with pytest.raises(StageError) as refused:
+        read(stage(prims))
+    assert [d.place for d in refused.value.diagnostics] == [note.place]
+
+
+@pytest.mark.parametrize("what", SILENT)
+def test_what_says_nothing_new_is_not_told(what: str) -> None:
+    assert not read(stage(SILENT[what]), strict=False).notes
+    read(stage(SILENT[what]))
+
+
+def test_many_prims_of_one_kind_are_one_note() -> None:
+    balls = "".join(BALL % (f"b{i}", "bool physxRigidBody:disableGravity = 1") for i in range(5))
+    notes = [note for note in read(stage(balls), strict=False).notes if "another engine's" in str(note)]
+    assert len(notes) == 1
+    assert str(notes[0]).startswith("/World/b0: physxRigidBody:disableGravity (here and on 4 other prims) is")
+
+
+def test_an_up_axis_that_usd_has_not_is_told_and_honoured() -> None:
+    (note,) = read(stage(BALL % ("b", ""), up="X"), strict=False).notes
+    assert "upAxis = X is neither Y nor Z: X is up" in str(note)
