@@ -54,6 +54,20 @@ def pendulum(spring: str = "") -> str:
     return stage(*arms, *hinges)
 
 
+def car(axle: float = 0.0) -> str:
+    """A beam on two rolling wheels, held by their middles, or by points so far (m) above them."""
+    places = {"left": -0.3, "right": 0.3}
+    wheels = [
+        body(name, cylinder(0.1, 0.3, "Y"), (x, 0, 0.1), velocity=(1, 0, 0), spin=(0, 10, 0))
+        for name, x in places.items()
+    ]
+    hinges = [
+        joint("Revolute", f"{name}_axle", "beam", name, (x, 0, axle), (0, 0, axle), "Y") for name, x in places.items()
+    ]
+    beam = body("beam", box(0.2, 0.1, 0.02), (0, 0, 0.1), velocity=(1, 0, 0))
+    return stage(floor(), beam, *wheels, *hinges)
+
+
 TIPPED, RISES, WHIPS = "tips cylinders too early", "rise again", "energy of double pendulums"
 CASES = {
     "a cylinder that nearly tips": (slope(17.0, upright(17.0, cylinder(0.05, 0.3), 0.3)), "mujoco", TIPPED),
@@ -61,6 +75,7 @@ CASES = {
     "a heavy box on a light one": (drop(6.0), "sapien", RISES),
     "a box that comes flying": (thrown(1.0), "sapien", RISES),
     "a double pendulum": (pendulum(), "pybullet", WHIPS),
+    "a car whose wheels are out of balance": (car(0.05), "mujoco", WHIPS),
     "a disc on its rim": (
         stage(floor(), body("disc", cylinder(0.1, 0.05, "Y"), (0, 0, 0.1), velocity=(0.5, 0, 0))),
         "sapien",
@@ -103,6 +118,7 @@ def test_what_enters_is_told(name: str) -> None:
         (drop(6.0), "pybullet"),
         (thrown(0.5), "sapien"),
         (pendulum("stiffness = 0\ndamping = 0.05"), "mujoco"),
+        (car(), "mujoco"),
         (stage(floor(), body("can", cylinder(0.05, 0.2, "Y"), (0, 0, 0.05), velocity=(0.5, 0, 0))), "sapien"),
     ],
 )

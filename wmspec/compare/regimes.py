@@ -23,9 +23,9 @@ from wmspec.scene.capability import (
     approximated,
 )
 from wmspec.scene.contact import colliders, mix
-from wmspec.scene.hard import BOUNCY, HEAVIER, LANDS, STEEP, SWINGS, disc, leaning
+from wmspec.scene.hard import BALANCED, BOUNCY, HEAVIER, LANDS, STEEP, SWINGS, disc, leaning
 from wmspec.scene.landings import dull, landings
-from wmspec.scene.model import Body, Contact, Scene, Trace
+from wmspec.scene.model import Body, Contact, JointKind, Pose, Scene, Trace
 from wmspec.scene.transform import rotate
 from wmspec.shapes.cylinder import Cylinder
 
@@ -131,17 +131,32 @@ def _leans(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
 
 
 def _whips(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
-    """Bodies that swing fast from others that swing."""
+    """Bodies that swing fast from others that swing; what turns about its own centre of mass, as a wheel, does not."""
     index = {body.name: i for i, body in enumerate(scene.bodies)}
     swings = [j for j in scene.joints if j.kind in ("hinge", "ball") and j.drive is None]
     for joint in swings:
         ends = {joint.first, joint.second}
         if joint.first is None or not any(ends & {j.first, j.second} for j in swings if j is not joint):
             continue
+        if _balanced(scene.bodies[index[joint.first]], joint.first_frame, joint.kind) or _balanced(
+            scene.bodies[index[joint.second]], joint.second_frame, joint.kind
+        ):
+            continue
         first, second = (trace.angular_velocity[:, index[name]] for name in (joint.first, joint.second))
         fast = np.linalg.norm(second - first, axis=1) > SWINGS
         if fast.any():
             yield f"`{joint.second}` swings from `{joint.first}`, fast from {trace.time[fast][0]:.3g} s on"
+
+
+def _balanced(body: Body, frame: Pose, kind: JointKind) -> bool:
+    """Whether a body's centre of mass lies on the axis, of a hinge, or at the point by which it is held."""
+    if body.inertia is None:
+        return False
+    away = body.inertia.center - frame.position
+    if kind == "hinge":
+        axis = rotate(frame.orientation, np.array([1.0, 0.0, 0.0]))
+        away = away - axis * (away @ axis)
+    return bool(np.linalg.norm(away) < BALANCED * np.sqrt(body.inertia.moments.max() / body.inertia.mass))
 
 
 def _rolls(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:

@@ -15,10 +15,10 @@ from wmspec.layout.values import Values
 from wmspec.lint.overlap import separation
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
-from wmspec.scene.hard import BOUNCY, ENTERED, FAST, FINEST, HEAVIER, LANDS, STEEP, disc, leaning
+from wmspec.scene.hard import BALANCED, BOUNCY, ENTERED, FAST, FINEST, HEAVIER, LANDS, STEEP, disc, leaning
 from wmspec.shapes.cylinder import Cylinder
 from wmspec.shapes.shape import AXES
-from wmspec.space import UP, dot, rotate, times
+from wmspec.space import ORIGIN, UP, add, dot, rotate, times, unit
 
 #: How long (s) an impact takes where it takes longest: what is met within that time is met at once.
 IMPACT = 0.003
@@ -106,6 +106,8 @@ def double_pendulum(scene: Scene) -> Iterator[Breach]:
     swings = {j.name: _ends(values, j.name) for j in _joints(values) if j.model in ("hinge", "ball")}
     free = {j: ends for j, ends in swings.items() if not _driven(values, j)}
     for name, ends in free.items():
+        if any(_balanced(values, name, end) for end in ends):
+            continue
         if len(ends) == 2 and any(ends & others for j, others in free.items() if j != name):
             of, to = values.property(name, "of"), values.property(name, "to")
             what = f"`{of}` swings from `{to}`, which swings itself, {scene.where}"
@@ -220,6 +222,26 @@ def _ends(values: Values, joint: str) -> set[str]:
     """The one or two objects of a joint that move."""
     ends = {values.property(joint, end) for end in ("of", "to") if values.has(joint, end)}
     return {end for end in ends if not values.property(end, "fixed")}
+
+
+def _balanced(values: Values, joint: str, end: str) -> bool:
+    """Whether an object's centre of mass lies on the axis, of a hinge of its spec, or at the point by which it is held.
+
+    Whether a hinge of an asset is balanced its file tells, which may give the centre of mass.
+    """
+    (thing,) = (t for t in _joints(values) if t.name == joint)
+    if thing.of:
+        return False
+    parts = pieces(values, end)
+    room = sum(piece.solid.volume for piece in parts)
+    middle = ORIGIN
+    for piece in parts:
+        middle = add(middle, times(piece.solid.volume / room, piece.pose.apply(piece.solid.center)))
+    away = add(values.pose(end).apply(middle), times(-1.0, values.property(joint, "at")))
+    if thing.model == "hinge" and math.hypot(*(axis := values.property(joint, "axis"))) > 0:
+        axis = unit(axis)
+        away = add(away, times(-dot(away, axis), axis))
+    return math.hypot(*away) < BALANCED * max(_thickness(piece) for piece in parts)
 
 
 def _driven(values: Values, joint: str) -> bool:
