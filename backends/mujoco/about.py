@@ -6,6 +6,7 @@ from wmspec.scene.backend import Graphics, Info
 from wmspec.scene.capability import (
     BALL_LIMITS,
     DOUBLE_PENDULUMS,
+    FAST_SPINS,
     LEANING_CYLINDERS,
     TWO_FRICTIONS,
     Lack,
@@ -43,6 +44,7 @@ INFO = Info(
             LEANING_CYLINDERS,
             "MuJoCo tips them from 0.85 of the angle on, as it carries them on few points; use boxes",
         ),
+        Lack(FAST_SPINS, "MuJoCo integrates to first order where anything can be touched, else to fourth"),
         Lack(
             DOUBLE_PENDULUMS,
             "MuJoCo integrates to first order: a few per cent come and go",

@@ -14,6 +14,7 @@ from wmspec.scene.contact import mix, touchable
 from wmspec.scene.episode import TOUCH, Episode, Kick, Vector
 from wmspec.scene.model import Array, Body, Camera, Friction, Geom, Light, Pose, Scene
 from wmspec.scene.rigid import Assembly
+from wmspec.scene.speed import gyroscopic
 from wmspec.scene.transform import compose, conjugate, inverse, rotate
 
 from .impact import IMPEDANCE, solref, solreffriction
@@ -32,7 +33,8 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly) -> str:
     """
     root, trees = ET.Element("mujoco", model=scene.name), whole.trees
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
-    _options(root, episode, driven=any(limb.drive for tree in trees for limb in tree))
+    driven = any(limb.drive for tree in trees for limb in tree)
+    _options(root, episode, "implicitfast" if driven else "RK4" if _tumbles(scene) else "Euler")
     asset, world, contact = (ET.SubElement(root, tag) for tag in ("asset", "worldbody", "contact"))
     _light(world, scene.light)
     bodies = tuple(map(com_frame, scene.bodies))
@@ -72,15 +74,24 @@ def _bodies(
     return elements
 
 
-def _options(root: ET.Element, episode: Episode, *, driven: bool) -> None:
-    """MuJoCo's settings; stiff drives are damped without bounds on the step by one of its integrators only."""
+def _tumbles(scene: Scene) -> bool:
+    """Whether something spins fast, and nothing can be touched."""
+    return gyroscopic(scene) and not any(touchable(scene))
+
+
+def _options(root: ET.Element, episode: Episode, integrator: str) -> None:
+    """MuJoCo's settings.
+
+    Stiff drives are damped without bounds on the step by one of its integrators only. What spins fast keeps its energy
+    in another, of fourth order: a gyroscope at 50 rad/s gained 42 % in a second.
+    """
     option = ET.SubElement(
         root,
         "option",
         timestep=text([episode.step]),
         gravity=text(episode.gravity),
         cone="elliptic",
-        integrator="implicitfast" if driven else "Euler",
+        integrator=integrator,
         solver="Newton",
         iterations="100",
         tolerance="1e-10",

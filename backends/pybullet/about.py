@@ -6,6 +6,7 @@ from wmspec.scene.backend import Compiled, Info
 from wmspec.scene.capability import (
     BALL_LIMITS,
     DOUBLE_PENDULUMS,
+    FAST_SPINS,
     MIMICS_APART,
     SEVERAL_MATERIALS,
     SLIDING_MESHES,
@@ -42,6 +43,7 @@ INFO = Info(
             SLIDING_MESHES,
             "Bullet keeps contacts where they no longer are: they stop 1 to 8 % early; use boxes or cylinders",
         ),
+        Lack(FAST_SPINS, "Bullet integrates to first order, gyroscopes on joints explicitly"),
         Lack(
             DOUBLE_PENDULUMS,
             "Bullet integrates to first order: a few per cent come and go",

@@ -6,6 +6,7 @@ from wmspec.scene.backend import Graphics, Info
 from wmspec.scene.capability import (
     BALL_LIMITS,
     DOUBLE_PENDULUMS,
+    FAST_SPINS,
     HEAVY_LANDINGS,
     LEANING_CYLINDERS,
     MIMICS_APART,
@@ -38,6 +39,7 @@ INFO = Info(
             HEAVY_LANDINGS,
             "PhysX lets it rise again, from 5 times the mass on; or from the same on, if it does not begin above it",
         ),
+        Lack(FAST_SPINS, "PhysX integrates to first order"),
         Lack(
             DOUBLE_PENDULUMS,
             "PhysX integrates to first order: a few per cent come and go",

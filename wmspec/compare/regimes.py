@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from wmspec.compare.allow import closing, impacts, sample
 from wmspec.compare.model import Regime
 from wmspec.execute.backends import info, names
+from wmspec.scene.articulations import trees
 from wmspec.scene.capability import (
     DOUBLE_PENDULUMS,
+    FAST_SPINS,
     HEAVY_LANDINGS,
     LEANING_CYLINDERS,
     ROLLING_CYLINDERS,
@@ -23,10 +25,10 @@ from wmspec.scene.capability import (
     approximated,
 )
 from wmspec.scene.contact import colliders, mix
-from wmspec.scene.hard import BALANCED, BOUNCY, HEAVIER, LANDS, STEEP, SWINGS, disc, leaning
+from wmspec.scene.hard import BALANCED, BOUNCY, HEAVIER, KEPT, LANDS, SPINS, STEEP, SWINGS, disc, leaning
 from wmspec.scene.landings import dull, landings
-from wmspec.scene.model import Body, Contact, JointKind, Pose, Scene, Trace
-from wmspec.scene.transform import rotate
+from wmspec.scene.model import Body, Contact, Force, Impulse, JointKind, Launch, Pose, Release, Scene, Trace, Vanish
+from wmspec.scene.transform import conjugate, rotate
 from wmspec.shapes.cylinder import Cylinder
 
 ROW = "what strikes bodies that touch each other is answered by all of them at once"
@@ -148,6 +150,44 @@ def _whips(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
             yield f"`{joint.second}` swings from `{joint.first}`, fast from {trace.time[fast][0]:.3g} s on"
 
 
+def _spins(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
+    """What spins fast by itself, touched and driven by nothing, and does not keep its energy."""
+    index = {body.name: i for i, body in enumerate(scene.bodies)}
+    acted = {action.body for action in scene.actions if isinstance(action, _PUSHES)}
+    moved = acted | {name for contact in trace.contacts for name in (contact.first, contact.second)}
+    held = {link.body for tree in trees(scene) for link in tree}
+    alone = [[i] for i, body in enumerate(scene.bodies) if body.motion == "dynamic" and i not in held]
+    for group in [[link.body for link in tree] for tree in trees(scene)] + alone:
+        bodies = [scene.bodies[i] for i in group]
+        joints = [j for j in scene.joints if {j.first, j.second} & {body.name for body in bodies}]
+        if moved & {body.name for body in bodies} or any(j.drive or j.limits or j.mimic for j in joints):
+            continue
+        if any(body.linear_damping or body.angular_damping for body in bodies):
+            continue
+        speeds = np.linalg.norm(trace.angular_velocity[:, group], axis=2)
+        moving, falling = (
+            sum(part) for part in zip(*(_energy(scene, trace, index[b.name]) for b in bodies), strict=True)
+        )
+        off = np.abs(moving + falling - moving[0] - falling[0]) > KEPT * np.abs(moving).max()
+        if speeds.max() > SPINS and off.any():
+            name = bodies[int(speeds.max(axis=0).argmax())].name
+            yield f"`{name}` spins, its energy wrong from {trace.time[off][0]:.3g} s on"
+
+
+_PUSHES = (Launch, Impulse, Force, Release, Vanish)
+
+
+def _energy(scene: Scene, trace: Trace, i: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The energies (T,) of a body's motion and of its place, J."""
+    inertia = scene.bodies[i].inertia
+    assert inertia is not None
+    turn = trace.orientation[:, i]
+    spin = rotate(conjugate(inertia.axes), rotate(conjugate(turn), trace.angular_velocity[:, i]))
+    speed = trace.linear_velocity[:, i]
+    motion = (inertia.mass * (speed**2).sum(axis=1) + (inertia.moments * spin**2).sum(axis=1)) / 2
+    return motion, -inertia.mass * (trace.position[:, i] + rotate(turn, inertia.center)) @ scene.gravity
+
+
 def _balanced(body: Body, frame: Pose, kind: JointKind) -> bool:
     """Whether a body's centre of mass lies on the axis, of a hinge, or at the point by which it is held."""
     if body.inertia is None:
@@ -204,5 +244,6 @@ SEEN: Mapping[Capability, tuple[str, Callable[[Scene, Trace, float], Iterator[st
     LEANING_CYLINDERS: ("tips cylinders too early", _leans),
     HEAVY_LANDINGS: ("lets what lands on something lighter rise again", _lands),
     DOUBLE_PENDULUMS: ("loses or gains some of the energy of double pendulums", _whips),
+    FAST_SPINS: ("loses or gains some of the energy of what spins fast", _spins),
     SLIDING_MESHES: ("brakes convex meshes that slide", _slides),
 }

@@ -15,9 +15,10 @@ from wmspec.layout.values import Values
 from wmspec.lint.overlap import separation
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
-from wmspec.scene.hard import BALANCED, BOUNCY, ENTERED, FAST, FINEST, HEAVIER, LANDS, STEEP, disc, leaning
+from wmspec.scene.hard import BALANCED, BOUNCY, ENTERED, FAST, FINEST, HEAVIER, LANDS, SPINS, STEEP, disc, leaning
 from wmspec.shapes.cylinder import Cylinder
 from wmspec.shapes.shape import AXES
+from wmspec.shapes.sphere import Sphere
 from wmspec.space import ORIGIN, UP, add, dot, rotate, times, unit
 
 #: How long (s) an impact takes where it takes longest: what is met within that time is met at once.
@@ -134,6 +135,20 @@ def sliding_mesh(scene: Scene) -> Iterator[Breach]:
 
 
 @rule("WMS608")
+def fast_spin(scene: Scene) -> Iterator[Breach]:
+    """What begins to spin fast and is no ball: its axis may turn, and engines gain or lose its energy then."""
+    values = scene.values
+    for name in _free(values):
+        spin = math.hypot(*values.property(name, "spin")) if values.has(name, "spin") else 0.0
+        (piece, *others) = pieces(values, name)
+        if spin > SPINS and (others or not isinstance(piece.solid, Sphere) or name in _joined(values)):
+            what = f"`{name}` spins at {spin:.3g} rad/s {scene.where}"
+            doubt = "some engines gain or lose energy as its axis turns"
+            remedy = f"let it spin at less than {SPINS:g} rad/s, or {OTHERS}"
+            yield Breach(f"{what}; {doubt}", values.place(name, "spin"), remedy, about=name)
+
+
+@rule("WMS608")
 def fast_and_thin(scene: Scene) -> Iterator[Breach]:
     """Something so fast that engines with soft contacts let it into, or through, what is thin."""
     values = scene.values
@@ -153,7 +168,7 @@ def fast_and_thin(scene: Scene) -> Iterator[Breach]:
 
 RULES = (
     *(struck_in_a_row, rolling_cylinder, leaning_cylinder, heavy_landing, double_pendulum),
-    *(sliding_mesh, fast_and_thin),
+    *(sliding_mesh, fast_spin, fast_and_thin),
 )
 
 

@@ -206,6 +206,7 @@ ROLLING_CYLINDERS = Capability("discs that roll on: cylinders shorter than thick
 LEANING_CYLINDERS = Capability("cylinders that stand on slopes on which they nearly tip")
 HEAVY_LANDINGS = Capability("what lands on something much lighter that rests")
 DOUBLE_PENDULUMS = Capability("the energy of fast double pendulums")
+FAST_SPINS = Capability("the energy of gyroscopes and of what tumbles, from 30 rad/s on")
 SLIDING_MESHES = Capability("convex meshes, cones and hulls that slide on flat sides")
 MESHES = Capability(
     "meshes as convex hulls, convex decompositions, bounding boxes and spheres; as they are, but not dynamic ones",
@@ -219,7 +220,7 @@ LOOPS = Capability("loops of joints, closed by a fixed joint, a hinge or a ball 
 MIMICS = Capability("joints that mimic others", _mimics)
 COMMON = (
     *(PRIMITIVES, ROLLING_CYLINDERS, LEANING_CYLINDERS, MESHES, SLIDING_MESHES, MOTIONS, HEAVY_LANDINGS, FILTERS),
-    *(JOINTS, DOUBLE_PENDULUMS, DRIVES, LOOPS, MIMICS),
+    *(JOINTS, DOUBLE_PENDULUMS, FAST_SPINS, DRIVES, LOOPS, MIMICS),
 )
 
 TWO_FRICTIONS = Capability("static friction other than the dynamic one", _sticking)

@@ -20,6 +20,8 @@ TIPS = 0.85
 """From which part of the angle at which a cylinder tips on, some engines tip it."""
 SWINGS = 3.0
 """How fast (rad/s) the two of a double pendulum turn against each other, or faster, when their energy is looked at."""
+SPINS, KEPT = 30.0, 0.003
+"""From which spin (rad/s) on, what turns on by itself is looked at, and by which part its energy may change."""
 BALANCED = 1e-3
 """What turns about an axis this near to its centre of mass, in its radii of gyration, is a wheel and does not swing."""
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from wmspec.scene.contact import colliders
-from wmspec.scene.hard import ENTERED, FAST
+from wmspec.scene.hard import ENTERED, FAST, SPINS
 from wmspec.scene.model import Body, Follow, Glide, Impulse, Launch, Scene
 
 
@@ -31,6 +31,23 @@ def _speeds(scene: Scene) -> Iterator[tuple[float, str]]:
             case Follow(times=times, points=points):
                 steps = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(times)
                 yield float(steps.max()), bodies[action.body].path
+
+
+def gyroscopic(scene: Scene) -> bool:
+    """Whether the scene spins something fast whose axis may turn: with unequal moments of inertia, or with joints."""
+    jointed = {name for joint in scene.joints for name in (joint.first, joint.second)}
+    uneven = {
+        body.name: body.name in jointed or bool(np.ptp(body.inertia.moments) > _EVEN * body.inertia.moments.max())
+        for body in scene.bodies
+        if body.inertia is not None
+    }
+    given = [(body.name, body.angular_velocity) for body in scene.bodies]
+    given += [(action.body, action.angular) for action in scene.actions if isinstance(action, Launch)]
+    return any(np.linalg.norm(spin) > SPINS for name, spin in given if uneven.get(name))
+
+
+_EVEN = 1e-3
+"""The part by which moments of inertia may differ of what turns as a ball does."""
 
 
 def thinnest(scene: Scene) -> float:
