@@ -94,6 +94,37 @@ def test_a_mistake_on_the_command_line_is_told_in_a_sentence(args: list[object],
     assert said in wmspec(*args, folder=tmp_path, code=2).stderr
 
 
+STIFF = """#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Z"
+)
+def Sphere "b" ( prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"] )
+{
+    double radius = 0.1
+}
+def PhysicsRevoluteJoint "j" ( prepend apiSchemas = ["PhysicsDriveAPI:angular"] )
+{
+    rel physics:body1 = </b>
+    float drive:angular:physics:damping = 1e7
+}
+"""
+
+
+def test_of_several_engines_those_that_can_execute_it_do(tmp_path: Path) -> None:
+    for engine in ("mujoco", "pybullet"):
+        pytest.importorskip(engine)
+    (tmp_path / "stiff.usda").write_text(STIFF)
+    args = ["run", "stiff.usda", "--for", "100ms", "--json", "-b"]
+    both = wmspec(*args, "mujoco,pybullet", folder=tmp_path, code=1)
+    ran, refused = json.loads(both.stdout)
+    assert (ran["engine"], refused["engine"]) == ("mujoco", "pybullet")
+    assert refused["refused"][0]["prim"] == "/j"
+    assert "would overshoot" in both.stderr
+    alone = wmspec(*args, "pybullet", folder=tmp_path, code=2)
+    assert json.loads(alone.stdout) == [refused]
+
+
 def test_compile_leaves_a_stage_and_an_mjcf_that_stand_alone(tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")
     wmspec("compile", COLLIDE, "--backend", "mujoco", "--instance", 0, "-o", "out", folder=tmp_path)

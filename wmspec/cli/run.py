@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,7 @@ from wmspec.cli.common import (
     task_option,
     tell,
 )
-from wmspec.diagnostics import WmsError
+from wmspec.diagnostics import EngineError, StageError, WmsError
 from wmspec.limits import SECONDS
 
 if TYPE_CHECKING:
@@ -67,7 +67,10 @@ def run_command(
     strict: bool,
     as_json: bool,
 ) -> None:
-    """Execute an instance of a spec, or a USD stage, and print where everything ended and what touched."""
+    """Execute an instance of a spec, or a USD stage, and print where everything ended and what touched.
+
+    Exits with 1 if some of several engines refuse it: the others' results are given all the same.
+    """
     from wmspec.api import run
     from wmspec.execute.backends import chosen
 
@@ -76,18 +79,37 @@ def run_command(
         raise WmsError("one file holds the trace of one engine; choose one with --backend, or leave out --output")
     seconds = seconds_of(duration) if duration else None
     if source.suffix.lower() in STAGES:
-        episodes = [run(source, engine, seconds, strict=strict) for engine in engines]
+        episodes, refusals = _each(engines, lambda engine: run(source, engine, seconds, strict=strict))
     else:
         one = instance_of(source, task, instance, seed, redrawn)
-        episodes = [one.run(engine, duration=seconds) for engine in engines]
-    if output is not None:
+        episodes, refusals = _each(engines, lambda engine: one.run(engine, duration=seconds))
+    if output is not None and episodes:
         episodes[0].save(output)
     if as_json:
-        click.echo(json.dumps([_summary(episode) for episode in episodes], indent=2))
-        return
-    tell_notes(episodes)
-    for episode in episodes:
-        _print(episode)
+        refused = [{"engine": e, "refused": [d.record() for d in error.diagnostics]} for e, error in refusals.items()]
+        click.echo(json.dumps([*map(_summary, episodes), *refused], indent=2))
+    else:
+        tell_notes(episodes)
+        for episode in episodes:
+            _print(episode)
+    if refusals:
+        error = WmsError.of(dict.fromkeys(d for error in refusals.values() for d in error.diagnostics))
+        if not episodes:
+            raise error
+        tell(error.render(paint()))
+        raise SystemExit(1)
+
+
+def _each(engines: Sequence[str], execute: Callable[[str], Episode]) -> tuple[list[Episode], dict[str, WmsError]]:
+    """What happened in each engine that executes it, and why the others do not, by name."""
+    episodes: list[Episode] = []
+    refusals: dict[str, WmsError] = {}
+    for engine in engines:
+        try:
+            episodes.append(execute(engine))
+        except (StageError, EngineError) as error:
+            refusals[engine] = error
+    return episodes, refusals
 
 
 def tell_notes(episodes: Sequence[Episode]) -> None:
