@@ -33,6 +33,8 @@ from wmspec.stage import episode
 TRIED, THINGS = 12, 100
 #: However many things there are, so many are built, half of them with every counterfactual.
 FEWEST = 4
+#: What a robot does takes as long to plan as so many things to build.
+PLANNED = 40
 
 
 def dry_run(spec: TaskSpec, report: Report) -> Design | None:
@@ -44,7 +46,8 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
         linter.check(design, design_rules.RULES)
         instances = [design[index] for index in design.sample(TRIED)]
         tried = [Values(spec, instance.values, None, instance.key) for instance in instances]
-        built = max(FEWEST, TRIED * THINGS // max(THINGS, len(spec.things)))
+        work = len(spec.things) + PLANNED * sum(thing.kind == "action" and bool(thing.of) for thing in spec.things)
+        built = max(FEWEST, TRIED * THINGS // max(THINGS, work))
         for count, (values, instance) in enumerate(zip(tried[:built], instances, strict=False)):
             with linter.going_on():
                 _scene(Scene(values, depend, design, instance), linter, changed=count < max(FEWEST // 2, built // 3))
