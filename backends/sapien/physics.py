@@ -67,7 +67,7 @@ def verify_joints(world: World, scene: Scene) -> None:
     """Raise WmsError unless SAPIEN has the scene's limits and drives."""
     for limb in dict.fromkeys(limb for tree in world.trees.values() for limb in tree):
         path = scene.joints[limb.joint].path
-        if limb.limits and limb.kind != "ball":
+        if limb.limits:
             readback(path, "the limits", world.joints[limb.joint].limits[0], limb.limits, tolerance=SINGLE)
         if limb.drive:
             joint = world.joints[limb.joint]

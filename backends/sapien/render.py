@@ -69,8 +69,8 @@ class Renderer:
         color.take_picture()
         shape.take_picture()  # before the first is waited for
         rgb, seen = over(color.get_picture("Picture"), self._scene.background), shape.get_picture("Seen")
-        ids, distance = self._ids(seen[..., 1]), seen[..., 0].copy()
-        return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance if depth else None)
+        ids, distance = self._ids(seen[..., 1]), seen[..., 0]
+        return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance.copy() if depth else None)
 
     def repaint(self, scene: Scene) -> bool:
         """Draw a scene from now on that differs in colours only."""

@@ -22,9 +22,7 @@ FASTEST_SPIN = 1000.0  # rad/s, PhysX's default is 100
 APART = 1.0  # m/s: with which bodies that overlap are parted at most; unlimited, a bounce comes out too high
 POSITION_ITERATIONS = 100  # an elastic impact loses 0.4/n² of its speed
 VELOCITY_ITERATIONS = 4
-LANDING_ITERATIONS = (
-    64  # the same of bodies of which one lands on another: with 4 it rises again at up to half its speed
-)
+LANDING_ITERATIONS = 64  # of bodies of which one lands on another: with 4 it rises again at up to half its speed
 JUMP = 1e-9  # m: what is further from where it was to be has been placed there
 
 

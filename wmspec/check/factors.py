@@ -154,10 +154,9 @@ class Factors:
         named = [q.name.id for q in self.check.scope.questions if q.name is not None]
         if isinstance(e, s.Name) and e.id in named:
             return e.id
-        if not self.check.scope.whole:
-            raise Failed
-        remedy = suggestion(e.span.text, named) or 'name one: `question NAME "..." { ... }`, and balance its answers'
-        self.check.fail("WMS201", f"there is no question `{e.span.text}`", e.span, remedy)
+        name = e.span.text
+        remedy = suggestion(name, named) or 'name one: `question NAME "..." { ... }`, and balance its answers'
+        self.check.unknown(s.Name(name, e.span), f"there is no question `{name}`", remedy)
 
     def _factor(self, e: s.Expr, taken: dict[str, Span]) -> str:
         """The name of a factor, none of which may be named twice."""

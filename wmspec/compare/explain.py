@@ -40,7 +40,7 @@ def cause(
         began=began,
         other=other.name,
         touched=contact.start,
-        mass=(_mass(body), _mass(other)),
+        mass=(body.mass, other.mass),
         friction=material.dynamic,
         restitution=material.restitution,
         hint=_hint(body, other, material, count),
@@ -74,10 +74,6 @@ def _before(name: str, time: float, traces: tuple[Trace, Trace], apart: float) -
 def _material(a: Body, b: Body) -> Friction:
     """The material of the pair, of the first piece of each that can be touched."""
     return mix(colliders(a)[0].friction, colliders(b)[0].friction)
-
-
-def _mass(body: Body) -> float:
-    return body.inertia.mass if body.inertia is not None else 0.0
 
 
 def _round(body: Body) -> bool:

@@ -102,19 +102,15 @@ def _lands(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
     for hit in impacts(trace, apart):
         if not {hit.first, hit.second} <= free.keys() or not dull(free[hit.first], free[hit.second]):
             continue
-        light, heavy = sorted((hit.first, hit.second), key=lambda name: _mass(free[name]))
+        light, heavy = sorted((hit.first, hit.second), key=lambda name: free[name].mass)
         least = HEAVIER if (index[heavy], index[light]) in above else 1.0
         caught = any(
             light in (c.first, c.second) and heavy not in (c.first, c.second) and c.start < hit.start <= c.stop
             for c in trace.contacts
         )
         fast = closing(trace, index[heavy], index[light], hit.start) > LANDS
-        if caught and fast and _mass(free[heavy]) >= least * _mass(free[light]) * (1 - 1e-6):
+        if caught and fast and free[heavy].mass >= least * free[light].mass * (1 - 1e-6):
             yield f"`{heavy}` lands on `{light}` at {hit.start:.3g} s"
-
-
-def _mass(body: Body) -> float:
-    return body.inertia.mass if body.inertia is not None else 0.0
 
 
 def _leans(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:

@@ -39,6 +39,13 @@ def volume(values: Values, owner: str) -> float:
     return sum(piece.solid.volume for piece in pieces(values, owner))
 
 
+def mass(values: Values, name: str) -> float:
+    """What an object weighs (kg), as it says itself or by its density."""
+    if values.has(name, "mass"):
+        return float(values.property(name, "mass"))
+    return float(values.property(name, "density")) * volume(values, name)
+
+
 def own_turn(values: Values, owner: str) -> tuple[float, float, float]:
     """Yaw, pitch and roll (rad) of an object or part."""
     return (values.property(owner, "yaw"), values.property(owner, "pitch"), values.property(owner, "roll"))

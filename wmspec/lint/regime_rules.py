@@ -9,7 +9,7 @@ from itertools import combinations, permutations
 from wmspec.check import units
 from wmspec.check.ir import Thing
 from wmspec.diagnostics import Note
-from wmspec.layout.geometry import pieces, volume
+from wmspec.layout.geometry import mass, pieces
 from wmspec.layout.solids import Piece, bounds
 from wmspec.layout.values import Values
 from wmspec.lint.overlap import separation
@@ -90,7 +90,7 @@ def heavy_landing(scene: Scene) -> Iterator[Breach]:
         (low, high), (least, most) = boxes[a], boxes[b]
         above = low[2] - most[2] > LANDS**2 / (2 * values.gravity)
         if above and all(low[i] < most[i] and least[i] < high[i] for i in range(2)) and _bounce(values, a, b) < BOUNCY:
-            heavier = _mass(values, a) / _mass(values, b)
+            heavier = mass(values, a) / mass(values, b)
             if heavier >= HEAVIER:
                 what = f"`{a}` falls on `{b}` {scene.where} and is {heavier:.3g} times as heavy"
                 remedy = f"make their masses more alike, or {OTHERS}"
@@ -200,13 +200,6 @@ def _rise(values: Values, name: str, piece: Piece) -> float:
     return dot(rotate(values.pose(name).orientation, rotate(piece.pose.orientation, UP)), UP)
 
 
-def _mass(values: Values, name: str) -> float:
-    """What an object weighs, kg."""
-    if values.has(name, "mass"):
-        return float(values.property(name, "mass"))
-    return float(values.property(name, "density")) * volume(values, name)
-
-
 def _falling(values: Values) -> bool:
     """Whether anything that is free may fall: it has a joint, or rests on nothing."""
     joined = _joined(values)
@@ -244,7 +237,7 @@ def _balanced(values: Values, joint: str, end: str) -> bool:
 
     Whether a hinge of an asset is balanced its file tells, which may give the centre of mass.
     """
-    (thing,) = (t for t in _joints(values) if t.name == joint)
+    thing = values.spec.thing(joint)
     if thing.of:
         return False
     parts = pieces(values, end)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmspec.check.ir import Thing
 from wmspec.layout.geometry import pieces, touchable
@@ -29,7 +30,7 @@ class Box:
     axes: Array
     half: Array
 
-    def meets(self, other: Box, slack: float) -> Array:
+    def meets(self, other: Box, slack: float) -> NDArray[np.bool_]:
         """When (n,) the two overlap: no axis separates them (S. Gottschalk, OBBTree, 1996, section 5)."""
         turn = np.swapaxes(self.axes, 1, 2) @ other.axes
         way = ((other.center - self.center)[:, None, :] @ self.axes)[:, 0]
@@ -38,14 +39,14 @@ class Box:
         others = np.abs((way[:, None, :] @ turn)[:, 0]) > (a @ size) + b
         meets = np.asarray(~(faces.any(axis=1) | others.any(axis=1)))
         if not meets.any():
-            return np.asarray(meets)
+            return meets
         way, turn, size = way[meets], turn[meets], size[meets]
         i, j = _NEXT, _LAST
         edge = np.abs(way[:, j, None] * turn[:, i, :] - way[:, i, None] * turn[:, j, :])
         reach = a[i][:, None] * size[:, j, :] + a[j][:, None] * size[:, i, :]
         reach = reach + size[:, :, j] * b[i] + size[:, :, i] * b[j]
         meets[meets] = ~(edge > reach + 1e-9).any(axis=(1, 2))
-        return np.asarray(meets)
+        return meets
 
 
 def collision(made: Plan, action: Thing) -> tuple[str, str] | None:

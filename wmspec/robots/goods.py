@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmspec.diagnostics import ImpossibleValue
-from wmspec.layout.geometry import pieces, volume
+from wmspec.layout.geometry import mass, pieces
 from wmspec.layout.solids import bounds
 from wmspec.robots.arm import Array, about, shift
 from wmspec.space import HERE
@@ -89,10 +89,12 @@ def goods(values: Values, name: str) -> Goods:
         raise ImpossibleValue(f"`{name}` does not stand upright, so no robot can handle it", values.place(name))
     low, high = (np.array(corner) for corner in bounds(made, HERE))
     frame = shift(*pose.position) @ about(2, float(values.property(name, "yaw"))) @ shift(*((low + high) / 2).tolist())
-    mass = values.property(name, "mass") if values.has(name, "mass") else None
-    if mass is None:
-        mass = values.property(name, "density") * volume(values, name)
     half = ((high - low) / 2).tolist()
     return Goods(
-        name, frame, (half[0], half[1], half[2]), float(mass), float(values.property(name, "friction")), frame[:3, 3]
+        name,
+        frame,
+        (half[0], half[1], half[2]),
+        mass(values, name),
+        float(values.property(name, "friction")),
+        frame[:3, 3],
     )

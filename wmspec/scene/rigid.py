@@ -85,7 +85,7 @@ def _rigid(body: Body, *, tied: bool) -> Rigid:
         name=body.name,
         motion=body.motion,
         start=numbers(body.pose),
-        mass=float(body.inertia.mass) if body.inertia else 0.0,
+        mass=body.mass,
         moments=floats(body.inertia.moments if body.inertia else np.zeros(3)),
         damping=(float(body.linear_damping), float(body.angular_damping)),
         pieces=tuple(map(_piece, colliders(body))),

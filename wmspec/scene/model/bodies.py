@@ -78,6 +78,11 @@ class Body:
     linear_damping: float = 0.0
     angular_damping: float = 0.0
 
+    @property
+    def mass(self) -> float:
+        """Its mass (kg), 0 unless it is dynamic."""
+        return float(self.inertia.mass) if self.inertia is not None else 0.0
+
 
 JointKind = Literal["fixed", "hinge", "slider", "ball"]
 
