@@ -54,6 +54,13 @@ def test_whatever_goes_wrong_costs_its_own_piece(workers: int) -> None:
     ]
 
 
+@pytest.mark.parametrize(("module", "place"), [("other", ""), ("wmspec.other", " (wmspec/other.py:2)")])
+def test_a_reason_names_our_code_wherever_it_lies(module: str, place: str) -> None:
+    names = {"__name__": module}
+    exec(compile("def work(i):\n    raise ValueError('no')", "/home/me/wmspec/other.py", "exec"), names)
+    assert list(in_order(names["work"], [(1,)], Effort(0, timeout=60))) == [Lost("error", f"ValueError: no{place}")]
+
+
 @pytest.mark.parametrize("workers", [0, 2])
 def test_a_machine_that_cannot_draw_is_no_fault_of_a_piece(workers: int) -> None:
     with pytest.raises(GraphicsError, match="no display"):

@@ -1,6 +1,7 @@
 """A Ray cluster makes what one machine makes, whatever becomes of its machines."""
 
 import hashlib
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,6 +19,9 @@ from wmspec.execute.pool import Lost, by_units
 from wmspec.resources import resource
 
 ray = pytest.importorskip("ray")
+startable = pytest.mark.skipif(
+    any(map(str.isspace, sys.executable)), reason="Ray starts no Python with a space in its path"
+)
 SPEC = resource("specs") / "perception" / "vision" / "shape_room.wms"
 
 
@@ -42,6 +46,13 @@ def files(folder: Path) -> dict[str, str]:
     }
 
 
+def test_a_python_that_ray_cannot_start_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "executable", "/a folder/bin/python")
+    with pytest.raises(WmsError, match="whose path has a space"), ray_cluster("", 1, 5, {}):
+        pass
+
+
+@startable
 def test_a_piece_costs_there_what_it_costs_here(cluster: Any) -> None:
     units = [[(1,), (2,)], [(6,), (3,)], [(4,)]]
     with ray_cluster(cluster.address, None, 5, {}) as effort:
@@ -56,6 +67,7 @@ def test_a_piece_costs_there_what_it_costs_here(cluster: Any) -> None:
     }
 
 
+@startable
 def test_other_versions_are_refused(cluster: Any) -> None:
     with (
         pytest.raises(WmsError, match=r"has wmspec .*, and this one 0\.0\.0"),
@@ -75,6 +87,7 @@ def test_no_cluster_is_told(tmp_path: Path) -> None:
         assert f"there is no Ray cluster at `{address}`" in told.output
 
 
+@startable
 def test_a_machine_that_is_lost_changes_nothing(cluster: Any, tmp_path: Path) -> None:
     choices: Any = {"backend": "mujoco", "per_task": 24, "size": 64, "seed": 3}
     generate(SPEC, tmp_path / "here", workers=1, **choices)

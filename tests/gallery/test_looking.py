@@ -89,6 +89,7 @@ def test_pictures_flicker_until_told(page: Any) -> None:
     first = page.inner_text("#caption")
     page.wait_for_function("said => document.querySelector('#caption').textContent !== said", arg=first)
     page.keyboard.press("Escape")
+    page.wait_for_function("() => document.querySelector('#flicker').ariaPressed === 'false'")  # closing takes a moment
     assert page.get_attribute("#flicker", "aria-pressed") == "false"
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -86,7 +87,8 @@ def test_the_commands_of_the_docs_work(tmp_path: Path) -> None:
     pytest.importorskip("skimage")
     pytest.importorskip("statsmodels")
     (block,) = re.findall(r"```sh\n(.*?)```", (DOCS.parent / "recast.md").read_text(), re.DOTALL)
-    here = f'set -e\npython() {{ {sys.executable} "$@"; }}\nwmspec() {{ {sys.executable} -m wmspec "$@"; }}\n'
+    python = shlex.quote(sys.executable)
+    here = f'set -e\npython() {{ {python} "$@"; }}\nwmspec() {{ {python} -m wmspec "$@"; }}\n'
     (tmp_path / "docs").symlink_to(DOCS.parent)
     done = subprocess.run(["bash", "-c", here + block], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

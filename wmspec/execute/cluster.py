@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 import socket
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -132,6 +133,11 @@ def _joined(address: str, workers: int | None) -> Iterator[None]:
 def _join(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None:
     """Begin Ray in a thread: in the main one it takes SIGTERM for itself, and a signal would leave it half begun."""
     ray = _ray()
+    if not address and any(map(str.isspace, sys.executable)):
+        raise WmsError(
+            f"Ray cannot start workers by `{sys.executable}`, whose path has a space",
+            help="install wmspec where there is none, or work without Ray",
+        )
     quiet = {"log_to_driver": False, "logging_level": logging.ERROR, "include_dashboard": None if address else False}
     try:
         _answers(address)

@@ -31,6 +31,8 @@ Piece = tuple[Any, ...]
 PIECES_PER_WORKER = 500
 #: So many pieces are with a worker at a time, so that it need not wait for the next.
 AHEAD = 2
+#: The packages that an error is traced to.
+_OURS = ("wmspec", "backends")
 #: So many times in a row workers may vanish before they say what they do, until the job that is waited for is lost.
 PATIENCE = 10
 
@@ -281,10 +283,11 @@ def _done(work: Callable[..., T], *piece: Any) -> T | Lost:
 
 def _reason(error: Exception) -> str:
     """An error nobody foresaw in one line, the same in every run: what it is, and where in our code it came from."""
-    way = traceback.extract_tb(error.__traceback__)[1:]  # from `_done` on
-    ours = [frame for frame in way if {"wmspec", "backends"} & set(Path(frame.filename).parts)]
+    way = list(traceback.walk_tb(error.__traceback__))[1:]  # from `_done` on
+    # By its module: the folder that all lies in may be called wmspec, too.
+    ours = [(f.f_code.co_filename, n) for f, n in way if f.f_globals["__name__"].split(".")[0] in _OURS]
     text = re.sub(r"0x[0-9a-f]{6,}", "0x...", " ".join(str(error).split()))[:300]
-    place = f" ({'/'.join(Path(ours[-1].filename).parts[-2:])}:{ours[-1].lineno})" if ours else ""
+    place = f" ({'/'.join(Path(ours[-1][0]).parts[-2:])}:{ours[-1][1]})" if ours else ""
     return f"{type(error).__name__}: {text}{place}"
 
 
