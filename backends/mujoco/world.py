@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -55,13 +56,23 @@ class World:
         self.data.qvel[at : at + 3] = linear
         self.data.qvel[at + 3 : at + 6] = rotate(conjugate(turn), angular)
 
-    def drive(self, body: int, here: Any, _there: Any, speeds: Any) -> None:
-        """Put a kinematic body back on its path, undoing whatever pushed it."""
-        place, speed = self.qpos[body], self.qvel[body]
-        self.data.qpos[place : place + 7] = here
-        self.data.qvel[speed : speed + 6] = speeds
-        if speeds[3:].any():
-            self.data.qvel[speed + 3 : speed + 6] = rotate(conjugate(here[3:]), speeds[3:])
+    def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
+        """What puts kinematic bodies back on their paths before step number i, undoing whatever pushed them."""
+        if not paths:
+            return lambda i: None
+        bodies = list(paths)
+        places = (self.qpos[bodies][:, None] + np.arange(7)).ravel()
+        rates = (self.qvel[bodies][:, None] + np.arange(6)).ravel()
+        poses = np.concatenate([here for here, _, _ in paths.values()], axis=1)
+        spins = [rotate(conjugate(here[:, 3:]), speeds[:, 3:]) for here, _, speeds in paths.values()]
+        both = zip(paths.values(), spins, strict=True)
+        speeds = np.concatenate([part for (_, _, path), spin in both for part in (path[:, :3], spin)], axis=1)
+
+        def drive(i: int) -> None:
+            self.data.qpos[places] = poses[i]
+            self.data.qvel[rates] = speeds[i]
+
+        return drive
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Let a force and a torque act at the centre of mass of a dynamic body during the next step."""

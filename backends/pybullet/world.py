@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from math import exp, sqrt
 from typing import Any
 
@@ -176,7 +177,17 @@ class World:
         """Set the velocities of a free body."""
         pybullet.resetBaseVelocity(self.ids[body][0], list(linear), list(angular), physicsClientId=self.client)
 
-    def drive(self, body: int, here: Any, _there: Any, speeds: Any) -> None:
+    def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
+        """What puts kinematic bodies back on their paths before step number i."""
+        moves = [(body, here.tolist(), speeds.tolist()) for body, (here, _, speeds) in paths.items()]
+
+        def drive(i: int) -> None:
+            for body, here, speeds in moves:
+                self.drive(body, here[i], speeds[i])
+
+        return drive
+
+    def drive(self, body: int, here: Any, speeds: Any) -> None:
         """Put a kinematic body back on its path, undoing whatever pushed it, and hold it against gravity."""
         handle, place = self.ids[body][0], list(here[:3])
         pybullet.resetBasePositionAndOrientation(handle, place, xyzw(here[3:]), physicsClientId=self.client)
@@ -207,7 +218,7 @@ class World:
             self.held.add(body)
             self.weigh(body, HEAVY_MASS, [HEAVY_INERTIA] * 3)
         place = self.bodies[body].start if at is None else at
-        self.drive(body, place, place, (0.0,) * 6)
+        self.drive(body, place, (0.0,) * 6)
 
     def free(self, body: int) -> None:
         """Let go of what has been held."""

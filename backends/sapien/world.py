@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -171,7 +171,16 @@ class World:
         self.parts[body].set_linear_velocity(np.array(linear, np.float32))
         self.parts[body].set_angular_velocity(np.array(angular, np.float32))
 
-    def drive(self, body: int, here: Any, there: Any, _speeds: Any) -> None:
+    def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
+        """What tells kinematic bodies before step number i where to be after it."""
+
+        def drive(i: int) -> None:
+            for body, (here, there, _) in paths.items():
+                self.drive(body, here[i], there[i])
+
+        return drive
+
+    def drive(self, body: int, here: Any, there: Any) -> None:
         """Tell a kinematic body where to be after the next step; put it where it's to be before, if it isn't there."""
         if np.abs(self.targets.get(body, here) - here).max() > JUMP:
             self.parts[body].entity.set_pose(frame(here))
@@ -193,7 +202,7 @@ class World:
             place = np.array(self.bodies[body].start if at is None else at)
             if at is not None:
                 self.parts[body].entity.set_pose(frame(place))
-            self.drive(body, place, place, np.zeros(6))
+            self.drive(body, place, place)
             return
         for branch in branches(self.trees[body]):
             part = self.parts[branch[0].body]

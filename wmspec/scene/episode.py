@@ -6,7 +6,7 @@ that the `repr` of an `Episode` is the Python text of it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -181,8 +181,11 @@ class World(Protocol):
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         """Set the velocities of a dynamic body."""
 
-    def drive(self, body: int, here: Any, there: Any, speeds: Any) -> None:
-        """Make a kinematic body move from `here` (7,) to `there`, with velocities (6,), during the next step."""
+    def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
+        """What makes kinematic bodies move in step number i, before which it is called with i: each from where it is
+
+        then, (T, 7), to where it is after the step, with velocities (T, 6).
+        """
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Let a force and a torque (3,) act at the centre of mass of a dynamic body during the next step."""
@@ -224,9 +227,12 @@ def play(world: World, episode: Episode) -> Recording:
         states[:, track.body] = track.at(np.arange(episode.samples) / episode.rate)
     if not episode.dynamic:  # what moves as it is told never touches what does too: nothing is left to compute
         return Recording(mounted(states, episode), [set()] * steps)
-    paths = {track.body: track.steps(np.arange(steps + 1) * episode.step) for track in episode.tracks}
+    needed = {track.body for track in episode.tracks}.difference(episode.unfelt)
+    needed |= {grip.hand for grip in episode.grips}
+    times = np.arange(steps + 1) * episode.step
+    paths = {track.body: track.steps(times) for track in episode.tracks if track.body in needed}
     begins = beginnings(episode)
-    moves = [(body, *path) for body, path in paths.items() if body not in episode.unfelt]
+    drive = world.driven({body: path for body, path in paths.items() if body not in episode.unfelt})
     held: dict[int, Any] = {}
     torn: dict[int, tuple[float, int, float]] = {}
     touching = []
@@ -239,8 +245,7 @@ def play(world: World, episode: Episode) -> Recording:
             stretched(episode, held, states[i // episode.substeps], torn, i)
         if i == steps:
             break
-        for body, here, there, speeds in moves:
-            world.drive(body, here[i], there[i], speeds[i])
+        drive(i)
         act(world, episode, i)
         world.step()
         touching.append(world.touching())

@@ -95,7 +95,7 @@ def astray(scene: Scene) -> Iterator[tuple[Follow, Array]]:
             pose = here.at(move.start)
             if isinstance(move, Follow) and _apart(move, pose):
                 yield move, pose.position
-            here = _parts(move, pose, 1)[-1]
+            here = _last(move, pose)
 
 
 def _apart(move: Follow, pose: Pose) -> bool:
@@ -116,14 +116,28 @@ def _parts(move: Move, here: Pose, steps_per_second: int) -> list[Part]:
 
 
 def _followed(move: Follow, here: Pose) -> list[Part]:
-    n = len(move.times)
-    turns = np.tile(here.orientation, (n, 1)) if move.orientations is None else move.orientations
-    parts = []
-    for i, (start, stop) in enumerate(pairwise(move.times.tolist())):
-        velocity = (move.points[i + 1] - move.points[i]) / (stop - start)
-        spin = turned(_between(turns[i], turns[i + 1])) / (stop - start)
-        parts.append(Part(move.start + start, move.points[i], turns[i], velocity, spin))
-    return [*parts, _rest(move.stop, Pose(move.points[-1], turns[-1]))]
+    turns = _turns(move, here)
+    lasting = np.diff(move.times)[:, None]
+    velocities = np.diff(move.points, axis=0) / lasting
+    spins = turned(_between(turns[:-1], turns[1:])) / lasting
+    times = (move.start + move.times[:-1]).tolist()
+    parts = zip(times, move.points[:-1], turns[:-1], velocities, spins, strict=True)
+    return [*(Part(*part) for part in parts), _last(move, here)]
+
+
+def _last(move: Move, here: Pose) -> Part:
+    """The rest after an action of a body that is `here` when it starts."""
+    match move:
+        case Teleport():
+            return _rest(move.start, move.pose)
+        case Follow():
+            return _rest(move.stop, Pose(move.points[-1], _turns(move, here)[-1]))
+        case Glide():
+            return _parts(move, here, 1)[-1]
+
+
+def _turns(move: Follow, here: Pose) -> Array:
+    return np.tile(here.orientation, (len(move.times), 1)) if move.orientations is None else move.orientations
 
 
 def _between(a: Array, b: Array) -> Array:
