@@ -59,7 +59,7 @@ class World:
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
         """What puts kinematic bodies back on their paths before step number i, undoing whatever pushed them."""
         if not paths:
-            return lambda i: None
+            return lambda _: None
         bodies = list(paths)
         places = (self.qpos[bodies][:, None] + np.arange(7)).ravel()
         rates = (self.qvel[bodies][:, None] + np.arange(6)).ravel()

@@ -54,9 +54,8 @@ class Run:
 
     def movers(self) -> set[str]:
         """The names of the bodies that do move, at any time."""
-        middles = np.stack([middle(b, p) for b, p in zip(self.scene.bodies, self._tracks(), strict=True)], axis=1)
-        away = np.linalg.norm(middles - middles[0], axis=2).max(axis=0)
-        return {b.name for b, way in zip(self.scene.bodies, away, strict=True) if way > MOVED}
+        middles = {b.name: middle(b, p) for b, p in self._tracks() if b.motion != "static"}
+        return {n for n, track in middles.items() if np.linalg.norm(track - track[0], axis=1).max() > MOVED}
 
     def poses(self, names: Sequence[str], time: float) -> NDArray[np.float64]:
         """Where the middles of bodies are, and how they are turned (n, 7) at a time (s), NaN for one that is not there.
@@ -76,10 +75,10 @@ class Run:
                 row[:3], row[3:] = middle(self.scene.bodies[k], here), here.orientation
         return rows
 
-    def _tracks(self) -> Iterator[Pose]:
-        """The frames of every body at all times, (T, 3) and (T, 4)."""
-        for k in range(len(self.scene.bodies)):
-            yield Pose(self.trace.position[:, k], self.trace.orientation[:, k])
+    def _tracks(self) -> Iterator[tuple[Body, Pose]]:
+        """Every body, and its frame at all times, (T, 3) and (T, 4)."""
+        for k, body in enumerate(self.scene.bodies):
+            yield body, Pose(self.trace.position[:, k], self.trace.orientation[:, k])
 
     def observed(self, views: Sequence[View], pair: EnginePair) -> Observed:
         """What there is to measure, with views of it."""

@@ -1,9 +1,10 @@
 """Scenes of documents, read part by part: what was read before, in whatever stage, is not read again.
 
-A part is a subtree of prims that becomes one thing of the scene: an object, a camera, all actions, all observations,
-the lights. What it is read as depends on its own prims, on those above it and on the parts that it points to, as an
-object points to its materials: their content is its key. The parts that are not known are composed as a small stage of
-their own, and read from it as any stage is.
+A part is a subtree of prims that becomes one thing of the scene: an object and the cameras that ride on it, another
+camera, all actions, all observations, the lights. What it is read as depends on its own prims, on those above it and on
+the parts that it points to, as an object points to its materials: their content is its key. The parts that are not
+known are composed as a small stage of their own, and read from it as any stage is. Robots that are made of files are
+known together, since the names of their links depend on each other; what they do is read without what they look like.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ from typing import Any
 
 from wmspec.diagnostics import WmsError
 from wmspec.scene.digest import PLAIN_FORMAT
-from wmspec.scene.model import Scene
+from wmspec.scene.model import Body, Camera, Scene
 from wmspec.stage.document import Document, Prim
-from wmspec.stage.layers import compose
+from wmspec.stage.layers import bare, compose
 from wmspec.usd import read
 
 _OBJECTS, _MATERIALS, _CAMERAS = "/World/Objects/", "/World/Materials/", "/World/Cameras/"
@@ -28,8 +29,19 @@ _ACTIONS, _OBSERVATIONS = f"{_EPISODE}/Actions", f"{_EPISODE}/Observations"
 #: The prims above all parts, which are in every small stage, as is the part of gravity and the episode's duration.
 _ABOVE = ("/World", "/World/Objects", "/World/Materials", "/World/Cameras", _LIGHTS, _ACTIONS, _OBSERVATIONS)
 _FRAME = "/World/physics"
-#: What ties bodies together is read as a whole: joints, robots, filters, cameras that ride, and what is not known here.
-_TYPES = {"", "Xform", "Scope", "PhysicsScene", "Material", "Shader", "DistantLight", "DomeLight", "WmsEpisode"}
+#: What ties bodies together is read as a whole: joints, filters, and what is not known here.
+_TYPES = {
+    "",
+    "Xform",
+    "Scope",
+    "PhysicsScene",
+    "Material",
+    "Shader",
+    "DistantLight",
+    "DomeLight",
+    "WmsEpisode",
+    "Camera",
+}
 _TYPES |= {"Cube", "Sphere", "Cylinder", "Cone", "Capsule", "Plane", "Mesh", "GeomSubset", "WmsObservation"}
 _TYING = ("PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI", "CollectionAPI")
 
@@ -67,15 +79,17 @@ class SceneCache:
         content = {part: self._known[key] for part, key in keys.items()}
         while len(self._known) > self._remembered:
             self._known.popitem(last=False)
-        bodies = tuple(body for part in content if part.startswith(_OBJECTS) for body in content[part])
-        if len({body.name for body in bodies}) < len(bodies):
-            raise _Whole
+        objects = [content[part] for part in content if part.startswith(_OBJECTS)]
+        bodies = tuple(body for known, _ in objects for body in known)
+        cameras = [camera for _, riding in objects for camera in riding]
+        cameras += [content[part] for part in content if part.startswith(_CAMERAS)]
+        _alone(bodies, cameras, document)
         frame: Scene = content[_FRAME]
         light, background = content[_LIGHTS]
         return replace(
             frame,
             bodies=bodies,
-            cameras=tuple(content[part] for part in content if part.startswith(_CAMERAS)),
+            cameras=tuple(cameras),
             actions=content[_ACTIONS],
             observations=content[_OBSERVATIONS],
             light=light,
@@ -88,11 +102,14 @@ class SceneCache:
         paths = {path for part in wanted for path in parts.get(part, ())}.union(_ABOVE)
         small = Document({path: prim for path, prim in document.prims.items() if path in paths})
         try:
-            scene = read(compose(small))
+            scene = read(bare(compose(small), [part for part in _robots(document) if part not in missing]))
         except WmsError:
             raise _Whole from None  # where all that is wrong is told
+        _alone(scene.bodies, scene.cameras, document)
+        if scene.joints or scene.filtered:
+            raise _Whole
         for part in missing:
-            self._known[keys[part]] = _content(scene, part)
+            self._known[keys[part]] = _content(scene, part, parts.get(part, ()), document)
 
 
 class _Whole(Exception):
@@ -108,7 +125,7 @@ def _parts(document: Document) -> _Parts | None:
             return None
         if part:
             parts.setdefault(part, []).append(path)
-    return parts if any(part.startswith(_CAMERAS) for part in parts) else None
+    return parts if any(prim.type == "Camera" for prim in document.prims.values()) else None
 
 
 def _part(path: str, prim: Prim) -> str | None:
@@ -121,17 +138,26 @@ def _part(path: str, prim: Prim) -> str | None:
         return None
     for part in (_FRAME, _LIGHTS, _ACTIONS, _OBSERVATIONS):
         if path == part or path.startswith(f"{part}/"):
-            return part if prim.type != "WmsAction" or _single(prim) else None
+            return part
     whole = "/".join(path.split("/", 4)[:4])
     if whole.startswith(_CAMERAS):
         return whole if prim.type == "Camera" else None
     return whole if prim.type in _TYPES and whole.startswith((_OBJECTS, _MATERIALS)) else None
 
 
-def _single(action: Prim) -> bool:
-    """Whether an action is one in the scene: a robot's is a plan of many."""
-    verb = action.attributes.get("wms:verb")
-    return verb is None or verb.value != "reach"
+def _robots(document: Document) -> list[str]:
+    """The robots that are made of files."""
+    return [path for path, prim in document.prims.items() if prim.reference]
+
+
+def _alone(bodies: Sequence[Body], cameras: Sequence[Camera], document: Document) -> None:
+    """Read the document as a whole if names depend on more than the parts that they are in."""
+    robots = tuple(f"{path}/" for path in _robots(document))
+    given = {body.path.rpartition("/")[2] for body in bodies if body.path.startswith(robots)}
+    others = [body.name for body in bodies if not body.path.startswith(robots)]
+    names, seen = {body.name for body in bodies}, {camera.name for camera in cameras}
+    if len(names) < len(bodies) or len(seen) < len(cameras) or not given.isdisjoint(others):
+        raise _Whole
 
 
 def _keys(document: Document, parts: _Parts) -> dict[str, bytes]:
@@ -161,11 +187,11 @@ def _bytes_of(document: Document, paths: Iterable[str]) -> bytes:
 
 
 def _reached(document: Document, parts: _Parts, part: str) -> list[str]:
-    """The other parts that a part points to, directly or not, in order."""
-    reached, waiting = [part], [part]
+    """The other parts that a part points to, directly or not, in order; robots made of files point to each other."""
+    reached, waiting, robots = [part], [part], _robots(document)
     while waiting:
         for path in parts[waiting.pop()]:
-            for target in _targets(document.prims[path]):
+            for target in _targets(document.prims[path], robots):
                 near = _owner(target, parts)
                 if near not in reached:
                     reached.append(near)
@@ -173,7 +199,9 @@ def _reached(document: Document, parts: _Parts, part: str) -> list[str]:
     return reached[1:]
 
 
-def _targets(prim: Prim) -> Iterator[str]:
+def _targets(prim: Prim, robots: Sequence[str]) -> Iterator[str]:
+    if prim.reference:
+        yield from robots
     for relation in prim.relations.values():
         yield from relation.targets
     for attribute in prim.attributes.values():
@@ -188,7 +216,7 @@ def _owner(path: str, parts: _Parts) -> str:
     return whole
 
 
-def _content(scene: Scene, part: str) -> Any:
+def _content(scene: Scene, part: str, paths: Sequence[str], document: Document) -> Any:
     """What a part has become in a scene."""
     match part:
         case _ if part == _FRAME:
@@ -200,16 +228,18 @@ def _content(scene: Scene, part: str) -> Any:
         case _ if part == _OBSERVATIONS:
             return scene.observations
         case _ if part.startswith(_CAMERAS):
-            return _named(scene.cameras, part)[0]
+            return _named(scene.cameras, part)
     bodies = tuple(body for body in scene.bodies if body.path == part or body.path.startswith(f"{part}/"))
     for body in bodies:
-        if body.name != body.path.rpartition("/")[2]:
+        if body.name != body.path.rpartition("/")[2] and not document.prims[part].reference:
             raise _Whole  # its name depends on those of others
-    return bodies
+    riding = [path for path in paths if document.prims[path].type == "Camera"]
+    return bodies, tuple(_named(scene.cameras, path) for path in riding)
 
 
-def _named(things: Sequence[Any], part: str) -> list[Any]:
-    named = [thing for thing in things if thing.name == part.rpartition("/")[2]]
+def _named(cameras: Sequence[Camera], path: str) -> Camera:
+    """The camera with the name of its prim."""
+    named = [camera for camera in cameras if camera.name == path.rpartition("/")[2]]
     if len(named) != 1:
         raise _Whole
-    return named
+    return named[0]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any
 
-from pxr import Gf, Sdf, Usd, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.stage.document import Attribute, Document, Prim, Relation
@@ -83,6 +83,15 @@ def _children(document: Document) -> dict[str, list[str]]:
 def compose(document: Document) -> Usd.Stage:
     """A stage of the whole document, in memory."""
     return Usd.Stage.Open(base_layer(document))
+
+
+def bare(stage: Usd.Stage, paths: Iterable[str]) -> Usd.Stage:
+    """The stage without the geometries below some prims; returns the stage."""
+    for path in paths:
+        every = Usd.PrimRange(stage.GetPrimAtPath(path)) if stage.GetPrimAtPath(path) else ()
+        for prim in [prim for prim in every if prim.IsA(UsdGeom.Gprim)]:
+            prim.SetActive(False)
+    return stage
 
 
 def _layer(doc: str) -> Sdf.Layer:
