@@ -4,7 +4,7 @@ python tools/worlds.py things [NAME ...]    named; every sixth without a name by
 python tools/worlds.py rooms [NAME ...]     from each camera: docs/images/rooms.jpg
 python tools/worlds.py nameless FOLDER KEY [LOOK]   one a picture and shuffled, to be named; what they are is in KEY
 python tools/worlds.py parity [all]         what the pictures of the engines differ by: lines of a table, for every
-                                            sixth thing and every room, or for all from each camera
+                                            sixth thing and every room, or for all from each camera; and the worst
 """
 
 from __future__ import annotations
@@ -212,11 +212,24 @@ def parity(step: int, cameras: Iterable[str], side: int = 256) -> Iterator[str]:
     sample += [
         (name if camera == "front" else f"{name}, {camera}", room(name), camera) for name in ROOMS for camera in cameras
     ]
+    measured = []
     for name, what, camera in sample:
         drawn = {engine: frames(what, engine, side, [camera])[0] for engine in names()}
-        worst = [apart(drawn[a], drawn[b]) for a, b in combinations(drawn, 2)]
-        overlap, color, depth = min(w[0] for w in worst), max(w[1] for w in worst), max(w[2] for w in worst)
-        yield f"| {name.replace('_', ' ')} | {overlap:.3f} | {color:.1f} | {depth:.2f} |"
+        measured.append(worst(apart(drawn[a], drawn[b]) for a, b in combinations(drawn, 2)))
+        yield line(name, measured[-1])
+    yield line(f"the worst of {len(measured)}", worst(measured))
+
+
+def worst(measured: Iterable[tuple[float, float, float]]) -> tuple[float, float, float]:
+    """The least overlap, and the most apart in colour and in depth."""
+    overlap, color, depth = zip(*measured, strict=True)
+    return min(overlap), max(color), max(depth)
+
+
+def line(name: str, measured: tuple[float, float, float]) -> str:
+    """A line of the table."""
+    overlap, color, depth = measured
+    return f"| {name.replace('_', ' ')} | {overlap:.3f} | {color:.1f} | {depth:.3f} |"
 
 
 def shown(name: str) -> tuple[Scene, str]:

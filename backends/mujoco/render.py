@@ -15,6 +15,7 @@ from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, whole
 from wmspec.scene.contact_shadow import ContactShadows
 from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
+from wmspec.scene.near_plane import NearPlane
 from wmspec.scene.picture import check
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
@@ -37,6 +38,7 @@ class Renderer:
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         self._scene, self._casters, self._contact = scene, Casters(scene), ContactShadows(scene)
+        self._near = NearPlane(scene, width / height)
         self._rect = mujoco.MjrRect(0, 0, width, height)
         self._model: Any = build(scene, width, height).compile()
         self._data: Any = mujoco.MjData(self._model)
@@ -51,7 +53,7 @@ class Renderer:
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         self._place(shot)
         camera = seeing(self._scene, shot)
-        self._aim(camera, shot)
+        self._aim(self._near.before(camera, shot), shot)
         rgb = self._render(ids=False)
         ids = self._bodies(self._render(ids=True))
         if not (depth or self._contact.any):

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
-import PIL.Image
 from numpy.typing import NDArray
 
 from wmspec.diagnostics import WmsError
 from wmspec.scene.camera import projection_matrix, seeing, view_matrix
-from wmspec.scene.color import texture, whole
+from wmspec.scene.color import whole
 from wmspec.scene.contact_shadow import ContactShadows
-from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot, Surface
+from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
+from wmspec.scene.near_plane import NearPlane
 from wmspec.scene.picture import Image, check, halve, quantize
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
@@ -23,6 +22,7 @@ from wmspec.scene.texcoords import texcoords
 from wmspec.scene.transform import apply, compose, inverse
 from wmspec.shapes.facets import Facets
 
+from .images import Images, Pattern
 from .layer import Layer
 from .lists import lists
 from .shadow import Sun
@@ -50,6 +50,7 @@ class Piece:
     pose: Pose
     numbers: tuple[int, ...]
     planes: Array
+    pattern: Pattern | None
 
 
 class Renderer:
@@ -58,12 +59,14 @@ class Renderer:
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         self._scene, self._size = scene, (width, height)
         self._casters, self._contact = Casters(scene), ContactShadows(scene)
+        self._near = NearPlane(scene, width / height)
         self._client = pybullet.connect(pybullet.DIRECT)
         # what's in front comes first: what's behind it then need not be coloured
         order = sorted(range(len(scene.bodies)), key=self._casters.size)
         shown = [(i, j, geom) for i in order for j, geom in enumerate(scene.bodies[i].geoms) if geom.visible]
-        images = _images((geom.surface for _, _, geom in shown), self._client)
-        self._pieces = [Piece(i, j, geom.pose, *_add(geom, images, self._client)) for i, j, geom in shown]
+        self._images = Images(self._client)
+        self._pieces = [Piece(i, j, geom.pose, *_add(geom, self._images, self._client)) for i, j, geom in shown]
+        self._halved: dict[int, int] = {}
         self._owner = np.full(pybullet.getNumBodies(self._client) + 1, -1, np.int16)
         for piece in self._pieces:
             self._owner[list(piece.numbers)] = piece.body
@@ -74,9 +77,10 @@ class Renderer:
         """Draw the bodies where the shot places them."""
         check(self._scene, shot)
         camera = seeing(self._scene, shot)
-        fine, coarse = self._layers(camera, shot)
+        near = self._near.before(camera, shot)
+        fine, coarse = self._layers(near, shot)
         lit, dark = self._smooth(fine), coarse.rgba[..., :3] + np.float32(0.5)
-        ids, distance = self._owner[coarse.numbers], _metres(coarse.depth, camera)
+        ids, distance = self._owner[coarse.numbers], _metres(coarse.depth, near)
         distance[ids < 0] = 0
         shaded = np.float32(SHADE) * self._occlusion(camera, shot, distance)
         rgb = quantize(lit - shaded[..., None] * np.maximum(lit - dark, 0))
@@ -99,7 +103,8 @@ class Renderer:
     def _layers(self, camera: Camera, shot: Shot) -> tuple[Layer, Layer]:
         """The shot at twice the size, and at its size in the ambient light alone; neither with shadows."""
         resting = [camera.pose, *(pose for pose, moves in zip(shot.poses, self._moves, strict=True) if not moves)]
-        still = b"".join(pose.position.tobytes() + pose.orientation.tobytes() for pose in resting)
+        still = np.float64(camera.near).tobytes()  # depths can be compared if their near planes are the same
+        still += b"".join(pose.position.tobytes() + pose.orientation.tobytes() for pose in resting)
         if camera.name not in self._still or self._still[camera.name][0] != still:
             self._still[camera.name] = (still, *self._pair(camera, shot.poses, ~self._moves))
         _, fine, coarse = self._still[camera.name]
@@ -109,6 +114,7 @@ class Renderer:
     def _pair(self, camera: Camera, poses: Sequence[Pose], shown: NDArray[np.bool_]) -> tuple[Layer, Layer]:
         (width, height), light = self._size, self._scene.light
         self._place(poses, camera, shown)
+        self._dress(poses, camera, shown)
         fine = self._draw(camera, (2 * width, 2 * height), light.ambient, light.diffuse)
         return fine, self._draw(camera, (width, height), light.ambient, 0.0)
 
@@ -121,6 +127,19 @@ class Renderer:
             for number, faces in zip(piece.numbers, piece.planes @ eye > 0, strict=True):
                 place = pose.position.tolist() if shown[piece.body] and faces else NOWHERE
                 pybullet.resetBasePositionAndOrientation(number, place, [*turn, w], self._client)
+
+    def _dress(self, poses: Sequence[Pose], camera: Camera, shown: NDArray[np.bool_]) -> None:
+        """Give the sides of the bodies `shown` images whose texels are as large as the pixels that see them."""
+        pixel = 2 * math.tan(camera.fovy / 2) / self._size[1]
+        for piece in self._pieces:
+            if piece.pattern is None or not shown[piece.body]:
+                continue
+            eye = apply(inverse(compose(poses[piece.body], piece.pose)), camera.pose.position)
+            for number, halvings in zip(piece.numbers, piece.pattern.halvings(eye, pixel), strict=True):
+                if self._halved.get(number, 0) != halvings:
+                    image = self._images.number(piece.pattern.file, halvings)
+                    pybullet.changeVisualShape(number, -1, textureUniqueId=image, physicsClientId=self._client)
+                    self._halved[number] = halvings
 
     def _smooth(self, fine: Layer) -> Image:
         """Colours 0..255 (h, w, 3), the mean of four for every pixel, on the scene's background."""
@@ -172,39 +191,15 @@ def _metres(z: NDArray[np.float32], camera: Camera) -> NDArray[np.float32]:
     return (far * near / (far - (far - near) * z.astype(np.float64))).astype(np.float32)
 
 
-def _images(surfaces: Iterable[Surface], client: int) -> dict[tuple[str, bool], int]:
-    """PyBullet's numbers of the images of surfaces, which are softened where they are repeated."""
-    wanted = {(one.texture, one.repeats is not None) for one in surfaces if one.texture}
-    numbers: dict[tuple[str, bool], int] = {}
-    with TemporaryDirectory() as folder:
-        for file, repeated in sorted(wanted):
-            pixels, copy = texture(file), Path(folder) / f"{len(numbers)}.png"
-            if repeated:
-                PIL.Image.fromarray(_soft(pixels)).save(copy, compress_level=1)
-            path = str(copy) if repeated else file
-            numbers[file, repeated] = pybullet.loadTexture(path, physicsClientId=client)
-    return numbers
-
-
-def _soft(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The mean of 3 x 3 texels for every texel of an image (h, w, 3) that is repeated.
-
-    Afar others take the mean of the texels in a pixel; TinyRenderer takes one of them, and so might see but a joint.
-    """
-    near = [np.roll(image, (down, right), (0, 1)) for down in (-1, 0, 1) for right in (-1, 0, 1)]
-    soft: NDArray[np.uint8] = np.rint(np.mean(near, axis=0)).astype(np.uint8)
-    return soft
-
-
-def _add(geom: Geom, images: dict[tuple[str, bool], int], client: int) -> tuple[tuple[int, ...], Array]:
-    """Add the sides of a geometry; return their numbers in PyBullet and their planes."""
+def _add(geom: Geom, images: Images, client: int) -> tuple[tuple[int, ...], Array, Pattern | None]:
+    """Add the sides of a geometry; return their numbers in PyBullet, their planes and the pattern on them."""
     look = geom.surface
-    facets, planes = zip(*sides(texcoords(geom)), strict=True)
-    bodies = tuple(_side(geom, one, client) for one in facets)
+    facets, every = zip(*sides(texcoords(geom)), strict=True)
+    planes, bodies = np.stack(every), tuple(_side(geom, one, client) for one in facets)
     for body in bodies if look.texture else ():
-        number = images[look.texture or "", look.repeats is not None]
+        number = images.number(look.texture or "", None if look.repeats is None else 0)
         pybullet.changeVisualShape(body, -1, textureUniqueId=number, physicsClientId=client)
-    return bodies, np.stack(planes)
+    return bodies, planes, Pattern.of(geom, facets, planes)
 
 
 def _rgba(geom: Geom) -> list[float]:

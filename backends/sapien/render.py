@@ -21,6 +21,7 @@ from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, to_bytes, to_linear, to_srgb
 from wmspec.scene.contact_shadow import ContactShadows
 from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
+from wmspec.scene.near_plane import NearPlane
 from wmspec.scene.picture import check, over
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
@@ -48,6 +49,7 @@ class Renderer:
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         _sentinel()
         self._scene, self._casters, self._contact = scene, Casters(scene), ContactShadows(scene)
+        self._near = NearPlane(scene, width / height)
         self._world: Any = _world()
         self._bodies = bodies(self._world, scene)
         self._owner = np.full(max((body.per_scene_id for body in self._bodies), default=0) + 1, -1, np.int16)
@@ -63,8 +65,9 @@ class Renderer:
         if camera.name not in self._eyes:
             self._eyes[camera.name] = _eyes(self._world, camera, *self._size)
         color, shape = self._eyes[camera.name]
-        stand(color, camera)
-        stand(shape, camera)
+        near = self._near.before(camera, shot)
+        stand(color, near)
+        stand(shape, near)
         self._place(shot, camera)
         color.take_picture()
         shape.take_picture()  # before the first is waited for
@@ -168,7 +171,9 @@ def eye(world: Any, camera: Camera, size: tuple[int, int], shaders: str, samples
 
 
 def stand(eye: Any, camera: Camera) -> None:
-    """Put a camera where it is in the world."""
+    """Put a camera where it is in the world, and its near plane where it should be."""
+    if eye.near != np.float32(camera.near):
+        eye.set_near(camera.near)
     eye.entity.set_pose(sapien.Pose(camera.pose.position, multiply(camera.pose.orientation, TURN)))
 
 
@@ -214,6 +219,6 @@ def _material(geom: Geom, linear: bool) -> Any:
             image = to_bytes(to_srgb(to_linear(image / 255) * to_linear(look.color)))
         opaque = np.dstack([image, np.full(image.shape[:2], 255, np.uint8)])
         material.base_color_texture = sapien.render.RenderTexture2D(
-            opaque, "R8G8B8A8Unorm", mipmap_levels=4, srgb=linear
+            opaque, "R8G8B8A8Unorm", mipmap_levels=max(image.shape[:2]).bit_length(), srgb=linear
         )
     return material
