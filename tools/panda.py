@@ -8,19 +8,17 @@ and whoever enables the joints has an articulation.
 from __future__ import annotations
 
 import shutil
-from math import degrees
 from pathlib import Path
 
 import fast_simplification
 import numpy as np
 import pybullet_data
 import trimesh
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
+from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
 
-from wmspec.robots.arm import Array, about, shift
+from wmspec.robots.arm import Array, shift
 from wmspec.robots.franka import PANDA
-from wmspec.scene.transform import quaternion
-from wmspec.shapes.facets import smooth
+from wmspec.robots.links import articulate, body, finger, material, mesh_prim, pad
 
 SOURCE = Path(pybullet_data.getDataPath()) / "franka_panda"
 TARGET = Path("wmspec/robots/panda")
@@ -53,30 +51,21 @@ def main() -> None:
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     root = UsdGeom.Xform.Define(stage, "/panda")
     stage.SetDefaultPrim(root.GetPrim())
-    rubber = material(stage, "rubber", (0.2, 0.2, 0.2), PANDA.rubber)
+    rubber = material(stage, "/panda", "rubber", (0.2, 0.2, 0.2), PANDA.rubber)
     frames = PANDA.links(PANDA.rest, np.eye(4))
     frames = [*frames[:-2], frames[-1]]
     for i, frame in enumerate(frames):
         name = "hand" if i == len(frames) - 1 else f"link{i}"
-        link = body(stage, name, frame, moves=i > 0)
+        link = body(stage, f"/panda/{name}", frame, moves=i > 0)
         drawn = ["hand", "link7"] if name == "hand" else [name]
         meshes(stage, link, [(mesh, np.linalg.inv(PANDA.hand) if mesh == "link7" else np.eye(4)) for mesh in drawn])
     hull(stage, "/panda/hand/hull", "hand", rubber)
     for side, turn in (("left", 0.0), ("right", np.pi)):
-        frame = finger(turn)
-        link = body(stage, f"{side}_finger", frames[-1] @ frame @ shift(0.0, PANDA.opening / 2, 0.0), moves=True)
+        frame = finger(PANDA, turn)
+        link = body(stage, f"/panda/{side}_finger", frames[-1] @ frame @ shift(0.0, PANDA.opening / 2, 0.0), moves=True)
         meshes(stage, link, [("finger", np.eye(4))])
-        pad(stage, f"{link}/pad", rubber)
-    for i, name in enumerate(PANDA.joints[:7]):
-        last = i == 6
-        low, high = degrees(PANDA.low[i]), degrees(PANDA.high[i])
-        hinge = UsdPhysics.RevoluteJoint.Define(stage, f"/panda/{name}")
-        ends = (f"/panda/link{i}", "/panda/hand" if last else f"/panda/link{i + 1}")
-        join(hinge, ends, PANDA.frames[i], np.linalg.inv(PANDA.hand) if last else np.eye(4), "Z", low, high)
-    for name, side, turn in zip(PANDA.joints[7:], ("left", "right"), (0.0, np.pi), strict=True):
-        slider = UsdPhysics.PrismaticJoint.Define(stage, f"/panda/{name}")
-        ends = ("/panda/hand", f"/panda/{side}_finger")
-        join(slider, ends, finger(turn), np.eye(4), "Y", 0.0, PANDA.opening / 2)
+        pad(stage, f"{link}/pad", PANDA, rubber)
+    articulate(stage, "/panda", PANDA)
     motion(stage)
     stage.GetRootLayer().Save()
     shutil.copy(SOURCE / "LICENSE.txt", TARGET / "LICENSE.txt")
@@ -129,21 +118,6 @@ def moments(link: Usd.Prim, mass: float) -> list[float]:
     return [float(mass * (np.sum(edges**2) - edge**2) / 12) for edge in edges]
 
 
-def finger(turn: float) -> Array:
-    """Where a finger slides, in the hand's frame."""
-    return shift(0.0, 0.0, PANDA.finger) @ about(2, turn)
-
-
-def body(stage: Usd.Stage, name: str, frame: Array, *, moves: bool) -> str:
-    """A link at its place; the path of it."""
-    link = UsdGeom.Xform.Define(stage, f"/panda/{name}")
-    link.AddTranslateOp().Set(Gf.Vec3d(*frame[:3, 3].tolist()))
-    link.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(*quaternion(frame[:3, :3]).tolist()))
-    if moves:
-        UsdPhysics.RigidBodyAPI.Apply(link.GetPrim())
-    return str(link.GetPath())
-
-
 def meshes(stage: Usd.Stage, link: str, names: list[tuple[str, Array]]) -> None:
     """The visible meshes of a link, one for each colour, in its frame."""
     by_color: dict[tuple[float, ...], list[trimesh.Trimesh]] = {}
@@ -161,27 +135,14 @@ def meshes(stage: Usd.Stage, link: str, names: list[tuple[str, Array]]) -> None:
         points, faces = whole.vertices, whole.faces
         if len(faces) > ROUGH:
             points, faces = fast_simplification.simplify(points.astype(np.float32), faces, 1 - KEPT)
-        mesh_prim(stage, f"{link}/mesh{i}", points, faces, material(stage, f"color{color_name(color)}", color))
+        mesh_prim(
+            stage, f"{link}/mesh{i}", points, faces, material(stage, "/panda", f"color{color_name(color)}", color)
+        )
 
 
 def color_name(color: tuple[float, ...]) -> str:
     """A colour as part of a name."""
     return "".join(f"_{round(100 * c)}" for c in color)
-
-
-def mesh_prim(stage: Usd.Stage, path: str, points: Array, faces: Array, look: UsdShade.Material) -> UsdGeom.Mesh:
-    """A mesh of triangles with smooth normals."""
-    facets = smooth(np.asarray(points, np.float64), np.asarray(faces, np.int32), None)
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.asarray(facets.points, np.float32)))
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(np.asarray(facets.normals, np.float32)))
-    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
-    mesh.CreateFaceVertexCountsAttr([3] * len(facets.faces))
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(np.asarray(facets.faces, np.int32).reshape(-1)))
-    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
-    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(look)
-    return mesh
 
 
 def hull(stage: Usd.Stage, path: str, name: str, look: UsdShade.Material) -> None:
@@ -191,61 +152,6 @@ def hull(stage: Usd.Stage, path: str, name: str, look: UsdShade.Material) -> Non
     mesh.CreateVisibilityAttr(UsdGeom.Tokens.invisible)
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
     UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.convexHull)
-
-
-def pad(stage: Usd.Stage, path: str, look: UsdShade.Material) -> None:
-    """What touches of a finger: the pad at its end, out of sight."""
-    box = UsdGeom.Cube.Define(stage, path)
-    box.CreateSizeAttr(1.0)
-    box.CreateExtentAttr([(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)])
-    box.AddTranslateOp().Set(Gf.Vec3d(0.0, PANDA.pad / 2, PANDA.reach - PANDA.finger))
-    box.AddScaleOp().Set(Gf.Vec3f(PANDA.width, PANDA.pad, 0.019))
-    box.CreateVisibilityAttr(UsdGeom.Tokens.invisible)
-    UsdPhysics.CollisionAPI.Apply(box.GetPrim())
-    UsdShade.MaterialBindingAPI.Apply(box.GetPrim()).Bind(look)
-
-
-def material(stage: Usd.Stage, name: str, color: tuple[float, ...], friction: float | None = None) -> UsdShade.Material:
-    """A material that is a colour, and rubs if it has a friction."""
-    path = Sdf.Path(f"/panda/Looks/{name}")
-    if existing := UsdShade.Material.Get(stage, path):
-        return existing
-    UsdGeom.Scope.Define(stage, "/panda/Looks")
-    made = UsdShade.Material.Define(stage, path)
-    shader = UsdShade.Shader.Define(stage, path.AppendChild("surface"))
-    shader.CreateIdAttr("UsdPreviewSurface")
-    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*color))
-    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(0.4)
-    made.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
-    if friction is not None:
-        rubs = UsdPhysics.MaterialAPI.Apply(made.GetPrim())
-        rubs.CreateStaticFrictionAttr(friction)
-        rubs.CreateDynamicFrictionAttr(friction)
-        rubs.CreateRestitutionAttr(0.0)
-    return made
-
-
-def join(
-    joint: UsdPhysics.RevoluteJoint | UsdPhysics.PrismaticJoint,
-    ends: tuple[str, str],
-    above: Array,
-    below: Array,
-    axis: str,
-    low: float,
-    high: float,
-) -> None:
-    """What a joint holds, where and how far it goes."""
-    joint.CreateBody0Rel().SetTargets([ends[0]])
-    joint.CreateBody1Rel().SetTargets([ends[1]])
-    for frame, place, turn in (
-        (above, joint.CreateLocalPos0Attr(), joint.CreateLocalRot0Attr()),
-        (below, joint.CreateLocalPos1Attr(), joint.CreateLocalRot1Attr()),
-    ):
-        place.Set(Gf.Vec3f(*frame[:3, 3].tolist()))
-        turn.Set(Gf.Quatf(*quaternion(frame[:3, :3]).tolist()))
-    joint.CreateAxisAttr(axis)
-    joint.CreateLowerLimitAttr(low)
-    joint.CreateUpperLimitAttr(high)
 
 
 if __name__ == "__main__":

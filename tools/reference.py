@@ -74,8 +74,9 @@ def reference() -> Iterator[str]:
         yield from described(name, verb)
     yield "### Robots\n"
     yield "What they do is planned when a stage is made: see [robots](robots.md).\n"
-    for model, verbs in ROBOTS.items():
-        yield f"A `{model}`:\n"
+    for verbs in {id(each): each for each in ROBOTS.values()}.values():
+        models = [model for model, can in ROBOTS.items() if can is verbs]
+        yield " or ".join(f"{'an' if model[0] in 'aeiou' else 'a'} `{model}`" for model in models).capitalize() + ":\n"
         calls = (
             (f"`{call(name, verb)}`", ", ".join(arguments(verb)) or "—", verb.meaning) for name, verb in verbs.items()
         )

@@ -67,10 +67,10 @@ def act(check: Expressions, action: s.Action) -> Act:
         return _robots(check, call, call.function)
     name = call.function.id
     if name not in VERBS:
-        able = [f"`ROBOT.{name}(...)` of a {model}" for model, verbs in ROBOTS.items() if name in verbs]
+        able = [f"{'an' if model[0] in 'aeiou' else 'a'} {model}" for model, verbs in ROBOTS.items() if name in verbs]
         hint = f"did you mean `{OTHERWISE[name]}`?" if name in OTHERWISE else suggestion(name, VERBS)
         if able:
-            hint = f"robots can: {' or '.join(able)}"
+            hint = f"robots can: `ROBOT.{name}(...)` of {' or '.join(able)}"
             hint += f"; nobody is needed for `{UNAIDED[name]}(...)`" if name in UNAIDED else ""
         check.fail("WMS204", f"there is no verb `{name}`", call.function.span, hint)
     return Act(name, VERBS[name], "", call)

@@ -64,6 +64,8 @@ def unfit(of: ThingType, name: str) -> str:
         return f"`{name}` is for a hinge or a slider"
     if of.kind == "robot" and of.model not in ("", "car") and name in _TRAFFIC:
         return f"`{name}` is for a car"
+    if of.kind == "robot" and of.model not in ("", "arm") and name == "model":
+        return "`model` is for an arm"
     if name == "start" and not of.asset:
         return "`start` is for a joint of an asset; this one holds its objects as they are placed"
     return ""
@@ -86,6 +88,8 @@ def _fitted(of: ThingType, name: str, slot: Slot) -> Slot:
         return replace(slot, types=(AN_ANGLE if of.model == "hinge" else A_LENGTH,))
     if of.kind == "joint" and name == "stiffness" and "target" in of.said:
         return replace(slot, default=None)  # a target without stiffness would do nothing
+    if of.kind == "robot" and of.model == "arm" and name == "model":
+        return replace(slot, optional=False)
     return slot
 
 

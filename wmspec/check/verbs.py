@@ -165,6 +165,7 @@ _ARM = {
 #: What each model of robot can do. Its verbs take as long as `for TIME` says.
 ROBOTS: dict[str, dict[str, Verb]] = {
     "panda": _ARM,
+    "arm": _ARM,
     "car": {
         "forward": Verb("drives on along its lane", {"distance": _FAR}, True),
         "turn": Verb("drives on to the next crossing, turns into the road on that side, and a little further", {"direction": _SIDE}, True),

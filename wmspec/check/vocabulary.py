@@ -87,6 +87,7 @@ HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
 FILES = {
     "file": (".obj", ".stl", ".ply", ".off", ".glb", ".gltf", ".dae"),
     "image": (".png", ".jpg", ".jpeg"),
+    "model": (".usdc", ".usda", ".usd"),
 }
 
 #: The endings of USD files, one mesh of which a property can name too: `thing.usda#/World/Cup`.
@@ -292,6 +293,7 @@ PROPERTIES: dict[str, dict[str, Slot]] = {
         "at": Slot((POINT2, POINT3), "where it stands", "(0 m, 0 m)"),
         "yaw": Slot((AN_ANGLE,), "where it faces, anticlockwise from +x", "0 deg"),
         "color": Slot((COLOR,), "its colour", "white"),
+        "model": Slot((TEXT,), "of an arm: the file that `wmspec arm` has made of it", optional=True),
         "roads": Slot((List(OBJECT),), "of a car: the objects that it drives on, which cross each other", optional=True),
         "lane": Slot((A_LENGTH,), "of a car: how wide the lanes of its roads are", "3.5 m", above=0),
         "keeps": Slot((DIRECTION,), "of a car: to which side of a road it keeps, `left` or `right`", "right", among=("left", "right")),

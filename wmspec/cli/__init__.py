@@ -25,6 +25,7 @@ COMMANDS = (
     "lsp",
     "explain",
     "list",
+    "arm",
     "compile",
     "schema",
     "run",

@@ -7,11 +7,12 @@ from contextlib import suppress
 from pathlib import Path, PurePosixPath
 
 from wmspec.check.vocabulary import FILES
+from wmspec.diagnostics import Diagnostic, WmsError
 from wmspec.foreign import inside
 from wmspec.importers.markup import Element
 from wmspec.importers.markup import read as read_xml
 from wmspec.importers.mjcf import mjcf
-from wmspec.importers.model import Asset, Broken, Faults, Refused
+from wmspec.importers.model import ASSET, Asset, Broken, Faults, Refused
 from wmspec.importers.tree import Tree, tree
 from wmspec.importers.urdf import urdf
 from wmspec.places import FilePlace
@@ -26,6 +27,26 @@ def read(folder: Path, name: str) -> Tree | Refused:
         if not faults.diagnostics:
             made = tree(asset, FilePlace(name), faults)
     return Refused(tuple(faults.diagnostics), tuple(asset.links.values())) if faults.diagnostics else made
+
+
+class _Lenient(Faults):
+    """Faults that stop nothing but what cannot be read at all."""
+
+    def add(self, where: FilePlace, message: str, help: str) -> None:
+        """Take note of a fault, however many there are."""
+        self.diagnostics.append(Diagnostic(message, where, help, ASSET))
+
+
+def structure(folder: Path, name: str) -> tuple[Asset, tuple[Diagnostic, ...]]:
+    """The links, joints and looks in the file `name` below a folder, and what in it a spec could not have.
+
+    Raises WmsError if it cannot be read.
+    """
+    faults = _Lenient()
+    try:
+        return _asset(folder, name, faults), tuple(faults.diagnostics)
+    except Broken:
+        raise WmsError.of(faults.diagnostics) from None
 
 
 def _asset(folder: Path, name: str, faults: Faults) -> Asset:

@@ -20,7 +20,8 @@ class Arm:
     they are before and between what it does: the hand drawn back, looking down. The hand is between the corners of
     `hull` (2, 3), the left finger between those of `tip` in its own frame. The hand opens `opening` wide; its own hull
     begins `palm` above the tool, and pads, `pad` thick (from the tool outward, along y) and `width` wide (along x),
-    press with `grip` (N), with friction `rubber`. The prims are those of the file `asset`.
+    press with `grip` (N), with friction `rubber`. The prims are those of the file `asset`, of wmspec or by its
+    whole path.
     """
 
     frames: Array

@@ -113,8 +113,9 @@ def _pushed(made: Plan, action: Thing, thing: Goods, way: Array, aside: Array, m
         Leg(0.41 * lasts, straight(first, near), NARROW),
         Leg(0.43 * lasts, straight(near, touch), NARROW),
         Leg(0.63 * lasts, lambda s: np.asarray(move(s) @ touch), NARROW),
-        Leg(0.68 * lasts, straight(there, back), NARROW),
-        Leg(0.75 * lasts, straight(back, above @ back), NARROW),
+        Leg(0.65 * lasts, stay(there), NARROW),  # or the spline would swing .1 mm beyond it
+        Leg(0.70 * lasts, straight(there, back), NARROW),
+        Leg(0.76 * lasts, straight(back, above @ back), NARROW),
         Leg(lasts, straight(above @ back, arm.drawn_back(back)), arm.arm.opening),
     ]
     made.go(action, legs)

@@ -13,6 +13,7 @@ import numpy as np
 
 from wmspec.check.ir import Thing
 from wmspec.diagnostics import ImpossibleValue
+from wmspec.parse.load import located
 from wmspec.robots import grasps, moves
 from wmspec.robots.arm import Arm, Array
 from wmspec.robots.clear import collision
@@ -26,8 +27,8 @@ from wmspec.space import Pose
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
 
-ARMS: dict[str, Arm] = {"panda": PANDA}
-"""Model of a robot -> the arm."""
+ARMS = ("panda", "arm")
+"""The models of robots that are arms."""
 
 _VERBS: dict[str, Callable[[Plan, Sequence[Thing], Goods], Goods]] = {
     "pick": grasps.pick,
@@ -43,6 +44,18 @@ _VERBS: dict[str, Callable[[Plan, Sequence[Thing], Goods], Goods]] = {
     "close": moves.close,
 }
 """Verb -> what plans it, given the actions that do it together, and the thing; returns the thing as it is then."""
+
+
+def arm_of(values: Values, robot: str) -> Arm:
+    """The arm that a robot is. Raises WmsError with its place if its file has none."""
+    if values.spec.thing(robot).model == "panda":
+        return PANDA
+    from wmspec.robots.made import arm_in
+
+    try:
+        return arm_in(located(values.property(robot, "model")))
+    except ImpossibleValue as error:
+        raise error.at(values.place(robot, "model")) from None
 
 
 def plan(values: Values) -> dict[str, Reach]:
@@ -69,12 +82,12 @@ def _plan(values: Values) -> dict[str, Reach]:
 
 def _tried(values: Values, choice: int) -> dict[str, Reach]:
     arms = {
-        t.name: State(ARMS[t.model], matrix(base(values, t.name)), ARMS[t.model].rest, ARMS[t.model].opening)
+        t.name: State(arm := arm_of(values, t.name), matrix(base(values, t.name)), arm.rest, arm.opening)
         for t in values.spec.things
         if t.kind == "robot" and t.model in ARMS
     }
     made = Plan(values, choice, arms)
-    acts = in_turn(values, tuple(ARMS))
+    acts = in_turn(values, ARMS)
     for _, together in groupby(
         acts, key=lambda a: (a.verb, made.number(a, "start"), values.property(a.name, "object"))
     ):

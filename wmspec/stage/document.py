@@ -79,7 +79,7 @@ class Document:
         sources: dict[str, frozenset[str]] = {}
         for path in self.prims.keys() | other.prims.keys():
             a, b = self.prims.get(path), other.prims.get(path)
-            if a is None or b is None or (a.type, a.schemas) != (b.type, b.schemas):
+            if a is None or b is None or (a.type, a.schemas, a.reference) != (b.type, b.schemas, b.reference):
                 sources[path] = (a.sources if a else frozenset()) | (b.sources if b else frozenset())
             for name in (_names(a) | _names(b)) if a and b else ():
                 x, y = _property(a, name), _property(b, name)

@@ -127,9 +127,13 @@ def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
     lost = before.attributes.keys() - after.attributes.keys()
     unrelated = before.relations.keys() - after.relations.keys()
     retyped, reapplied = before.type != after.type, before.schemas != after.schemas
-    if not (attributes or relations or lost or unrelated or retyped or reapplied):
+    remade = before.reference != after.reference
+    if not (attributes or relations or lost or unrelated or retyped or reapplied or remade):
         return
     spec = Sdf.CreatePrimInLayer(layer, path)
+    if remade:
+        spec.referenceList.ClearEditsAndMakeExplicit()
+        spec.referenceList.explicitItems = [Sdf.Reference(after.reference)]
     if retyped:
         spec.typeName = after.type
     if reapplied:

@@ -10,7 +10,7 @@ from wmspec.layout.values import Values
 from wmspec.materials.colors import rgb
 from wmspec.resources import resource
 from wmspec.robots import car
-from wmspec.robots.plan import ARMS, plan
+from wmspec.robots.plan import ARMS, arm_of, plan
 from wmspec.robots.stand import base
 from wmspec.robots.travel import travels
 from wmspec.stage import materials
@@ -23,9 +23,9 @@ def add_robot(doc: Document, robot: Thing, values: Values) -> None:
 
     Raises WmsError with its place if it cannot stand there.
     """
-    pose, arm = base(values, robot.name), ARMS.get(robot.model)
+    pose, arm = base(values, robot.name), robot.model in ARMS
     path = object_path(robot.name)
-    prim = doc.add(path, "Xform", () if arm else ("PhysicsRigidBodyAPI",))
+    prim = doc.add(path, "Xform", () if arm else ("PhysicsRigidBodyAPI",), (f"{robot.name}.model",) if arm else ())
     sources = [f"{robot.name}.{name}" for name in ("on", "at", "yaw")]
     if values.has(robot.name, "on"):
         sources.append(f"{values.property(robot.name, 'on')}.pose")
@@ -33,7 +33,7 @@ def add_robot(doc: Document, robot: Thing, values: Values) -> None:
     prim.set("xformOp:orient", "quatd", pose.orientation, *sources)
     prim.set("xformOpOrder", "token[]", ("xformOp:translate", "xformOp:orient"), uniform=True)
     if arm:
-        prim.reference = str(resource(arm.asset))
+        prim.reference = str(resource(arm_of(values, robot.name).asset))
         return
     prim.set("physics:kinematicEnabled", "bool", True)
     if robot.model == "car":
@@ -76,7 +76,7 @@ def _reach(doc: Document, action: Thing, values: Values) -> None:
     there, way = (f"{action.name}.there", f"{action.name}.object"), f"{action.name}.way"
     prim = doc.add(path, "WmsAction", (), there)
     prim.set("wms:verb", "token", "reach", uniform=True)
-    prim.relate("wms:joints", tuple(f"{here}/{joint}" for joint in ARMS[values.spec.thing(action.of).model].joints))
+    prim.relate("wms:joints", tuple(f"{here}/{joint}" for joint in arm_of(values, action.of).joints))
     prim.set("wms:start", "double", values.property(action.name, "start"), f"{action.name}.start", uniform=True)
     prim.set("wms:duration", "double", reach.times[-1], f"{action.name}.duration", uniform=True)
     prim.set("wms:times", "double[]", reach.times, f"{action.name}.duration", uniform=True)
