@@ -137,7 +137,7 @@ def _loading(total: Summary) -> str:
         'questions[0]["text"], questions[0]["context"]  # the pictures are PIL images\n'
         "```\n\n"
         "Or without anything but pandas: "
-        f'`pandas.read_parquet("data/{name}")`; pictures are the bytes of PNG or lossless WebP, whichever is smaller. '
+        f'`pandas.read_parquet("data/{name}")`; pictures are the bytes of lossless WebP. '
         "`manifest.json` has the specs' texts, all counts, every rejected question and the shards' checksums; "
         "`plan.json` says which instances were asked for."
     )

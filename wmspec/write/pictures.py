@@ -15,23 +15,20 @@ PNG, WEBP = "PNG", "WEBP"
 
 
 def lossless(pixels: NDArray[np.uint8]) -> bytes:
-    """A picture (h, w, 3) of 8 bits as lossless WebP or as PNG, whichever is smaller; PNG if they are of one size.
+    """A picture (h, w, 3) of 8 bits as lossless WebP, by its quickest method: 1.4 ms at 256 px.
 
-    Takes some 10 ms; WebP is about half of PNG. Its finest setting would save a quarter more, in 400 ms.
+    Of 212 pictures of the catalogue none was smaller as PNG, which takes 9.5 ms and 41 kB where this takes 34; slower
+    methods save at most a tenth more, in 8 ms.
     """
-    return min(png(pixels, 6), _webp(pixels), key=len)
+    out = io.BytesIO()
+    Image.fromarray(pixels).save(out, WEBP, lossless=True, method=0, quality=0)
+    return out.getvalue()
 
 
 def png(pixels: NDArray[np.uint8] | NDArray[np.uint16], level: int = 1) -> bytes:
     """A picture (h, w, 3) of 8 bits or (h, w) of 16 as a PNG file."""
     out = io.BytesIO()
     Image.fromarray(pixels).save(out, PNG, compress_level=level)
-    return out.getvalue()
-
-
-def _webp(pixels: NDArray[np.uint8]) -> bytes:
-    out = io.BytesIO()
-    Image.fromarray(pixels).save(out, WEBP, lossless=True, method=2, quality=25)
     return out.getvalue()
 
 
