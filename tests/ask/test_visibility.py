@@ -34,6 +34,7 @@ def test_a_silhouette_is_what_the_engine_draws(shape: str) -> None:
     assert outline.inside == outline.all
     assert drawn == pytest.approx(outline.inside, rel=0.05, abs=6)
     assert visibility.occluded(observed, "a", "front") < 0.05
+    assert visibility.hidden_at_most(observed, i, LOOK) >= visibility.hidden(observed, i, LOOK)
     assert visibility.visible(observed, "a", "front") == drawn / observed.picture(*LOOK).ids.size
 
 
@@ -45,6 +46,7 @@ def test_half_of_it_is_behind_another() -> None:
     alone = int((seen(an("far", "0 cm, 11 cm")).picture(*LOOK).ids == i - 1).sum())
     assert hidden == pytest.approx(1 - (ids == i).sum() / alone, abs=0.05)
     assert visibility.occluded(observed, "near", "front") < 0.05
+    assert 1 > visibility.hidden_at_most(observed, i, LOOK) >= hidden
 
 
 def test_the_same_color_does_not_stand_out() -> None:
@@ -58,7 +60,7 @@ def test_what_is_outside_has_no_silhouette() -> None:
     i = observed.index("b")
     outline = visibility.outline(observed, i, LOOK)
     assert (outline.inside, outline.all) == (0, 0)
-    assert visibility.hidden(observed, i, LOOK) == 1
+    assert visibility.hidden(observed, i, LOOK) == visibility.hidden_at_most(observed, i, LOOK) == 1
     assert visibility.contrast(observed, "b", "front") == 0
 
 

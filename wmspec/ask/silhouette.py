@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from PIL import Image, ImageDraw
 
+from wmspec.scene.bounds import upright
 from wmspec.scene.camera import find, project
 from wmspec.scene.model import Array, Body, Camera, Pose, Scene
-from wmspec.scene.transform import apply, compose
+from wmspec.scene.transform import apply, compose, identity
 from wmspec.shapes import Shape
 from wmspec.shapes.facets import tessellate
 
@@ -52,6 +54,18 @@ def silhouette(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], siz
     right, bottom = (np.minimum(frame, high) - low) * finer
     within = mask[top : max(bottom, top), left : max(right, left)]
     return Silhouette(float(within.sum()) / finer**2, float(mask.sum()) / finer**2)
+
+
+def box(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tuple[int, int]) -> Array | None:
+    """The corners (2, 2) of an upright box in the picture around body number `index`: what covers its silhouette.
+
+    None where a part of it may be behind the camera.
+    """
+    camera, pose = placed(scene, *look), look[1][index]
+    low, high = upright([geom for geom in scene.bodies[index].geoms if geom.visible], identity())
+    corners = np.array(list(product(*zip(low.tolist(), high.tolist(), strict=True))))
+    points, depth = project(camera, apply(pose, corners), *size)
+    return np.stack([points.min(axis=0), points.max(axis=0)]) if (depth > camera.near).all() else None
 
 
 def placed(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:

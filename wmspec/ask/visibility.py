@@ -10,7 +10,7 @@ from PIL import Image, ImageFilter
 
 from wmspec.ask.difference import ciede2000, lab
 from wmspec.ask.observed import Observed
-from wmspec.ask.silhouette import Silhouette, silhouette
+from wmspec.ask.silhouette import Silhouette, box, silhouette
 from wmspec.ask.views import View
 from wmspec.scene.model import Frame
 
@@ -60,6 +60,19 @@ def outline(observed: Observed, index: int, view: View) -> Silhouette:
     camera, time = view
     height, width = observed.picture(camera, time).ids.shape
     return silhouette(observed.scene, index, (camera, observed.trace.poses(time)), (width, height))
+
+
+def hidden_at_most(observed: Observed, index: int, view: View) -> float:
+    """No more than this share of a body is hidden by others; 1 if a part of it is outside the picture.
+
+    Other than `hidden` it draws no silhouette, and is enough where plenty is seen.
+    """
+    camera, time = view
+    ids = observed.picture(camera, time).ids
+    around = box(observed.scene, index, (camera, observed.trace.poses(time)), (ids.shape[1], ids.shape[0]))
+    if around is None or (around < 1).any() or (around > np.array(ids.shape[::-1]) - 1).any():
+        return 1.0
+    return 1 - float((ids == index).sum()) / float(np.prod(np.ptp(around, axis=0) + 2))
 
 
 def outstanding(frame: Frame, index: int) -> float:

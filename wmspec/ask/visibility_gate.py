@@ -95,7 +95,8 @@ def unseen(observed: Observed, name: str, view: View) -> str:
     pixels = int((frame.ids == index).sum())
     if pixels < LEAST_VISIBLE * frame.ids.size:
         return f"{pixels} of {frame.ids.size} pixels"
-    if observed.scene.bodies[index].motion != "static":
+    can_move = observed.scene.bodies[index].motion != "static"
+    if can_move and visibility.hidden_at_most(observed, index, view) > MOST_HIDDEN:
         outline = visibility.outline(observed, index, view)
         if outline.inside < LEAST_INSIDE * outline.all:
             return f"{1 - outline.inside / outline.all:.0%} of it is outside the frame"
