@@ -12,7 +12,7 @@ from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable
 from wmspec.scene.drives import enough
-from wmspec.scene.episode import Episode, Recording, play
+from wmspec.scene.episode import Episode, Recording, play, told
 from wmspec.scene.hard import FINEST
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
@@ -40,11 +40,13 @@ def execute(scene: Scene) -> Trace:
     Raises WmsError for a scene that MuJoCo can't honour, EngineError when MuJoCo loses track of it.
     """
     whole, timeline = prepare(scene)
+    return trace(INFO.name, scene, timeline, told(timeline) or _played(scene, whole, timeline))
+
+
+def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
     with unlogged():
         text = mjcf(scene, timeline, whole)
-        return trace(
-            INFO.name, scene, timeline, _quick(text, scene, whole, timeline) or _slow(text, scene, whole, timeline)
-        )
+        return _quick(text, scene, whole, timeline) or _slow(text, scene, whole, timeline)
 
 
 def _quick(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> Recording | None:

@@ -8,4 +8,4 @@ from numpy.typing import ArrayLike
 
 def text(numbers: ArrayLike) -> str:
     """Numbers with spaces between them, all their digits given."""
-    return " ".join(repr(n) for n in np.ravel(np.asarray(numbers)).tolist())
+    return str(np.ravel(np.asarray(numbers)).tolist())[1:-1].replace(",", "")

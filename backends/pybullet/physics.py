@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmspec.scene.capability import require
 from wmspec.scene.drives import enough
-from wmspec.scene.episode import Episode, play
+from wmspec.scene.episode import Episode, Recording, play, told
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly
@@ -28,13 +28,16 @@ def execute(scene: Scene) -> Trace:
     Raises WmsError for a scene that PyBullet can't honour, EngineError when PyBullet loses track of it.
     """
     whole, timeline = prepare(scene)
+    return trace(INFO.name, scene, timeline, told(timeline) or _played(scene, whole, timeline))
+
+
+def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
     world = World(whole)
     try:
         verify(world, scene, timeline)
-        recording = play(world, timeline)
+        return play(world, timeline)
     finally:
         world.close()
-    return trace(INFO.name, scene, timeline, recording)
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from wmspec.diagnostics import StageError
 from wmspec.places import PrimPlace
 from wmspec.scene.capability import require
-from wmspec.scene.episode import Episode, play
+from wmspec.scene.episode import Episode, Recording, play, told
 from wmspec.scene.landings import landings
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
@@ -29,9 +29,13 @@ def execute(scene: Scene) -> Trace:
     Raises WmsError for a scene that SAPIEN can't honour, EngineError when SAPIEN loses track of it.
     """
     whole, timeline = prepare(scene)
+    return trace(INFO.name, scene, timeline, told(timeline) or _played(scene, whole, timeline))
+
+
+def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
     world = World(whole, landing(scene))
     verify(world, scene, timeline)
-    return trace(INFO.name, scene, timeline, play(world, timeline))
+    return play(world, timeline)
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:

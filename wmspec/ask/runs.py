@@ -21,10 +21,11 @@ from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.layout.values import Values
 from wmspec.scene.appearance import shown_at, vanished
-from wmspec.scene.bounds import bounds, middle
+from wmspec.scene.bounds import bounds, middle, own_middle
 from wmspec.scene.model import Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.scene.overlap import overlap
 from wmspec.scene.transform import compose as placed
+from wmspec.scene.transform import rotate
 from wmspec.stage.episode import built
 
 #: Bodies that lie deeper (m) in one another at the start would be thrown apart, by each engine in its own way.
@@ -54,8 +55,11 @@ class Run:
 
     def movers(self) -> set[str]:
         """The names of the bodies that do move, at any time."""
-        middles = {b.name: middle(b, p) for b, p in self._tracks() if b.motion != "static"}
-        return {n for n, track in middles.items() if np.linalg.norm(track - track[0], axis=1).max() > MOVED}
+        can = [i for i, body in enumerate(self.scene.bodies) if body.motion != "static"]
+        own = np.array([own_middle(self.scene.bodies[i]) for i in can]).reshape(-1, 3)
+        middles = self.trace.position[:, can] + rotate(self.trace.orientation[:, can], own)
+        away = np.linalg.norm(middles - middles[0], axis=2).max(axis=0)
+        return {self.scene.bodies[i].name for i, way in zip(can, away.tolist(), strict=True) if way > MOVED}
 
     def poses(self, names: Sequence[str], time: float) -> NDArray[np.float64]:
         """Where the middles of bodies are, and how they are turned (n, 7) at a time (s), NaN for one that is not there.
@@ -74,11 +78,6 @@ class Run:
                 here = Pose(self.trace.position[i, k], self.trace.orientation[i, k])
                 row[:3], row[3:] = middle(self.scene.bodies[k], here), here.orientation
         return rows
-
-    def _tracks(self) -> Iterator[tuple[Body, Pose]]:
-        """Every body, and its frame at all times, (T, 3) and (T, 4)."""
-        for k, body in enumerate(self.scene.bodies):
-            yield body, Pose(self.trace.position[:, k], self.trace.orientation[:, k])
 
     def observed(self, views: Sequence[View], pair: EnginePair) -> Observed:
         """What there is to measure, with views of it."""

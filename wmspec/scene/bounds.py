@@ -27,7 +27,13 @@ def upright(geoms: Iterable[Geom], pose: Pose) -> Array:
 
 def middle(body: Body, frames: Pose) -> Array:
     """Where the middle (..., 3) of a body's own box is, its frame being at `frames`, (..., 3) and (..., 4)."""
-    if not body.geoms:
-        return frames.position
-    own = upright(body.geoms, identity()).mean(axis=0)
-    return frames.position + rotate(frames.orientation, np.where(np.abs(own) < _ROUNDING, 0.0, own))
+    return frames.position + rotate(frames.orientation, own_middle(body))
+
+
+def own_middle(body: Body) -> Array:
+    """Where the middle (3,) of a body's own box is in its frame. Kept with the body, which never changes."""
+    if "_middle" not in body.__dict__:
+        own = upright(body.geoms, identity()).mean(axis=0) if body.geoms else np.zeros(3)
+        body.__dict__["_middle"] = np.where(np.abs(own) < _ROUNDING, 0.0, own)
+    kept: Array = body.__dict__["_middle"]
+    return kept

@@ -220,13 +220,9 @@ class World(Protocol):
 
 def play(world: World, episode: Episode) -> Recording:
     """Play the episode in a freshly built world."""
-    steps = (episode.samples - 1) * episode.substeps
-    states = np.zeros((episode.samples, len(episode.start), 13))
-    states[:, :, :7] = episode.start
-    for track in episode.tracks:
-        states[:, track.body] = track.at(np.arange(episode.samples) / episode.rate)
-    if not episode.dynamic:  # what moves as it is told never touches what does too: nothing is left to compute
-        return Recording(mounted(states, episode), [set()] * steps)
+    if (recording := told(episode)) is not None:
+        return recording
+    steps, states = (episode.samples - 1) * episode.substeps, expected(episode)
     needed = {track.body for track in episode.tracks}.difference(episode.unfelt)
     needed |= {grip.hand for grip in episode.grips}
     times = np.arange(steps + 1) * episode.step
@@ -250,6 +246,30 @@ def play(world: World, episode: Episode) -> Recording:
         world.step()
         touching.append(world.touching())
     return Recording(mounted(states, episode), touching, tuple(torn.values()))
+
+
+def told(episode: Episode) -> Recording | None:
+    """What is recorded where nothing is left to compute; None where an engine must play the episode.
+
+    What moves as it is told never touches what does too, and in a single sample nothing moves.
+    """
+    steps, states = (episode.samples - 1) * episode.substeps, expected(episode)
+    free = {kick.body for kick in episode.kicks}  # of what joints hold, engines know the velocities
+    if episode.dynamic and (steps or not free.issuperset(episode.dynamic)):
+        return None
+    for kick in episode.kicks:
+        if kick.step == 0:
+            states[0, kick.body, 7:] = kick.linear + kick.angular
+    return Recording(mounted(states, episode), [set()] * steps)
+
+
+def expected(episode: Episode) -> Any:
+    """The states (T, N, 13) of bodies that stand where they begin or move along their tracks."""
+    states = np.zeros((episode.samples, len(episode.start), 13))
+    states[:, :, :7] = episode.start
+    for track in episode.tracks:
+        states[:, track.body] = track.at(np.arange(episode.samples) / episode.rate)
+    return states
 
 
 def beginnings(episode: Episode) -> set[int]:

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.stage.document import Attribute, Document, Prim, Relation
+
+
+def _singles(rows: Sequence[Sequence[float]], wide: int) -> NDArray[np.float32]:
+    return np.array(rows, np.float32).reshape(-1, wide)
+
 
 _VALUES: dict[str, Callable[[Any], Any]] = {
     "asset": Sdf.AssetPath,
@@ -28,11 +35,11 @@ _VALUES: dict[str, Callable[[Any], Any]] = {
     "token[]": Vt.TokenArray,
     "double[]": Vt.DoubleArray,
     "double3[]": lambda v: Vt.Vec3dArray([Gf.Vec3d(*x) for x in v]),
-    "float3[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
+    "float3[]": lambda v: Vt.Vec3fArray.FromNumpy(_singles(v, 3)),
     "int[]": Vt.IntArray,
-    "point3f[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
-    "normal3f[]": lambda v: Vt.Vec3fArray([Gf.Vec3f(*x) for x in v]),
-    "texCoord2f[]": lambda v: Vt.Vec2fArray([Gf.Vec2f(*x) for x in v]),
+    "point3f[]": lambda v: Vt.Vec3fArray.FromNumpy(_singles(v, 3)),
+    "normal3f[]": lambda v: Vt.Vec3fArray.FromNumpy(_singles(v, 3)),
+    "texCoord2f[]": lambda v: Vt.Vec2fArray.FromNumpy(_singles(v, 2)),
 }
 
 

@@ -32,12 +32,14 @@ def mesh(prim: Usd.Prim, stretch: Gf.Matrix4d, faces: _Indices | None = None) ->
     if (np.linalg.det(linear) < 0) != (value(prim, "orientation") == "leftHanded"):
         corners = corners[:, ::-1]
     used = corners.reshape(-1)
-    keys = vertices[used][:, None].astype(np.float64)
-    if (st := _texture_coordinates(prim, vertices)) is not None:
-        keys = np.hstack([keys, st[used]])
-    rows, back = np.unique(keys, axis=0, return_inverse=True)
-    moved = np.ascontiguousarray(points[rows[:, 0].astype(np.int32)] @ linear)
-    return Mesh(moved, back.reshape(-1, 3).astype(np.int32), rows[:, 1:].copy() if st is not None else None)
+    st, per_point = _texture_coordinates(prim, vertices)
+    if st is None or per_point:
+        _, first, back = np.unique(vertices[used], return_index=True, return_inverse=True)
+    else:
+        keys = np.column_stack([vertices[used], st[used]])
+        _, first, back = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    moved = np.ascontiguousarray(points[vertices[used[first]]] @ linear)
+    return Mesh(moved, back.reshape(-1, 3).astype(np.int32), st[used[first]] if st is not None else None)
 
 
 def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
@@ -109,10 +111,10 @@ def _triangulate(prim: Usd.Prim, points: Array, vertices: _Indices, faces: _Indi
     return np.column_stack([fan, fan + step, fan + step + 1]).astype(np.int32)
 
 
-def _texture_coordinates(prim: Usd.Prim, vertices: _Indices) -> Array | None:
-    """The texture coordinates of every corner (k, 2), or None."""
+def _texture_coordinates(prim: Usd.Prim, vertices: _Indices) -> tuple[Array | None, bool]:
+    """The texture coordinates of every corner (k, 2), or None, and whether a point has the same at all its corners."""
     if not (name := coordinates(prim)):
-        return None
+        return None, False
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
     for attribute in filter(None, (primvar.GetAttr(), primvar.GetIndicesAttr())):
         still(attribute)
@@ -122,4 +124,4 @@ def _texture_coordinates(prim: Usd.Prim, vertices: _Indices) -> Array | None:
     if not per_point and not (interpolation == UsdGeom.Tokens.faceVarying and len(st) == len(vertices)):
         reason = f"its primvars:{name} ({interpolation}, {len(st)} values) does not fit"
         refuse(prim, reason, "author it vertex or faceVarying")
-    return np.asarray(st[vertices]) if per_point else st
+    return (np.asarray(st[vertices]), True) if per_point else (st, False)
