@@ -6,6 +6,7 @@ pair of pieces that may touch, since the contacts of the steps in between are go
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
@@ -96,11 +97,14 @@ def _touching(scene: Scene, sensors: NDArray[np.float64]) -> list[set[tuple[int,
         pair, contact = (index[a.name], index[b.name]), sensors[:, 2 * k] > 0
         near[pair] = near.get(pair, np.zeros(steps, bool)) | contact
         meet[pair] = meet.get(pair, np.zeros(steps, bool)) | (contact & (sensors[:, 2 * k + 1] < MEET))
-    touching: list[set[tuple[int, int]]] = [set() for _ in range(steps)]
     numbers = np.arange(steps)
-    for pair, contact in near.items():
-        parted = np.maximum.accumulate(np.where(~contact, numbers, -1))
+    pairs, touch = list(near), np.zeros((len(near), steps), bool)
+    for row, pair in enumerate(pairs):
+        parted = np.maximum.accumulate(np.where(~near[pair], numbers, -1))
         met = np.maximum.accumulate(np.where(meet[pair], numbers, -1))
-        for step in np.flatnonzero(contact & (met > parted)).tolist():
-            touching[step].add(pair)
+        touch[row] = near[pair] & (met > parted)
+    touching: list[set[tuple[int, int]]] = []
+    changes = [0, *(np.flatnonzero((touch[:, 1:] != touch[:, :-1]).any(axis=0)) + 1).tolist(), steps]
+    for first, last in pairwise(changes):
+        touching += [{pair for pair, now in zip(pairs, touch[:, first].tolist(), strict=True) if now}] * (last - first)
     return touching

@@ -31,9 +31,11 @@ class World:
         joints = model.body_jntadr[self.ids]
         self.qpos = np.where(joints < 0, -1, model.jnt_qposadr[joints] if model.njnt else -1)
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
-        self.warned = self.data.warning.number  # a view
-        self.pairs: dict[bytes, tuple[list[tuple[int, int]], set[tuple[int, int]]]] = {}
+        self.warned, self.calm = self.data.warning.number, self.data.warning.number.tobytes()  # the first is a view
+        self.pairs: dict[tuple[bytes, bytes], tuple[list[tuple[int, int]], set[tuple[int, int]]]] = {}
         self.met: set[tuple[int, int]] = set()
+        self.resting: set[tuple[int, int]] = set()
+        self.asleep = self.data.tree_asleep.tobytes()
         self.held: set[int] = set()
         self.pushed, self.current = False, False
         self.start = self.data.qpos.copy()
@@ -146,7 +148,7 @@ class World:
         for joint in self.fresh:
             self.scale(self.actuators[joint], 2.0)
         self.fresh.clear()
-        if self.warned.any():
+        if self.warned.tobytes() != self.calm:
             raise FloatingPointError(f"MuJoCo's warnings are {self.warned} at {self.data.time:.4f} s")
         if self.pushed:
             self.data.xfrc_applied[:] = 0
@@ -178,21 +180,29 @@ class World:
         return np.concatenate([self.data.xpos[number], self.data.xquat[number], speeds[3:], speeds[:3]])
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies that touched in the last step, mostly the same as in the step before."""
-        if not self.data.ncon:
-            self.met = set()
-            return self.met
-        geoms = self.data.contact.geom
-        key = geoms.tobytes()
+        """The pairs of bodies that touched in the last step, mostly the same as in the step before.
+
+        Of what sleeps MuJoCo tells no contacts: it touches what it touched.
+        """
+        key = self.data.contact.geom.tobytes(), self.data.tree_asleep.tobytes()
         if key not in self.pairs:
-            bodies = np.sort(self.number[self.model.geom_bodyid[geoms]], axis=1)
+            bodies = np.sort(self.number[self.model.geom_bodyid[self.data.contact.geom]], axis=1)
             each = list(map(tuple, bodies.tolist()))
             self.pairs[key] = each, set(each)
         each, near = self.pairs[key]
-        if near != self.met:
+        if self.asleep != key[1]:
+            self.asleep = key[1]
+            self.resting = {pair for pair in self.met if self.sleeps(*pair)}
+        if near | self.resting != self.met:
             gaps = self.data.contact.dist.tolist()
-            self.met = {pair for pair, gap in zip(each, gaps, strict=True) if gap < MEET or pair in self.met}
+            met = {pair for pair, gap in zip(each, gaps, strict=True) if gap < MEET or pair in self.met}
+            self.met = met | self.resting
         return self.met
+
+    def sleeps(self, first: int, second: int) -> bool:
+        """Whether MuJoCo leaves two bodies out, at least one of which can move."""
+        trees = self.model.body_treeid[self.ids[[first, second]]]
+        return all(tree < 0 or self.data.tree_asleep[tree] >= 0 for tree in trees.tolist())
 
 
 def rates(limb: Link, body: Rigid) -> list[float]:

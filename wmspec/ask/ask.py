@@ -157,11 +157,11 @@ class _Row:
 
     @property
     def slot(self) -> AnswerSlot:
-        """The truth's place among the options: over the design, everywhere alike."""
+        """The truth's place among the options: everywhere alike, over the design and over every sample of it."""
         if self.asking.question.orbit:
             return closed_slot(self.design, self.instance, self.q)
-        index, (seed, name, _) = self.instance.index, self.key
-        position = permuted(index, len(self.design), seed, name, self.q, "position")
+        (turn, place, many), (seed, name, _) = self.design.drawn_with(self.instance.index), self.key
+        position = turn * many + permuted(place, many, seed, name, self.q, turn, "position")
         return ShuffledSlot(position, (*self.key, "order"))
 
     def picture(self, view: View, channels: frozenset[Channel]) -> Picture:

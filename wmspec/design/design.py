@@ -190,6 +190,22 @@ class Design:
             if not more:
                 return
 
+    def drawn_with(self, index: int) -> tuple[int, int, int]:
+        """Of what `sample` draws together with an instance: its turn, the instance's place in it, and how many it is.
+
+        Whatever follows the turns comes equally often in every sample.
+        """
+        if self.spec.plan.kind != "groups":
+            return Permutation(len(self), self.seed, self.spec.name, "sample").inverse(index), 0, 1
+        block, place = self.blocks.locate(index)
+        turn = Permutation(self.blocks.count, self.seed, self.spec.name, "sample").inverse(block)
+        if self.spec.plan.balance:
+            return turn, place, len(self.blocks.members(block))
+        parts = self._parted(block)
+        number = next(number for number, part in enumerate(parts) if index in part)
+        lap = Permutation(len(parts), self.seed, self.spec.name, "part", block).inverse(number)
+        return lap * self.blocks.count + turn, parts[number].index(index), len(parts[number])
+
     def _parted(self, block: int) -> list[tuple[int, ...]]:
         """The members of a group, together those that differ in nothing but what every group crosses."""
         turning = [name for name in self.blocks.crossed(block) if name not in self.spec.plan.cross]

@@ -23,11 +23,13 @@ from wmspec.scene.episode import (
     act,
     begin,
     beginnings,
+    expected,
     mounted,
     observe,
     play,
     stretched,
     take,
+    told,
 )
 from wmspec.scene.model import Scene
 from wmspec.scene.transform import conjugate, cross, multiply, rotate, turned, turning
@@ -49,6 +51,8 @@ _COMMON: tuple[Callable[..., Any], ...] = (
     Episode,
     Recording,
     play,
+    told,
+    expected,
     begin,
     beginnings,
     act,
