@@ -5,6 +5,7 @@ Linear ones for words and options, forests for pictures and what is in them, as 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,7 +18,8 @@ from wmspec.diagnostics import WmsError
 
 try:
     from sklearn.ensemble import RandomForestClassifier
-    from sklearn.linear_model import RidgeCV
+    from sklearn.exceptions import ConvergenceWarning
+    from sklearn.linear_model import LassoLarsIC, RidgeCV
     from sklearn.model_selection import GroupKFold
 except ImportError as error:
     raise WmsError("an audit needs scikit-learn", help="pip install 'wmspec[audit]'") from error
@@ -28,7 +30,7 @@ FOLDS = 5
 #: The trees of a forest, the fewest questions (or options) in a leaf, and the share of numbers that a split may be at:
 #: many, because a shortcut is apt to be in few of them.
 TREES, LEAF, NUMBERS = 30, 12, 0.5
-#: The ridges that are tried, as multiples of what is fitted to; generalised cross-validation picks one.
+#: The ridges that are tried where numbers outnumber questions, as multiples of these; cross-validation picks one.
 RIDGES = (1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0)
 SEED = 20_611
 
@@ -133,9 +135,16 @@ def _of_questions(seen: Seen, asked: Asked, here: NDArray[np.bool_]) -> Array:
 
 
 def _linear(x: Array, y: Array, unseen: Array) -> Array:
-    middle, spread = x.mean(0), x.std()
-    ridge = RidgeCV(alphas=[r * len(x) for r in RIDGES]).fit((x - middle) / (spread or 1.0), y)
-    return np.asarray(ridge.predict((unseen - middle) / (spread or 1.0)))
+    """A regression on few of the numbers, as a shortcut is apt to be in few; on all, if there are too few questions."""
+    middle, spread = x.mean(0), x.std(0)
+    spread[spread < 1e-9] = np.inf
+    x, unseen = (x - middle) / spread, (unseen - middle) / spread
+    if len(x) <= x.shape[1] + 1:
+        return np.asarray(RidgeCV(alphas=[r * len(x) for r in RIDGES]).fit(x, y).predict(unseen))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)  # of numbers that say the same, all but one are dropped
+        each = [LassoLarsIC("bic").fit(x, column).predict(unseen) for column in y.reshape(len(y), -1).T]
+    return np.stack(each, axis=-1).reshape(len(unseen), *y.shape[1:])
 
 
 def _probabilities(x: Array, y: NDArray[np.generic], unseen: Array) -> tuple[NDArray[np.generic], Array]:

@@ -210,7 +210,7 @@ def _rules() -> str:
         "<p>A dependence fails if, after Holm's correction for all that are judged here, its probability is below "
         f"{SURE:g} and its strength (Cramér's V, Cohen's w) at least {STRONG:g}. The answer may hang on factors; that "
         "is told, not judged.</p>\n"
-        f"<p>A probe is a ridge regression on words or options, or a forest of {TREES} trees on pictures and what is "
+        f"<p>A probe is a lasso on words or options, or a forest of {TREES} trees on pictures and what is "
         f"in them, fitted to {FOLDS - 1} of {FOLDS} parts of the control groups and judged on the other. It fails if "
         f"its accuracy is more than {SLACK:.0%} above chance and that is no luck: by luck any of a task's probes gets "
         f"so far in {ALARMS:.0%} of sound datasets. It is unknown if it might have overlooked a shortcut of more than "
