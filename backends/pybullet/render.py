@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -121,25 +121,38 @@ class Renderer:
     def _place(self, poses: Sequence[Pose], camera: Camera, shown: NDArray[np.bool_]) -> None:
         """Put the sides of the bodies `shown` that face the camera where they belong, and all others out of sight."""
         for piece in self._pieces:
-            pose = compose(poses[piece.body], piece.pose)
+            for number in () if shown[piece.body] else piece.numbers:
+                pybullet.resetBasePositionAndOrientation(number, NOWHERE, [0, 0, 0, 1], self._client)
+        for piece, pose, eye in self._seen(poses, camera, shown):
             w, *turn = pose.orientation.tolist()
-            eye = np.append(apply(inverse(pose), camera.pose.position), 1.0)
-            for number, faces in zip(piece.numbers, piece.planes @ eye > 0, strict=True):
-                place = pose.position.tolist() if shown[piece.body] and faces else NOWHERE
+            at = pose.position.tolist()
+            for number, faces in zip(piece.numbers, piece.planes @ np.append(eye, 1.0) > 0, strict=True):
+                place = at if faces else NOWHERE
                 pybullet.resetBasePositionAndOrientation(number, place, [*turn, w], self._client)
 
     def _dress(self, poses: Sequence[Pose], camera: Camera, shown: NDArray[np.bool_]) -> None:
         """Give the sides of the bodies `shown` images whose texels are as large as the pixels that see them."""
         pixel = 2 * math.tan(camera.fovy / 2) / self._size[1]
-        for piece in self._pieces:
-            if piece.pattern is None or not shown[piece.body]:
+        for piece, _, eye in self._seen(poses, camera, shown):
+            if piece.pattern is None:
                 continue
-            eye = apply(inverse(compose(poses[piece.body], piece.pose)), camera.pose.position)
             for number, halvings in zip(piece.numbers, piece.pattern.halvings(eye, pixel), strict=True):
                 if self._halved.get(number, 0) != halvings:
                     image = self._images.number(piece.pattern.file, halvings)
                     pybullet.changeVisualShape(number, -1, textureUniqueId=image, physicsClientId=self._client)
                     self._halved[number] = halvings
+
+    def _seen(
+        self, poses: Sequence[Pose], camera: Camera, shown: NDArray[np.bool_]
+    ) -> Iterator[tuple[Piece, Pose, Array]]:
+        """The pieces of the bodies `shown`, where each is in the world, and the camera (3,) in the frame of each."""
+        pieces = [piece for piece in self._pieces if shown[piece.body]]
+        if not pieces:
+            return
+        every = compose(_stack(poses[piece.body] for piece in pieces), _stack(piece.pose for piece in pieces))
+        eyes = apply(inverse(every), camera.pose.position)
+        for i, piece in enumerate(pieces):
+            yield piece, Pose(every.position[i], every.orientation[i]), eyes[i]
 
     def _smooth(self, fine: Layer) -> Image:
         """Colours 0..255 (h, w, 3), the mean of four for every pixel, on the scene's background."""
@@ -183,6 +196,12 @@ class Renderer:
             physicsClientId=self._client,
         )
         return Layer.of(image)
+
+
+def _stack(poses: Iterable[Pose]) -> Pose:
+    """Many poses as one, of positions (n, 3) and orientations (n, 4)."""
+    every = list(poses)
+    return Pose(np.stack([pose.position for pose in every]), np.stack([pose.orientation for pose in every]))
 
 
 def _metres(z: NDArray[np.float32], camera: Camera) -> NDArray[np.float32]:
