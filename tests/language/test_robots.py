@@ -18,6 +18,7 @@ from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
 from wmspec.robots.obstacles import hull, obstacles
 from wmspec.robots.travel import CLEAR, GIRTH, WALKERS, Travel, travels
+from wmspec.robots.wayfinding import WITHIN
 from wmspec.robots.ways import gone
 
 TOWN = """
@@ -169,7 +170,99 @@ def test_what_a_car_cannot_do_is_refused(spec: tuple[Any, ...], message: str) ->
     assert diagnostic.help
 
 
+CORNERS = "object mill { shape: cube  size: 4 m  color: red  at: (%s m, %s m, 2 m)  fixed: true }"
+
+
+@pytest.mark.parametrize(
+    ("place", "ends", "yaw"),
+    [
+        ((20, 40), (2, 40), 90),  # on along the street
+        ((40, 20), (40, -1.75), 0),  # right into the avenue
+        ((-40, 20), (-40, 1.75), 180),  # left
+        ((90, -20), (57.9, -1.75), 0),  # the avenue ends before it is abreast
+    ],
+)
+def test_a_car_finds_its_way(place: tuple[int, int], ends: tuple[float, float], yaw: float) -> None:
+    go = planned(town("action go = taxi.go_to(mill) for 20 s", more=CORNERS % place))["go"]
+    assert go.points[-1][:2] == pytest.approx(ends, abs=1e-6)
+    assert math.remainder(yaw_of(go) - math.radians(yaw), math.tau) == pytest.approx(0, abs=1e-6)
+
+
+def test_a_car_goes_round_the_block() -> None:
+    roads = """object lane { shape: box  size: (8 m, 120 m, 4 mm)  at: (40 m, 0, 2 mm)  fixed: true  solid: false }
+      object way { shape: box  size: (120 m, 8 m, 4 mm)  at: (0, 40 m, 2 mm)  fixed: true  solid: false }"""
+    spec = town("action go = taxi.go_to(mill) for 40 s", (2, 20), more=roads + CORNERS % (-12, 12))
+    with pytest.raises(WmsError, match="no way leads to where `street` is nearest to that without turning round"):
+        planned(spec)
+    text = TOWN.replace("[street, avenue]", "[street, avenue, lane, way]")
+    acts = "action go = taxi.go_to(mill) for 40 s"
+    spec = task_from(text.format(acts=acts, at=(2, 20), yaw=90, wide=8, says="", more=roads + CORNERS % (-12, 12)))
+    go = planned(spec)["go"]
+    assert go.points[-1][:2] == pytest.approx((1.75, 12), abs=1e-6)
+    assert yaw_of(go) == pytest.approx(math.pi / 2)
+    assert max(x for x, *_ in go.points) == pytest.approx(38.25, abs=0.1), "down the other lane"
+
+
 # ---------------------------------------------------------------- walkers
+
+
+WALL = "object wall { shape: box  size: (10 cm, 8 m, 2 m)  color: oak  on: floor at (2 m, %s m)  fixed: true }"
+DOOR = WALL % -3.5 + " object rest { shape: box  size: (10 cm, 8 m, 2 m)  on: floor at (2 m, 5.5 m)  fixed: true }"
+CHEST = "object chest { shape: cube  size: 60 cm  color: red  on: floor at (%s m, %s m)  fixed: true }"
+
+
+def test_a_walker_goes_through_the_door_to_what_is_behind_the_wall_and_faces_it() -> None:
+    spec = room("action go = someone.go_to(chest) for 10 s", more=DOOR + CHEST % (2.6, -2))
+    go = planned(spec)["go"]
+    instance = Design(spec)[0]
+    standing = obstacles(Values(spec, instance.values, None, instance.key), *WALKERS)
+    assert all(o.distance(point[:2]) >= GIRTH for point in go.points for o in standing)
+    crossed = next(y for x, y, _ in go.points if x > 2)
+    assert 0.5 < crossed < 1.5, "it came through the door"
+    x, y, _ = go.points[-1]
+    (chest,) = (o for o in standing if o.name == "chest")
+    assert chest.distance((x, y)) <= GIRTH + CLEAR + WITHIN
+    assert math.remainder(yaw_of(go) - math.atan2(-2 - y, 2.6 - x), math.tau) == pytest.approx(0, abs=1e-6)
+    gone = sum(math.dist(a, b) for a, b in pairwise(go.points))
+    assert gone < 1.1 * (math.dist((0, 0), (2, 0.8)) + math.dist((2, 0.8), (x, y)))
+
+
+def test_a_walker_that_finds_no_way_says_so() -> None:
+    shut = "\n".join(
+        f"object wall{i} {{ shape: box  size: ({'6 m, 10 cm' if i % 2 else '10 cm, 6 m'}, 2 m)  color: oak  "
+        f"on: floor at ({x} m, {y} m)  fixed: true }}"
+        for i, (x, y) in enumerate(((2, 0), (0, 2), (-2, 0), (0, -2)))
+    )
+    with pytest.raises(WmsError, match="no way leads `someone` to within reach of `chest`") as caught:
+        planned(room("action go = someone.go_to(chest) for 10 s", more=shut + CHEST % (4, 0)))
+    assert caught.value.diagnostics[0].help
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    boxes=st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(0, 180)), max_size=5),
+    place=st.tuples(st.floats(2, 4), st.floats(-4, 4)),
+)
+def test_on_its_way_to_a_thing_it_goes_through_nothing(
+    boxes: list[tuple[float, float, float]], place: tuple[float, float]
+) -> None:
+    more = "\n".join(
+        f"object b{i} {{ shape: box  size: (1.2 m, 50 cm, 1 m)  color: oak  at: ({x:.6f} m, {y:.6f} m, 50 cm)  "
+        f"yaw: {turned:.6f} deg  fixed: true }}"
+        for i, (x, y, turned) in enumerate(boxes)
+        if math.hypot(x, y) > 1
+    )
+    spec = room("action go = someone.go_to(chest) for 10 s", more=more + CHEST % (f"{place[0]:.6f}", f"{place[1]:.6f}"))
+    instance = Design(spec)[0]
+    standing = obstacles(Values(spec, instance.values, None, instance.key), *WALKERS)
+    try:
+        go = planned(spec)["go"]
+    except WmsError as error:
+        if "no way leads" not in str(error):
+            raise
+        return
+    for x, y, _ in go.points:
+        assert min((o.distance((x, y)) for o in standing), default=1.0) >= GIRTH - 1e-3
 
 
 def test_a_walker_stops_before_a_wall_and_comes_through_a_door() -> None:

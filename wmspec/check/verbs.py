@@ -171,10 +171,12 @@ ROBOTS: dict[str, dict[str, Verb]] = {
         "turn": Verb("drives on to the next crossing, turns into the road on that side, and a little further", {"direction": _SIDE}, True),
         "change_lane": Verb("moves over to the next lane", {"direction": _SIDE}, True),
         "stop": Verb("brakes to a halt in its lane", {}, True),
+        "go_to": Verb("drives the shortest way to where one of its roads is nearest to an object", {"to": Slot((OBJECT,), "where to")}, True),
     },
     "walker": {
         "move": Verb("walks straight ahead, until something stops it", {"distance": _FAR}, True),
         "back": Verb("walks straight back, until something stops it", {"distance": _FAR}, True),
+        "go_to": Verb("walks the shortest way around all that stands there to within reach of an object, and turns to it", {"to": Slot((OBJECT,), "where to")}, True),
         "turn": Verb("turns on the spot", {"direction": _SIDE, "angle": _BY}, True),
         "look": Verb("looks up or down", {"angle": Slot((AN_ANGLE,), "how far up from level; negative is down", least=-1.5, most=1.5)}, True),
     },

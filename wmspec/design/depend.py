@@ -157,7 +157,7 @@ class Dependencies:
         yield from ("end", "world.gravity")
         for thing in self._things.values():
             if thing.kind == "robot":
-                yield from (f"{thing.name}.{name}" for name in ("on", "at", "yaw"))
+                yield from (f"{thing.name}.{name}" for name in ("on", "at", "yaw", "model"))
                 if "on" in thing.properties:
                     yield from (f"{base}.pose" for base in self._named(thing.properties["on"].value))
             if thing.kind == "action" and thing.of:

@@ -57,6 +57,11 @@ def obstacles(values: Values, low: float, high: float) -> tuple[Outline, ...]:
     return tuple(outline for name in kept for outline in _outlines(values, name, low, high))
 
 
+def around(values: Values, name: str) -> tuple[Outline, ...]:
+    """The outlines of the parts of one object, however high."""
+    return tuple(_outlines(values, name, -math.inf, math.inf))
+
+
 def _outlines(values: Values, name: str, low: float, high: float) -> list[Outline]:
     """Those of the parts of an object that reach between two heights."""
     outlines = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from heapq import heappop, heappush
 from typing import TYPE_CHECKING
 
 from wmspec.layout.geometry import pieces
@@ -35,6 +36,11 @@ class Road:
         cos, sin = math.cos(self.middle.heading), math.sin(self.middle.heading)
         dx, dy = x - self.middle.x, y - self.middle.y
         return (dx * cos + dy * sin, dy * cos - dx * sin)
+
+    def away(self, x: float, y: float) -> float:
+        """How far (m) from it a place is; 0 on it."""
+        far, left = self.seen(x, y)
+        return math.hypot(max(0.0, abs(far) - self.half_length), max(0.0, abs(left) - self.half_width))
 
 
 class OffRoadError(Exception):
@@ -102,9 +108,7 @@ class Traffic:
 
     def turn(self, spot: Spot, to: int) -> list[Leg]:
         """Into the next road to the left (`to` 1) or right (-1): from its lane into one of that, and on beyond it."""
-        road, _ = self.under(spot)
-        crossings = (self._crossing(road, spot, other, to) for other in self.roads if other is not road)
-        ahead = [found for found in crossings if found is not None]
+        ahead = self._turns(spot, to)
         if not ahead:
             there = "left" if to > 0 else "right"
             raise OffRoadError(
@@ -114,7 +118,42 @@ class Traffic:
         straight, bend, on = min(ahead, key=lambda legs: legs[0].length)
         return [straight, bend, on]
 
+    def go_to(self, spot: Spot, place: tuple[float, float]) -> list[Leg]:
+        """The shortest way to where the road that passes nearest to a place does so (E. W. Dijkstra, 1959)."""
+        goal = min(self.roads, key=lambda road: road.away(*place))
+        most = goal.half_length - LONG / 2
+        far = min(most, max(-most, goal.seen(*place)[0]))
+        waiting: list[tuple[float, int, list[Leg], Spot | None]] = [(0.0, 0, [], spot)]
+        known, count = set[tuple[float, ...]](), 0
+        while waiting:
+            gone, _, legs, here = heappop(waiting)
+            if here is None:
+                return legs
+            key = tuple(round(n, 6) for n in (here.x, here.y, math.cos(here.heading), math.sin(here.heading)))
+            if key in known:
+                continue
+            known.add(key)
+            road, way = self.under(here)
+            ahead = (far - road.seen(here.x, here.y)[0]) * way
+            further: list[tuple[Leg, ...]] = [turned for to in (1, -1) for turned in self._turns(here, to)]
+            further += [(Straight(here, ahead),)] if road is goal and ahead >= 0 else []
+            for more in further:
+                count += 1
+                length = gone + sum(leg.length for leg in more)
+                end = None if len(more) == 1 else more[-1].at(more[-1].length)
+                heappush(waiting, (length, count, [*legs, *more], end))
+        raise OffRoadError(
+            f"no way leads to where `{goal.name}` is nearest to that without turning round",
+            "let it start further away, or headed the other way",
+        )
+
     # ------------------------------------------------------------ by which means
+
+    def _turns(self, spot: Spot, to: int) -> list[tuple[Straight, Bend, Straight]]:
+        """The ways into all roads that go off ahead, to that side."""
+        road, _ = self.under(spot)
+        crossings = (self._crossing(road, spot, other, to) for other in self.roads if other is not road)
+        return [found for found in crossings if found is not None]
 
     def _long_enough(self, spot: Spot, distance: float) -> None:
         road, _ = self.under(spot)

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING
 
 from wmspec.check.ir import Thing
 from wmspec.diagnostics import ImpossibleValue
-from wmspec.robots.obstacles import Outline, hull, obstacles
+from wmspec.robots.obstacles import Outline, around, hull, obstacles
 from wmspec.robots.roads import LONG, WIDE, OffRoadError, Traffic, road
 from wmspec.robots.schedule import in_turn, lasts
 from wmspec.robots.stand import base
+from wmspec.robots.wayfinding import legs_to
 from wmspec.robots.ways import Leg, Spot, Straight, along, gone
 from wmspec.space import Pose, Quaternion, Vector, add, rotate, turn
 
@@ -154,8 +155,19 @@ def _legs(values: Values, traffic: Traffic, spot: Spot, action: Thing, before: _
         if before is None or before.action.verb == "stop" or abs(before.start + before.lasts - start) > 1e-6:
             raise OffRoadError("it stands still by then", "let it stop while it drives: `after` what it does before")
         return traffic.forward(spot, before.pace * lasts(values, action) / 2)
+    if action.verb == "go_to":
+        place = values.pose(_goal(values, action)).position
+        return traffic.go_to(spot, (place[0], place[1]))
     to = 1 if values.property(action.name, "direction") == "left" else -1
     return traffic.turn(spot, to) if action.verb == "turn" else traffic.change_lane(spot, to)
+
+
+def _goal(values: Values, action: Thing) -> str:
+    """The object that somebody goes to. Raises WmsError with its place if it is not there."""
+    goal = str(values.property(action.name, "to"))
+    if not values.there(goal):
+        raise ImpossibleValue(f"`{goal}` is not there, so nobody can go to it", action.place)
+    return goal
 
 
 def _on(legs: Sequence[Leg], far: float) -> tuple[Spot, float]:
@@ -203,6 +215,13 @@ def _walked(values: Values, level: float, spot: Spot, acts: Sequence[Thing]) -> 
             wanted, sign = float(values.property(action.name, "distance")), 1 if action.verb == "move" else -1
             way = Straight(spot, _free(Straight(spot, wanted, sign), standing), sign)
             stretch = _stretch(values, action, way.length, partial(_walking, way, pitch))
+        elif action.verb == "go_to":
+            goal = _goal(values, action)
+            legs = legs_to(spot, around(values, goal), standing, GIRTH + CLEAR)
+            if legs is None:
+                problem = f"no way leads `{action.of}` to within reach of `{goal}`"
+                raise ImpossibleValue(problem, action.place, "make room, or name something that can be reached")
+            stretch = _stretch(values, action, sum(leg.length for leg in legs), partial(_finding, legs, pitch))
         elif action.verb == "turn":
             angle = float(values.property(action.name, "angle"))
             side = 1 if values.property(action.name, "direction") == "left" else -1
@@ -217,6 +236,10 @@ def _walked(values: Values, level: float, spot: Spot, acts: Sequence[Thing]) -> 
 
 def _walking(way: Straight, pitch: float, far: float) -> tuple[Spot, float]:
     return way.at(far), pitch
+
+
+def _finding(legs: Sequence[Leg], pitch: float, far: float) -> tuple[Spot, float]:
+    return along(legs, far), pitch
 
 
 def _turning(spot: Spot, pitch: float, side: int, far: float) -> tuple[Spot, float]:

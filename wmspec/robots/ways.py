@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+PIVOTS = 0.5  # m
+
 
 @dataclass(frozen=True)
 class Spot:
@@ -81,6 +83,23 @@ class Swerve:
         place = self.start.ahead(far, self.aside * u * u * (3 - 2 * u))
         slope = 6 * self.aside * u * (1 - u) / self.length
         return Spot(place.x, place.y, self.start.heading + math.atan(slope))
+
+
+@dataclass(frozen=True)
+class Pivot:
+    """On the spot by an `angle` (rad) to the left, or below 0 to the right, which counts as `PIVOTS` m a radian."""
+
+    start: Spot
+    angle: float
+
+    @property
+    def length(self) -> float:
+        """How long (m) it counts."""
+        return PIVOTS * abs(self.angle)
+
+    def at(self, far: float) -> Spot:
+        """So far turned."""
+        return Spot(self.start.x, self.start.y, self.start.heading + math.copysign(far / PIVOTS, self.angle))
 
 
 def along(legs: Sequence[Leg], far: float) -> Spot:
