@@ -74,7 +74,7 @@ def joints(arm: Arm, base: Array, q: Array, width: float, legs: Sequence[Leg]) -
     angles = _angles(arm, base.tobytes(), q.tobytes(), np.array(places).tobytes())
     speed = np.abs(np.diff(angles, axis=0)) / np.diff(times(legs[-1].until))[:, None]
     if (over := float((speed / arm.speed).max())) > FAST:
-        raise OutOfReachError(f"it would have to move {over / FAST:.2g} times as fast as it can; give it more time")
+        raise OutOfReachError(f"it would have to move {over / FAST:.3g} times as fast as it can; give it more time")
     fingers = np.array(widths)[:, None] / 2
     return np.round(np.concatenate([angles, fingers, fingers], axis=1), DIGITS)
 
