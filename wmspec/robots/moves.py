@@ -114,8 +114,8 @@ def _pushed(made: Plan, action: Thing, thing: Goods, way: Array, aside: Array, m
         Leg(0.43 * lasts, straight(near, touch), NARROW),
         Leg(0.63 * lasts, lambda s: np.asarray(move(s) @ touch), NARROW),
         Leg(0.65 * lasts, stay(there), NARROW),  # or the spline would swing .1 mm beyond it
-        Leg(0.70 * lasts, straight(there, back), NARROW),
-        Leg(0.76 * lasts, straight(back, above @ back), NARROW),
+        Leg(0.695 * lasts, straight(there, back), NARROW),
+        Leg(0.762 * lasts, straight(back, above @ back), NARROW),
         Leg(lasts, straight(above @ back, arm.drawn_back(back)), arm.arm.opening),
     ]
     made.go(action, legs)
