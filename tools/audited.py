@@ -28,11 +28,9 @@ def audited(records: Sequence[Record]) -> Iterator[str]:
     passed = sum(line["verdict"] == "holds" for line in lines)
     yield f"{passed} of {len(lines)} tasks pass.\n"
     yield from table(HEADS, map(row, lines))
-    for verdict, what in (("fails", "What fails"), ("unclear", "What is unknown")):
-        told = [f for record in records for f in record["findings"] if f["verdict"] == verdict]
-        yield f"{what}{':' if told else ': nothing.'}\n"
-        yield from (f"- `{f['task']}`, {f['check']}: {f['what']}" for f in sorted(told, key=lambda f: str(f["task"])))
-        yield ""
+    wrong = [finding for record in records for finding in record["findings"] if finding["verdict"] == "fails"]
+    yield "What fails:\n" if wrong else "Nothing fails.\n"
+    yield from (f"- `{f['task']}`, {f['check']}: {f['what']}" for f in sorted(wrong, key=lambda f: str(f["task"])))
 
 
 def row(line: Record) -> tuple[str, ...]:
