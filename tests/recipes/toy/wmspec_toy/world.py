@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from itertools import combinations
 from typing import Any
 
@@ -33,8 +34,12 @@ class World:
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         self.velocity[body], self.momentum[body] = linear, self.inertia(body) @ angular
 
-    def drive(self, body: int, _here: Any, there: Any, _speeds: Any) -> None:
-        self.position[body], self.turn[body] = there[:3], there[3:]
+    def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
+        def drive(i: int) -> None:
+            for body, (_, there, _) in paths.items():
+                self.position[body], self.turn[body] = there[i, :3], there[i, 3:]
+
+        return drive
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         self.force[body] += force
