@@ -36,7 +36,8 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly) -> str:
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     driven = any(limb.drive for tree in trees for limb in tree)
     integrator = "implicitfast" if driven else "RK4" if _tumbles(scene) else "Euler"
-    _options(root, episode, integrator, may_rest(scene, episode))
+    # what joints hold, or what is held, may begin to move more slowly than what rests
+    _options(root, episode, integrator, sleep=integrator == "Euler" and not (scene.joints or episode.holds))
     asset, world, contact = (ET.SubElement(root, tag) for tag in ("asset", "worldbody", "contact"))
     _light(world, scene.light)
     bodies = tuple(map(com_frame, scene.bodies))
@@ -81,12 +82,7 @@ def _tumbles(scene: Scene) -> bool:
     return gyroscopic(scene) and not any(touchable(scene))
 
 
-def may_rest(scene: Scene, episode: Episode) -> bool:
-    """Whether what rests may be left out until something moves it: nothing is jointed that could creep, or held."""
-    return not (scene.joints or episode.holds or _tumbles(scene))
-
-
-def _options(root: ET.Element, episode: Episode, integrator: str, may_rest: bool) -> None:
+def _options(root: ET.Element, episode: Episode, integrator: str, sleep: bool) -> None:
     """MuJoCo's settings.
 
     What is slower than `RESTING` for ten steps sleeps, with all that it touches: MuJoCo leaves it out until a force, a
@@ -108,7 +104,7 @@ def _options(root: ET.Element, episode: Episode, integrator: str, may_rest: bool
         jacobian="dense",
         sleep_tolerance=text([RESTING]),
     )
-    ET.SubElement(option, "flag", multiccd="enable", sleep="enable" if may_rest else "disable")
+    ET.SubElement(option, "flag", multiccd="enable", sleep="enable" if sleep else "disable")
 
 
 def _light(world: ET.Element, light: Light) -> None:

@@ -32,7 +32,7 @@ class World:
         self.qpos = np.where(joints < 0, -1, model.jnt_qposadr[joints] if model.njnt else -1)
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
         self.warned, self.calm = self.data.warning.number, self.data.warning.number.tobytes()  # the first is a view
-        self.pairs: dict[tuple[bytes, bytes], tuple[list[tuple[int, int]], set[tuple[int, int]]]] = {}
+        self.pairs: dict[bytes, tuple[list[tuple[int, int]], set[tuple[int, int]]]] = {}
         self.met: set[tuple[int, int]] = set()
         self.resting: set[tuple[int, int]] = set()
         self.asleep = self.data.tree_asleep.tobytes()
@@ -184,14 +184,15 @@ class World:
 
         Of what sleeps MuJoCo tells no contacts: it touches what it touched.
         """
-        key = self.data.contact.geom.tobytes(), self.data.tree_asleep.tobytes()
+        geoms, asleep = self.data.contact.geom, self.data.tree_asleep.tobytes()
+        key = geoms.tobytes()
         if key not in self.pairs:
-            bodies = np.sort(self.number[self.model.geom_bodyid[self.data.contact.geom]], axis=1)
+            bodies = np.sort(self.number[self.model.geom_bodyid[geoms]], axis=1)
             each = list(map(tuple, bodies.tolist()))
             self.pairs[key] = each, set(each)
         each, near = self.pairs[key]
-        if self.asleep != key[1]:
-            self.asleep = key[1]
+        if self.asleep != asleep:
+            self.asleep = asleep
             self.resting = {pair for pair in self.met if self.sleeps(*pair)}
         if near | self.resting != self.met:
             gaps = self.data.contact.dist.tolist()

@@ -253,10 +253,11 @@ def told(episode: Episode) -> Recording | None:
 
     What moves as it is told never touches what does too, and in a single sample nothing moves.
     """
-    steps, states = (episode.samples - 1) * episode.substeps, expected(episode)
+    steps = (episode.samples - 1) * episode.substeps
     free = {kick.body for kick in episode.kicks}  # of what joints hold, engines know the velocities
     if episode.dynamic and (steps or not free.issuperset(episode.dynamic)):
         return None
+    states = expected(episode)
     for kick in episode.kicks:
         if kick.step == 0:
             states[0, kick.body, 7:] = kick.linear + kick.angular
