@@ -171,18 +171,21 @@ class Design:
             sampled += part
         return tuple(sampled)
 
+    @property
+    def _order(self) -> Permutation:
+        """The order in which groups are sampled."""
+        return Permutation(self.blocks.count, self.seed, self.spec.name, "sample")
+
     def _laps(self) -> Iterator[list[int]]:
         """The members of all laps."""
-        order = Permutation(self.blocks.count, self.seed, self.spec.name, "sample")
-        laps = dict.fromkeys(self.lap(order(number)) for number in range(self.blocks.count))
+        laps = dict.fromkeys(map(self.lap, map(self._order, range(self.blocks.count))))
         return ([index for block in lap for index in self.blocks.members(block)] for lap in laps)
 
     def _parts(self) -> Iterator[tuple[int, ...]]:
         """The parts of all groups, a first one of each, then a second: each has one value of what takes turns."""
-        order = Permutation(self.blocks.count, self.seed, self.spec.name, "sample")
         for turn in numbers():
             more = False
-            for block in (order(number) for number in range(self.blocks.count)):
+            for block in map(self._order, range(self.blocks.count)):
                 parts = self._parted(block)
                 if turn < len(parts):
                     more = True
@@ -198,7 +201,7 @@ class Design:
         if self.spec.plan.kind != "groups":
             return Permutation(len(self), self.seed, self.spec.name, "sample").inverse(index), 0, 1
         block, place = self.blocks.locate(index)
-        turn = Permutation(self.blocks.count, self.seed, self.spec.name, "sample").inverse(block)
+        turn = self._order.inverse(block)
         if self.spec.plan.balance:
             return turn, place, len(self.blocks.members(block))
         parts = self._parted(block)
