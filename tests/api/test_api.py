@@ -158,7 +158,7 @@ def test_an_episode_has_the_ways_of_bodies(episode: wmspec.Episode) -> None:
 
 def test_pictures_show_the_same_moment(episode: wmspec.Episode) -> None:
     rgb, ids, depth = episode.frame("front", 0.2), episode.ids("front", 0.2), episode.depth("front", 0.2)
-    assert (rgb.shape, rgb.dtype, ids.shape, depth.shape) == ((256, 256, 3), np.uint8, (256, 256), (256, 256))
+    assert (rgb.shape, rgb.dtype, ids.shape, depth.shape) == ((384, 384, 3), np.uint8, (384, 384), (384, 384))
     ball = ids == episode.bodies.index("ball")
     red, green, _ = rgb[ball].mean(axis=0)
     assert red > green + 50

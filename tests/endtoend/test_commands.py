@@ -77,7 +77,7 @@ def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
         (["run", "unnamed"], "it is a USD stage, not a spec; let its name end in .usd"),
         (["run", STAGE, "--for", "1ms"], "1ms: shorter than one sample; ask for at least 4.17ms"),
         (["run", STAGE, "--for", "soon"], "expected a time such as 2s"),
-        (["render", COLLIDE, "--size", "7", "-o", "out"], "expected pixels such as 256"),
+        (["render", COLLIDE, "--size", "7", "-o", "out"], "expected pixels such as 384"),
         (["generate", COLLIDE, "-o", "/proc/nowhere"], "/proc"),
         (["generate", COLLIDE, "-o", "out", "--shard", "3/2"], "shard `3/2`: expected one of so many, from 1/8"),
         (["generate", COLLIDE, "-o", "out", "--shard", "0/2"], "shard `0/2`: expected"),

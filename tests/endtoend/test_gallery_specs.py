@@ -42,5 +42,5 @@ def test_they_are_apart_from_the_tasks_that_rebuild_the_paper() -> None:
 @pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
 def test_each_gives_questions(path: Path, tmp_path: Path) -> None:
     installed("mujoco")
-    made = wmspec.generate(path, tmp_path / "out", backend="mujoco", per_task=4, workers=0)
+    made = wmspec.generate(path, tmp_path / "out", backend="mujoco", per_task=4, size=256, workers=0)
     assert made.rows >= 0.9 * (made.rows + sum(made.rejected.values()))

@@ -12,12 +12,14 @@ from wmspec.scene.model import Look
 
 #: How few and how many pixels the side of a picture may have.
 LEAST_SIDE, MOST_SIDE = 16, 4096
+#: How many it has if nobody says.
+SIDE = 384
 
 
 class Drawing(TypedDict, total=False):
     """How pictures are drawn.
 
-    `size`: the side of a square, or (width, height), px; 256. `renderer`: the engine that draws, if not the one that
+    `size`: the side of a square, or (width, height), px; 384. `renderer`: the engine that draws, if not the one that
     executed. `look`: the same picture from every engine ("parity"), the best of each ("beauty"), or paths of light
     whatever the engine ("photo"); the latter two with so many `samples` a pixel.
     """
@@ -31,7 +33,7 @@ class Drawing(TypedDict, total=False):
 def renderer_of(
     engine: str,
     *,
-    size: int | tuple[int, int] = 256,
+    size: int | tuple[int, int] = SIDE,
     renderer: str = "",
     look: Look = "parity",
     samples: int | None = None,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal, TypedDict, Unpack
 
 from wmspec.api.agreement import Tasks, effort, gathered
-from wmspec.api.drawing import pixels, samples_of
+from wmspec.api.drawing import SIDE, pixels, samples_of
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
@@ -147,7 +147,7 @@ def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan
         texts=texts(chosen_tasks),
         tasks=tuple(PlannedTask(t.spec, indices(t, per_task, full, choices.get("part", (1, 1)))) for t in chosen_tasks),
         engines=engines,
-        size=pixels(choices.get("size", 256)),
+        size=pixels(choices.get("size", SIDE)),
         seed=chosen_tasks[0].seed,
         consensus=choices.get("consensus", "all"),
         look=look,

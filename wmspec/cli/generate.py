@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 )
 @click.option("--full", is_flag=True, help="All instances of every task, where there are more than the paper's.")
 @dimension_option
-@click.option("--size", default="256", show_default=True, help="Pixels of a picture: 256, or 320x240.")
+@click.option("--size", default="384", show_default=True, help="Pixels of a picture: 384, or 320x240.")
 @look_options
 @seed_option
 @click.option(

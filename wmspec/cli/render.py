@@ -45,7 +45,7 @@ FILMS = (".gif", ".mp4")
 @redrawn_option
 @seed_option
 @duration_option
-@click.option("--size", default="256", show_default=True, help="Pixels: 256, or 320x240.")
+@click.option("--size", default="384", show_default=True, help="Pixels: 384, or 320x240.")
 @look_options
 @click.option("--camera", default="", help="Only this camera.  [default: those that observe; for a film the first]")
 @click.option(

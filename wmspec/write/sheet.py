@@ -20,7 +20,7 @@ from wmspec.write.words import human, reading
 
 #: The width of everything on the sheet (px), and of what is in its columns.
 WIDTH, MARGIN, ENGINE, GAP, PARTING, ROOM = 2000, 56, 150, 10, 44, 6
-LARGEST, WORDS = 300, 430
+LARGEST, WORDS = 384, 430
 
 #: What is kept, by the consensus asked for.
 AGREED = {"all": "; only what all of them agree on", "majority": "; only what most of them agree on", "none": ""}
