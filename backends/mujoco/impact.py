@@ -38,13 +38,14 @@ def solref(pair: Friction, step: float) -> tuple[float, float]:
     return -((frequency / step * IMPEDANCE) ** 2), -damping / step * IMPEDANCE
 
 
-def solreffriction(pair: Friction, step: float) -> tuple[float, float]:
+def solreffriction(pair: Friction, step: float, led: bool) -> tuple[float, float]:
     """MuJoCo's `solreffriction` in its direct form for a pair's restitution; `step` in s.
 
     Its cones of friction are convex: what slides at speed v with friction m is thrown up with m v times this rate in
     every step that it touches. A lower rate hops less, but creeps more on inclines, and acts too late in short impacts.
+    What is `led`, as by a hand whose motion is given, rather sticks: at the lower rate it creeps aside, 1 % of its way.
     """
-    return 0.0, -(SLIDE if pair.restitution <= LOWEST else RUB) / step * IMPEDANCE
+    return 0.0, -(SLIDE if pair.restitution <= LOWEST and not led else RUB) / step * IMPEDANCE
 
 
 @cache

@@ -53,7 +53,8 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly) -> str:
         pose = camera.pose if rides == WORLD else compose(mount(scene.bodies[rides]), camera.pose)
         _camera(elements[rides], camera, pose)
     for a, g, b, h in touchable(scene):
-        _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", mix(g.friction, h.friction), episode)
+        led = "kinematic" in (a.motion, b.motion)
+        _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", mix(g.friction, h.friction), episode, led)
     _equality(root, scene, episode, whole)
     drives = [limb for tree in trees for limb in tree if limb.drive]
     actuators = ET.SubElement(root, "actuator") if drives else root
@@ -179,7 +180,7 @@ def _primitive(kind: str, size: tuple[float, ...]) -> dict[str, str]:
     return {"type": kind, "size": text(size if kind == "box" else [size[0], *(height / 2 for height in size[1:])])}
 
 
-def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode: Episode) -> None:
+def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode: Episode, led: bool) -> None:
     ET.SubElement(
         contact,
         "pair",
@@ -188,7 +189,7 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
         condim="3" if pair.dynamic > 0 else "1",
         friction=text([pair.dynamic, pair.dynamic, SPIN, ROLL, ROLL]),
         solref=text(solref(pair, episode.step)),
-        solreffriction=text(solreffriction(pair, episode.step)),
+        solreffriction=text(solreffriction(pair, episode.step, led)),
         solimp=text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
         gap=text([TOUCH]),  # seen from there on, pushed from 0 on
     )
