@@ -19,7 +19,7 @@ from .shapes import HERE, shape, xyzw
 with silence():
     import pybullet
 
-FREE, PUSHED = 200, 400  # iterations: with 100 a stack of five creeps twice as far, with 200 hands turn what they push
+ITERATE = 200, 400  # with 100 a stack of five creeps twice as far, with 200 hands turn what they push
 HEAVY_MASS, HEAVY_INERTIA = 1e4, 1e6  # kg, kg m²: a body that nothing in the scene can push
 DYNAMIC, GIVEN = 1, 2  # collision groups: bodies whose motion is given pass through each other
 ROUND = ("sphere", "capsule")  # their margin is their radius
@@ -38,7 +38,7 @@ class World:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=assembly.step,
             numSubSteps=0,
-            numSolverIterations=PUSHED if any(b.motion == "kinematic" and b.pieces for b in self.bodies) else FREE,
+            numSolverIterations=ITERATE[any(body.motion == "kinematic" and body.pieces for body in self.bodies)],
             solverResidualThreshold=0.0,
             useSplitImpulse=1,
             splitImpulsePenetrationThreshold=0.0,
