@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import degrees
 from xml.etree import ElementTree as ET
 
@@ -27,10 +28,10 @@ RESTING = 1e-6  # m/s
 _HIDDEN = "3"  # the group of geoms that viewers don't show at first
 
 
-def mjcf(scene: Scene, episode: Episode, whole: Assembly) -> str:
+def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) -> str:
     """A model: bodies in the scene's order, those in trees below their parents, frames at their centres of mass, one
 
-    `pair` per pair that may touch.
+    `pair` per pair that may touch. What is not to be `seen` is without the shapes that stand still and only show.
     """
     root, trees = ET.Element("mujoco", model=scene.name), whole.trees
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -40,7 +41,7 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly) -> str:
     _options(root, episode, integrator, sleep=integrator == "Euler" and not (scene.joints or episode.holds))
     asset, world, contact = (ET.SubElement(root, tag) for tag in ("asset", "worldbody", "contact"))
     _light(world, scene.light)
-    bodies = tuple(map(com_frame, scene.bodies))
+    bodies = tuple(com_frame(body if seen else _felt(body)) for body in scene.bodies)
     elements = _bodies(world, asset, bodies, trees)
     limbs = {limb.body: limb for tree in trees for limb in tree}
     for i, body in enumerate(bodies):
@@ -63,6 +64,13 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly) -> str:
     _keyframe(root, scene, episode, whole, [control(limb) for limb in drives])
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _felt(body: Body) -> Body:
+    """The body without what is only seen of it, if it stands still."""
+    if body.motion != "static":
+        return body
+    return replace(body, geoms=tuple(replace(geom, visible=False) for geom in body.geoms if geom.collides))
 
 
 def _bodies(

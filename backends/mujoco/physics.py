@@ -45,7 +45,7 @@ def execute(scene: Scene) -> Trace:
 
 def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
     with unlogged():
-        text = mjcf(scene, timeline, whole)
+        text = mjcf(scene, timeline, whole, seen=False)
         return _quick(text, scene, whole, timeline) or _slow(text, scene, whole, timeline)
 
 

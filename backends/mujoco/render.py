@@ -20,6 +20,7 @@ from wmspec.scene.picture import check
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
 from wmspec.scene.texcoords import texcoords
+from wmspec.scene.thrown import Thrown
 
 with silence():
     import mujoco
@@ -38,7 +39,7 @@ class Renderer:
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         self._scene, self._casters, self._contact = scene, Casters(scene), ContactShadows(scene)
-        self._near = NearPlane(scene, width / height)
+        self._near, self._thrown = NearPlane(scene, width / height), Thrown(scene, width / height)
         self._rect = mujoco.MjrRect(0, 0, width, height)
         self._model: Any = build(scene, width, height).compile()
         self._data: Any = mujoco.MjData(self._model)
@@ -100,6 +101,13 @@ class Renderer:
         eye.fixedcamid = number
         every = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(self._model, self._data, mujoco.MjvOption(), None, eye, every, self._view)
+        self._spare(self._thrown.seen(camera, shot, 2 * region.half / SHADOW_MAP))
+
+    def _spare(self, thrown: NDArray[np.bool_]) -> None:
+        """Keep out of the shadow map what throws no shadow that is seen: what MuJoCo takes for decoration."""
+        for geom in self._view.geoms[: self._view.ngeom]:
+            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and not thrown[geom.objid]:
+                geom.category = mujoco.mjtCatBit.mjCAT_DECOR
 
     def _render(self, ids: bool) -> NDArray[np.uint8]:
         """Bytes (h, w, 3), the first row on top: colours, or what numbers the geometries."""

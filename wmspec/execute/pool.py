@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import re
 import signal
 import sys
@@ -251,7 +252,8 @@ class LocalWorkers:
             self._pool.join()
 
     def _begin(self) -> None:
-        self._pool: Any = ProcessPool(max_workers=self._count, max_tasks=PIECES_PER_WORKER, context=_Context())
+        pool = {"max_workers": self._count, "max_tasks": PIECES_PER_WORKER, "context": _Context()}
+        self._pool: Any = ProcessPool(**pool, initializer=_seldom_collected)
         with undisturbed():
             _ = self._pool.active  # asked for this, it begins
 
@@ -265,6 +267,11 @@ class LocalWorkers:
     def _schedule(self, job: Job) -> None:
         with undisturbed():
             job.future = self._pool.schedule(_done, args=(job.work, *job.piece), timeout=job.timeout)
+
+
+def _seldom_collected() -> None:
+    """Look for cycles of objects seldom: specs and scenes are many objects and have none, and looking takes a fifth."""
+    gc.set_threshold(100_000, 20, 100)
 
 
 def _done(work: Callable[..., T], *piece: Any) -> T | Lost:

@@ -9,7 +9,7 @@ from wmspec.scene.model import Array, Pose
 
 def floats(values: Array) -> tuple[float, ...]:
     """All numbers of an array, in order."""
-    return tuple(float(v) for v in np.ravel(values))
+    return tuple(np.ravel(values).astype(float).tolist())
 
 
 def numbers(pose: Pose) -> tuple[float, ...]:

@@ -1,13 +1,14 @@
 """Which instances go to a worker together: those that share episodes and pictures.
 
 What would have happened is what happens in a neighbour: instances that differ only in what counterfactuals change have
-the same episodes, and those that differ in looks besides have the same physics. This is worked out from the spec alone;
-were it wrong, some episode would be executed twice, and nothing else would come of it.
+the same episodes, and those that differ in looks besides have the same physics. Whatever else differs in a control
+group, it shares a place, its light and most of its things. This is worked out from the spec alone; were it wrong, some
+episode would be executed twice, and nothing else would come of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from wmspec.ask.balance import MOST_DRAWS
 from wmspec.ask.closed import has_closed
@@ -37,21 +38,29 @@ def units(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Pi
         yield from ([tuple(lap)] for lap in laps.values())
         return
     kin = _Kin(design)
-    shared: dict[object, dict[object, dict[int, list[int]]]] = {}
-    closed = has_closed(spec)
-    for index in indices:
-        instance = design[index]
-        looks = shared.setdefault(kin.physics(instance), {})
-        whole = instance.block if closed else index
-        looks.setdefault(kin.looks(instance), {}).setdefault(whole, []).append(index)
-    for looks in shared.values():
+    shared: dict[object, dict[object, dict[object, list[Piece]]]] = {}
+    for piece in _pieces(design, indices):
+        first = design[piece[0]]
+        alike = shared.setdefault(kin.unit(first), {}).setdefault(kin.physics(first), {})
+        alike.setdefault(kin.looks(first), []).append(piece)
+    for physics in shared.values():
         unit: list[Piece] = []
-        for piece in (tuple(piece) for pieces in looks.values() for piece in pieces.values()):
+        for piece in (piece for looks in physics.values() for pieces in looks.values() for piece in pieces):
             if unit and sum(map(len, unit)) + len(piece) > MOST:
                 yield unit
                 unit = []
             unit.append(piece)
         yield unit
+
+
+def _pieces(design: Design, indices: Sequence[int]) -> Iterable[Piece]:
+    """What is asked at a time: an instance, or what is wanted of a group that is asked as a whole."""
+    if not has_closed(design.spec):
+        return ((index,) for index in indices)
+    groups: dict[int, list[int]] = {}
+    for index in indices:
+        groups.setdefault(design.blocks.locate(index)[0], []).append(index)
+    return map(tuple, groups.values())
 
 
 def weight(spec: TaskSpec, piece: Piece) -> int:
@@ -71,9 +80,13 @@ class _Kin:
         self._physics = [name for name in self._looks if name in felt]
         self._drawn = bool({factor.name for factor in design.nuisances} & felt)
 
+    def unit(self, instance: Instance) -> object:
+        """Alike where instances belong together: by what they draw, if physics reads that, or else by their physics."""
+        return instance.key if self._drawn else self.physics(instance)
+
     def physics(self, instance: Instance) -> object:
-        """Alike where instances may share physics."""
-        return (instance.key if self._drawn else (), *(instance.factors[name] for name in self._physics))
+        """Alike where instances that belong together may share physics."""
+        return tuple(instance.factors[name] for name in self._physics)
 
     def looks(self, instance: Instance) -> object:
         """Alike where they may share pictures as well."""
