@@ -9,9 +9,10 @@ and Howell, "Thermal Radiation Heat Transfer", configuration factors).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,35 +123,67 @@ class ContactShadows:
         """
         if not self._occluders:
             return rgb
-        surfaces = _surfaces(camera, ids, depth)
-        view, lost = inverse(camera.pose), np.zeros(ids.size, np.float32)
-        for one in self._occluders:
-            lost += _hidden(one, compose(view, shot.poses[one.body]), camera, ids, depth, surfaces)
+        shaded = self._shaded(ids, depth, camera, shot)
+        if not shaded:
+            return rgb
+        window = _window(shaded, ids.shape)
+        surfaces = _surfaces(camera, ids, depth, window)
+        lost = np.zeros_like(surfaces[0][0])
+        for _, parts in groupby(shaded, lambda part: part.body):
+            lost += _hidden(parts, surfaces, window)
         left = 1 - np.minimum(np.float32(STRENGTH) * lost, np.float32(DARKEST))
-        return quantize(rgb * left.reshape(*ids.shape, 1))
+        picture = rgb.copy()
+        picture[window] = quantize(rgb[window] * left.reshape(*ids[window].shape, 1))
+        return picture
+
+    def _shaded(self, ids: NDArray[np.int16], depth: NDArray[np.float32], camera: Camera, shot: Shot) -> list[Shaded]:
+        """The pixels that each piece may shade, body by body; pieces that shade none are left out."""
+        view, shaded = inverse(camera.pose), []
+        for one in self._occluders:
+            at = compose(view, shot.poses[one.body])
+            for pose, box in one.boxes:
+                frame = compose(at, pose)
+                rows, columns, away = _reached(box, frame, camera, ids.shape)
+                near = np.abs(depth[rows, columns] - away) < box.reach
+                if near.any():
+                    for number in (-1, *one.own):
+                        near &= ids[rows, columns] != number
+                    row, column = np.nonzero(near)
+                    if len(row):
+                        shaded.append(Shaded(one.body, box, frame, row + rows.start, column + columns.start))
+        return shaded
 
 
-def _hidden(
-    one: Occluder,
-    at: Pose,
-    camera: Camera,
-    ids: NDArray[np.int16],
-    depth: NDArray[np.float32],
-    surfaces: tuple[list[Image], list[Image]],
-) -> Image:
-    """The share of the light (h w,) that a body hides which the camera sees `at` a place."""
-    most, (points, normals) = np.zeros(ids.size, np.float32), surfaces
-    for pose, box in one.boxes:
-        frame = compose(at, pose)
-        rows, columns, away = _reached(box, frame, camera, ids.shape)
-        near = np.abs(depth[rows, columns] - away) < box.reach
-        if not near.any():
-            continue
-        near &= ~np.isin(ids[rows, columns], (-1, *one.own))
-        row, column = np.nonzero(near)
-        pixels = (row + rows.start) * ids.shape[1] + column + columns.start
-        hidden = box.hidden([part[pixels] for part in points], [part[pixels] for part in normals], frame)
-        most[pixels] = np.maximum(most[pixels], hidden)
+@dataclass(frozen=True)
+class Shaded:
+    """The pixels, in `rows` (n,) and `columns` (n,), that a piece of a body may shade; its `frame` is the camera's."""
+
+    body: int
+    box: Box
+    frame: Pose
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+
+
+def _window(shaded: list[Shaded], size: tuple[int, ...]) -> tuple[slice, slice]:
+    """The part of a picture (height, width) around all that is shaded, and a pixel more for the slopes at its edges."""
+    rows, columns = (
+        slice(
+            max(min(int(part.min()) for part in places) - 1, 0), min(max(int(part.max()) for part in places) + 2, side)
+        )
+        for places, side in zip(([one.rows for one in shaded], [one.columns for one in shaded]), size, strict=True)
+    )
+    return rows, columns
+
+
+def _hidden(parts: Iterable[Shaded], surfaces: tuple[list[Image], list[Image]], window: tuple[slice, slice]) -> Image:
+    """The share of the light that the pieces of a body hide, in a window of the picture."""
+    rows, columns = window
+    most = np.zeros_like(surfaces[0][0])
+    for part in parts:
+        pixels = (part.rows - rows.start) * (columns.stop - columns.start) + (part.columns - columns.start)
+        points, normals = ([side.take(pixels) for side in sides] for sides in surfaces)
+        most[pixels] = np.maximum(most.take(pixels), part.box.hidden(points, normals, part.frame))
     return most
 
 
@@ -233,14 +266,17 @@ def _part(aside: float, away: float, reach: float, focal: float, size: int) -> s
     return slice(min(max(0, math.floor(first)), size), max(0, min(size, math.ceil(last))))
 
 
-def _surfaces(camera: Camera, ids: NDArray[np.int16], depth: NDArray[np.float32]) -> tuple[list[Image], list[Image]]:
-    """What is seen: the points and the unit normals, (h w,) along each of the camera's axes.
+def _surfaces(
+    camera: Camera, ids: NDArray[np.int16], depth: NDArray[np.float32], window: tuple[slice, slice]
+) -> tuple[list[Image], list[Image]]:
+    """What is seen in a window of the picture: the points and the unit normals, (n,) along each of the camera's axes.
 
     The inverse of the distance is linear in the places of a flat surface's pixels, and its slopes are the normal.
     """
     x, y = (side.astype(np.float32) for side in rays(camera, ids.shape[1], ids.shape[0]))
-    near: Image = np.reciprocal(np.maximum(depth, np.float32(1e-6)))
     step = x[1] - x[0] if len(x) > 1 else np.float32(1)
+    ids, depth, x, y = ids[window], depth[window], x[window[1]], y[window[0]]
+    near: Image = np.reciprocal(np.maximum(depth, np.float32(1e-6)))
     along, up = _slope(near, ids, 1) / step, -_slope(near, ids, 0) / step
     normal = [-along, -up, near - x * along - y[:, None] * up]
     length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
@@ -251,13 +287,14 @@ def _surfaces(camera: Camera, ids: NDArray[np.int16], depth: NDArray[np.float32]
 def _slope(values: Image, ids: NDArray[np.int16], axis: int) -> Image:
     """How much `values` (h, w) grow from pixel to pixel: towards the neighbour of the same body that is more alike."""
     step = np.where(np.diff(ids, axis=axis) == 0, np.diff(values, axis=axis), np.float32(np.inf))
-    ends = (
-        [(1, 0) if side == axis else (0, 0) for side in (0, 1)],
-        [(0, 1) if side == axis else (0, 0) for side in (0, 1)],
-    )
-    before, after = (np.pad(step, end, constant_values=np.inf) for end in ends)
+    before, after = np.full_like(values, np.inf), np.full_like(values, np.inf)
+    if axis:
+        before[:, 1:] = after[:, :-1] = step
+    else:
+        before[1:] = after[:-1] = step
     slope = np.where(np.abs(before) < np.abs(after), before, after)
-    return np.where(np.isinf(slope), np.float32(0), slope)
+    slope[np.isinf(slope)] = 0
+    return slope
 
 
 def _along(parts: list[Image], axis: Array) -> Image:
