@@ -29,9 +29,10 @@ _HIDDEN = "3"  # the group of geoms that viewers don't show at first
 
 
 def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) -> str:
-    """A model: bodies in the scene's order, those in trees below their parents, frames at their centres of mass, one
+    """A model, with one `pair` per pair that may touch.
 
-    `pair` per pair that may touch. What is not to be `seen` is without the shapes that stand still and only show.
+    Bodies are in the scene's order, those in trees below their parents, frames at their centres of mass. What is
+    not to be `seen` is without the shapes that stand still and only show.
     """
     root, trees = ET.Element("mujoco", model=scene.name), whole.trees
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")

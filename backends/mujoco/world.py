@@ -87,9 +87,9 @@ class World:
         self.data.ctrl[self.actuators[joint]] = stiffness * target + damping * velocity
 
     def hold(self, body: int, at: Any = None) -> None:
-        """Put a dynamic body where it began or `at` another place: a free one as heavy as a kinematic one and held
+        """Put a dynamic body where it began or `at` another place.
 
-        against gravity.
+        A free one is as heavy as a kinematic one and held against gravity.
         """
         if body in self.trees:
             for limb in self.trees[body]:

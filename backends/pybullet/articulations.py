@@ -20,9 +20,9 @@ MEETING = ("URDF_USE_SELF_COLLISION", "URDF_USE_SELF_COLLISION_INCLUDE_PARENT")
 def branches(
     tree: tuple[Link, ...], bodies: tuple[Rigid, ...], shapes: list[int], client: int
 ) -> dict[int, tuple[int, int]]:
-    """Make a tree, with a shape for each limb: body -> its multibody and link. What hangs on the world hangs on a base
+    """Make a tree, with a shape for each limb: body -> its multibody and link.
 
-    without mass at its joint. Motors are off.
+    What hangs on the world hangs on a base without mass at its joint. Motors are off.
     """
     floats = tree[0].kind == "free"
     order = depth_first(tree)

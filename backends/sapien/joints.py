@@ -105,9 +105,10 @@ def ball(limb: Link, part: Any, parent: Any) -> Any:
 
 
 def ignored(apart: tuple[tuple[int, int], ...], count: int) -> list[tuple[int, int]]:
-    """For each body the last two words of the collision groups: what shares a bit of the first, and the second, passes
+    """For each body the last two words of the collision groups.
 
-    through each other. Bodies linked by such pairs have a number in common, and each clique of them a bit.
+    What shares a bit of the first, and the second, passes through each other. Bodies linked by such pairs have a number
+    in common, and each clique of them a bit.
     """
     pairs = set(apart)
     group = list(range(count))

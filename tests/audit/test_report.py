@@ -37,7 +37,9 @@ def test_a_sound_dataset_and_an_unsound_one(tmp_path: Path) -> None:
     assert "Of 1 task, 1 " in wmspec("audit", "sound", folder=tmp_path).stdout
     assert {p.name for p in tmp_path.iterdir()} == {"sound", "leaky"}, "without -o nothing is written"
     told = wmspec("audit", "leaky", "-o", "report", folder=tmp_path, code=1).stdout
-    assert re.search(r"fails: shortcut race: from picture 2: pixels alone, \d+% of 240 answered", told)
+    assert re.search(
+        r"fails: shortcut race: from the best single picture \(picture 2: pixels\) alone, \d+% of 240 answered", told
+    )
     found = json.loads((tmp_path / "report/audit.json").read_text())
     assert not found["passed"]
     assert found["findings"][0]["verdict"] == "fails"

@@ -13,7 +13,8 @@ from sklearn.ensemble import RandomForestClassifier
 from sklearn.model_selection import cross_val_predict
 
 from wmspec.audit import power
-from wmspec.audit.classify import LEAF, NUMBERS, SEED, TREES, Asked, Seen, held_out
+from wmspec.audit.classify import LEAF, NUMBERS, SEED, TREES, Asked, Seen, held_out, held_out_twice
+from wmspec.audit.rivals import Rivals
 from wmspec.audit.statistics import clopper_pearson, detectable, goodness, holm, independence
 
 
@@ -201,6 +202,68 @@ def test_a_shortcut_of_the_size_told_is_found_in_four_of_five_draws(
     false = [_alarm(blank(), _asked(400, choices, 4, seed)[0], 1) for seed in range(draws)]
     assert stats.binomtest(sum(found), draws, 0.8, alternative="less").pvalue > 0.01, np.mean(found)
     assert stats.binomtest(sum(false), draws, power.ALARMS, alternative="greater").pvalue > 0.01
+
+
+def _rivals(asked: Asked, random: np.random.Generator, told: float = 0.0, count: int = 8) -> tuple[Rivals, Asked]:
+    """Probes that see noise, and the questions; the first one sees a shortcut of size `told`."""
+    seen = [Seen(random.normal(size=(len(asked.owner), 8)), "options", "forest") for _ in range(count)]
+    if told:
+        seen[0], asked = power.planted(seen[0], asked, told, random)
+    return Rivals.of([lambda s=s: s for s in seen], asked), asked  # type: ignore[misc]
+
+
+def test_the_one_that_sees_a_shortcut_is_picked_and_judged_by_what_it_answers() -> None:
+    asked, random = _asked(160, 2, 4)
+    rivals, asked = _rivals(asked, random, 0.4, 4)
+    right, picked = rivals.best(asked)
+    assert set(picked) == {0}
+    assert right == pytest.approx(rivals.right[0])
+    assert right.mean() > 0.8
+
+
+def test_what_picks_has_seen_nothing_of_what_is_judged() -> None:
+    """If the truths of a fold are others, all that picks for it, and all that is fitted to judge it, stays the same."""
+    asked, random = _asked(80, 2, 4)
+    seen = Seen(random.normal(size=(160, 4)), "options", "forest")
+    places = asked.truth.reshape(80, 2).argmax(1)
+    for fold, held in enumerate(asked.folds):
+        turned = places.copy()
+        turned[held] = 1 - turned[held]
+        other = asked.retold(turned)
+        assert held_out_twice(seen, asked)[fold] == pytest.approx(held_out_twice(seen, other)[fold])
+        assert held_out(seen, asked)[held] == pytest.approx(1 - held_out(seen, other)[held])
+
+
+@pytest.mark.slow
+def test_the_best_of_probes_that_see_noise_is_as_good_as_guessing() -> None:
+    draws, alarms, gained = 60, 0, []
+    for seed in range(draws):
+        asked, random = _asked(120, 2, 4, seed)
+        rivals, _ = _rivals(asked, random)
+        right, _ = rivals.best(asked)
+        gained.append(float(right.mean()) - 0.5)
+        alarms += gained[-1] > power.threshold(1) * power.deviation(right, np.full(120, 0.5), asked.groups)
+    assert abs(np.mean(gained)) < 3 * np.std(gained) / np.sqrt(draws)
+    assert np.std(gained) / np.sqrt(draws) < 0.01, "no more than 3 points could have been overlooked"
+    assert stats.binomtest(alarms, draws, power.ALARMS, alternative="greater").pvalue > 0.01
+
+
+@pytest.mark.slow
+def test_a_shortcut_of_the_size_told_is_found_by_the_best() -> None:
+    draws, tests, chance = 40, 6, np.full(160, 0.25)
+    asked, random = _asked(160, 4, 4)
+    noise = [Seen(random.normal(size=(640, 8)), "options", "forest") for _ in range(6)]
+    looks = [lambda s=s: s for s in noise]
+    rivals = Rivals.of(looks, asked)  # type: ignore[arg-type]
+    spread = power.deviation(rivals.best(asked)[0], chance, asked.groups)
+    size = power.smallest(spread, 0.25, tests, rivals.learned(looks, asked, chance))  # type: ignore[arg-type]
+    assert 0.1 < size < 0.3
+    found = 0
+    for _ in range(draws):
+        drawn, retold = _rivals(asked, random, size, 6)
+        right, _ = drawn.best(retold)
+        found += (right.mean() - 0.25) / power.deviation(right, chance, asked.groups) > power.threshold(tests)
+    assert stats.binomtest(found, draws, 0.8, alternative="less").pvalue > 0.01, found
 
 
 def test_what_is_too_faint_is_said_to_be_overlooked() -> None:

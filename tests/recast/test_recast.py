@@ -1,7 +1,4 @@
-"""Photographs and clips as a dataset: the worked example of the docs, what becomes of pictures, and every mistake
-
-told.
-"""
+"""Photographs and clips as a dataset: the docs' worked example, what becomes of pictures, and every mistake told."""
 
 from __future__ import annotations
 

@@ -21,10 +21,7 @@ from wmspec.report.replies import replies
 
 
 def test_intervals_hold_what_is_true_as_often_as_they_say() -> None:
-    """80 questions in 40 clusters, alike within each: 95 % of 300 intervals hold the mean, 87 % if clusters were
-
-    ignored.
-    """
+    """80 questions in 40 clusters of twins: 95 % of 300 intervals hold the mean, 87 % if clusters were ignored."""
     covered = {True: 0, False: 0}
     for trial in range(300):
         random = rng("coverage", trial)

@@ -111,9 +111,10 @@ class Number:
 
 @dataclass(frozen=True)
 class Vote:
-    """What an engine says: the option that its outcome picks (None: it picks none, or there are none), the answer in
+    """What an engine says.
 
-    words, and why it would not ask (None if it would).
+    The option that its outcome picks (None: it picks none, or there are none), the answer in words, and why it would
+    not ask (None if it would).
     """
 
     engine: str

@@ -5,10 +5,10 @@ Linear ones for words and options, forests for pictures and what is in them, as 
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -18,8 +18,7 @@ from wmspec.diagnostics import WmsError
 
 try:
     from sklearn.ensemble import RandomForestClassifier
-    from sklearn.exceptions import ConvergenceWarning
-    from sklearn.linear_model import LassoLarsIC, RidgeCV
+    from sklearn.linear_model import RidgeCV, lasso_path
     from sklearn.model_selection import GroupKFold
 except ImportError as error:
     raise WmsError("an audit needs scikit-learn", help="pip install 'wmspec[audit]'") from error
@@ -28,18 +27,23 @@ Array = NDArray[np.float64]
 
 FOLDS = 5
 #: The trees of a forest, the fewest questions (or options) in a leaf, and the share of numbers that a split may be at:
-#: many, because a shortcut is apt to be in few of them.
-TREES, LEAF, NUMBERS = 30, 12, 0.5
+#: all, because a shortcut is apt to be in few of them.
+TREES, LEAF, NUMBERS = 20, 16, 1.0
+#: The trees of one that is fitted to pick a probe by.
+FEW_TREES = 6
 #: The ridges that are tried where numbers outnumber questions, as multiples of these; cross-validation picks one.
 RIDGES = (1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0)
+#: The penalties of the lasso that are tried, as shares of the one that leaves nothing.
+PENALTIES = np.geomspace(1.0, 0.01, 30)
 SEED = 20_611
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is to be picked: for every option in order, whose it is (from 0, ascending), what it is called, and whether
+    """What is to be picked of which questions.
 
-    it is true; for every question, its group. Questions of one group are held out together.
+    For every option in order, whose it is (from 0, ascending), what it is called, and whether it is true; for every
+    question, its group. Questions of one group are held out together.
     """
 
     owner: NDArray[np.int64]
@@ -101,8 +105,27 @@ def held_out(seen: Seen, asked: Asked) -> Array:
     scores = np.zeros(len(asked.owner))
     for held in asked.folds:
         here = np.isin(asked.owner, held)
-        scores[here] = (_of_options if seen.of == "options" else _of_questions)(seen, asked, here)
+        scores[here] = _scores(seen, asked, ~here, here, TREES)
     return hits(scores, asked)
+
+
+def held_out_twice(seen: Seen, asked: Asked) -> Array:
+    """The same (folds, questions) of classifiers that were fitted without a further fold, too: the row's.
+
+    Nothing in a row was seen by what it tells of the other folds, so that it may pick what is judged on its own. There
+    it is nought.
+    """
+    inside = [np.isin(asked.owner, held) for held in asked.folds]
+    scores = np.zeros((len(inside), len(asked.owner)))
+    for one, other in combinations(range(len(inside)), 2):
+        either = inside[one] | inside[other]
+        told = np.zeros(len(asked.owner))
+        told[either] = _scores(seen, asked, ~either, either, FEW_TREES)
+        scores[one, inside[other]], scores[other, inside[one]] = told[inside[other]], told[inside[one]]
+    right = np.stack([hits(row, asked) for row in scores])
+    for row, held in zip(right, asked.folds, strict=True):
+        row[held] = 0
+    return right
 
 
 def hits(scores: Array, asked: Asked) -> Array:
@@ -113,22 +136,27 @@ def hits(scores: Array, asked: Asked) -> Array:
     return np.asarray(np.add.reduceat((top & asked.truth).astype(np.float64), asked.starts) / ties)
 
 
-def _of_options(seen: Seen, asked: Asked, here: NDArray[np.bool_]) -> Array:
+def _scores(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
+    """How true each option `here` seems to a classifier that was `fitted` to those."""
+    return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
+
+
+def _of_options(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
     x = asked.among(seen.features)
     if seen.model == "forest":
-        return _probabilities(x[~here], asked.truth[~here], x[here])[1][:, -1]
+        return _probabilities(x[fitted], asked.truth[fitted], x[here], trees)[1][:, -1]
     y = asked.among(asked.truth[:, None].astype(np.float64))[:, 0]
-    return _linear(x[~here], y[~here], x[here])
+    return _linear(x[fitted], y[fitted], x[here])
 
 
-def _of_questions(seen: Seen, asked: Asked, here: NDArray[np.bool_]) -> Array:
-    true, held = asked.name[asked.truth], here[asked.starts]
+def _of_questions(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
+    true, held, others = asked.name[asked.truth], here[asked.starts], fitted[asked.starts]
     x = seen.features
     if seen.model == "forest":
-        classes, scores = _probabilities(x[~held], true[~held], x[held])
+        classes, scores = _probabilities(x[others], true[others], x[held], trees)
     else:
-        classes = np.unique(true[~held])
-        scores = _linear(x[~held], (true[~held, None] == classes).astype(np.float64), x[held])
+        classes = np.unique(true[others])
+        scores = _linear(x[others], (true[others, None] == classes).astype(np.float64), x[held])
     place = np.searchsorted(classes, asked.name[here]).clip(max=len(classes) - 1)
     row = np.searchsorted(np.flatnonzero(held), asked.owner[here])
     return np.where(classes[place] == asked.name[here], scores[row, place], -1.0)
@@ -141,13 +169,22 @@ def _linear(x: Array, y: Array, unseen: Array) -> Array:
     x, unseen = (x - middle) / spread, (unseen - middle) / spread
     if len(x) <= x.shape[1] + 1:
         return np.asarray(RidgeCV(alphas=[r * len(x) for r in RIDGES]).fit(x, y).predict(unseen))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ConvergenceWarning)  # of numbers that say the same, all but one are dropped
-        each = [LassoLarsIC("bic").fit(x, column).predict(unseen) for column in y.reshape(len(y), -1).T]
-    return np.stack(each, axis=-1).reshape(len(unseen), *y.shape[1:])
+    each = [_lasso(x, column) for column in (y - y.mean(0)).reshape(len(y), -1).T]
+    return np.asarray(y.mean(0) + (unseen @ np.stack(each, axis=-1)).reshape(len(unseen), *y.shape[1:]))
 
 
-def _probabilities(x: Array, y: NDArray[np.generic], unseen: Array) -> tuple[NDArray[np.generic], Array]:
+def _lasso(x: Array, y: Array) -> Array:
+    """The coefficients of a lasso of what is centred, its penalty by Schwarz's criterion (Zou and others 2007)."""
+    most = max(float(abs(x.T @ y).max()) / len(x), 1e-12)
+    paths = lasso_path(x, y, alphas=most * PENALTIES)[1]  # (d, penalties)
+    left = ((y[:, None] - x @ paths) ** 2).sum(0)
+    rest = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
+    noise = max(float((rest**2).sum()) / (len(x) - np.linalg.matrix_rank(x)), 1e-12)
+    used = (abs(paths) > 1e-9).sum(0)
+    return np.asarray(paths[:, (left / noise + np.log(len(x)) * used).argmin()])
+
+
+def _probabilities(x: Array, y: NDArray[np.generic], unseen: Array, trees: int) -> tuple[NDArray[np.generic], Array]:
     """The classes, and the probability of each for what was not fitted to."""
-    forest = RandomForestClassifier(TREES, min_samples_leaf=LEAF, max_features=NUMBERS, random_state=SEED).fit(x, y)
+    forest = RandomForestClassifier(trees, min_samples_leaf=LEAF, max_features=NUMBERS, random_state=SEED).fit(x, y)
     return forest.classes_, np.asarray(forest.predict_proba(unseen))

@@ -1,14 +1,15 @@
 """Shortcut probes: can a question be answered from less than it takes?
 
 A probe that sees none of the pictures shown must stay at chance. So must one that sees fewer moments than it takes to
-see the answer: one, of a question about what changes; two, of one about the course of things. What sees more is told
-and not judged.
+see the answer: one, of a question about what changes; two, of one about the course of things. Of the many that see one
+picture, or two, the best is judged (`wmspec.audit.rivals`). What sees more is told and not judged.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from typing import Literal
 
@@ -20,6 +21,7 @@ from wmspec.audit.balance import table_of
 from wmspec.audit.cases import Case, Unit
 from wmspec.audit.classify import Array, Asked, Seen, held_out, hits
 from wmspec.audit.model import Finding, Probe
+from wmspec.audit.rivals import Rivals
 from wmspec.audit.statistics import clopper_pearson, independence
 
 #: A shortcut is worth mending if it is more than this above chance: of what sees no picture, of what sees some.
@@ -35,11 +37,15 @@ SeeViews = Callable[[Sequence[Case], Sequence[int]], Array]
 Look = Callable[[], Seen]
 Family = Literal["text", "options", "rule", "picture", "pair", "pictures"]
 
+#: What the best of these is called.
+_BEST = {"picture": "single picture", "pair": "pair of pictures"}
+
 _BLIND = "it sees none of the pictures"
 _FEWER = "it takes more moments than it sees"
 _ENOUGH = "it takes no more moments than it sees"
 _NOTHING = "the question shows no picture, so its options are all there is"
 _FRAMED = "options that differ in the action alone begin at one place, so that how far it has come shows in one picture"
+_RIVAL = "the best of them is judged"
 _UNASKED = "without the question, any of what is shown may be meant"
 
 
@@ -54,6 +60,7 @@ class _Line:
     seen: Look | None = None
     scores: Array | None = None  # of a rule, which learns nothing
     pictured: bool = False  # whether it sees a picture shown, and may strike out options (`state.struck_out`)
+    rival: bool = False  # whether it is one of those of which the best is judged
 
 
 def probes(unit: Unit) -> list[Probe]:
@@ -64,30 +71,56 @@ def probes(unit: Unit) -> list[Probe]:
     groups = _groups(unit, cases)
     if len(set(groups)) < LEAST_GROUPS:
         return []
-    task = _Task(unit.name, cases, groups)
-    return [task.probe(line) for line in _lines(cases)]
+    task, lines = _Task(unit.name, cases, groups), list(_lines(cases))
+    made = [task.probe(line) for line in lines if not line.rival]
+    for family in dict.fromkeys(line.family for line in lines if line.rival):
+        made += task.rivals(family, [line for line in lines if line.rival and line.family == family])
+    return made
 
 
 class _Task:
-    """The questions of a task that are probed, and what is known of how well each family of probes learns."""
+    """The questions of a task that are probed."""
 
     def __init__(self, name: str, cases: Sequence[Case], groups: Sequence[str]) -> None:
         self._name, self._cases, self._groups = name, cases, groups
         everything, struck = [np.zeros(c.count, dtype=bool) for c in cases], state.struck_out(cases)
         self._kept = ~np.concatenate(struck)
         self._asked = {False: _asked(cases, groups, everything), True: _asked(cases, groups, struck)}
-        self._learned: dict[tuple[str, ...], tuple[float, ...]] = {}
 
     def probe(self, line: _Line) -> Probe:
         """What a probe answers of the questions."""
         asked = self._asked[line.pictured]
-        chance = 1 / asked.sizes
-        right, learned = self._right(line, asked, chance)
+        if line.scores is not None:
+            scores = line.scores[self._kept] if line.pictured else line.scores
+            return self._probe(line, hits(scores, asked))
+        seen = self._seen(line)
+        learned = power.learned(seen, asked, 1 / asked.sizes) if line.judged else None
+        return self._probe(line, held_out(seen, asked), learned)
+
+    def rivals(self, family: Family, lines: Sequence[_Line]) -> list[Probe]:
+        """What each of these probes answers, and the best of them."""
+        asked, seen = self._asked[True], [partial(self._seen, line) for line in lines]
+        rivals = Rivals.of(seen, asked)
+        right, picked = rivals.best(asked)
+        commonest = lines[int(np.bincount(picked).argmax())].sees
+        best = _Line(f"the best {_BEST[family]} ({commonest})", family, True, _FEWER, pictured=True)
+        learned = rivals.learned(seen, asked, 1 / asked.sizes)
+        each = [self._probe(line, answered) for line, answered in zip(lines, rivals.right, strict=True)]
+        return [*each, self._probe(best, right, learned)]
+
+    def _seen(self, line: _Line) -> Seen:
+        assert line.seen is not None
+        seen = line.seen()
+        kept = line.pictured and seen.of == "options"
+        return replace(seen, features=seen.features[self._kept]) if kept else seen
+
+    def _probe(self, line: _Line, right: Array, learned: tuple[float, ...] | None = None) -> Probe:
+        chance = 1 / self._asked[line.pictured].sizes
         return Probe(
             task=self._name,
             sees=line.sees,
             family=line.family,
-            asked=asked.count,
+            asked=len(right),
             right=float(right.sum()),
             chance=float(chance.mean()),
             deviation=power.deviation(right, chance, self._groups),
@@ -95,19 +128,6 @@ class _Task:
             why=line.why,
             learned=learned,
         )
-
-    def _right(self, line: _Line, asked: Asked, chance: Array) -> tuple[Array, tuple[float, ...] | None]:
-        """How right it is of every question, and what such a probe learns; nothing, if it is a rule."""
-        if line.scores is not None:
-            return hits(line.scores[self._kept] if line.pictured else line.scores, asked), None
-        assert line.seen is not None
-        seen = line.seen()
-        if line.pictured and seen.of == "options":
-            seen = replace(seen, features=seen.features[self._kept])
-        kind = (line.family, seen.of, seen.model)
-        if line.judged and kind not in self._learned:
-            self._learned[kind] = power.learned(seen, asked, chance)
-        return held_out(seen, asked), self._learned.get(kind) if line.judged else None
 
 
 def _asked(cases: Sequence[Case], groups: Sequence[str], struck: Sequence[NDArray[np.bool_]]) -> Asked:
@@ -159,26 +179,27 @@ def _views(shown: int) -> Iterator[tuple[int, ...]]:
 
 def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
     """The probes that see these pictures with the question and its options."""
-    judged = _moments(cases[0], views) < min(_needed(cases), cases[0].moments)
-    if len(views) > 1 and not judged:
+    rival = _moments(cases[0], views) < min(_needed(cases), cases[0].moments)
+    if len(views) > 1 and not rival:
         return  # there is nothing to learn from what is meant to suffice
     family: Family = "picture" if len(views) == 1 else "pair"
     name = f"picture {views[0] + 1}" if len(views) == 1 else f"pictures {views[0] + 1} and {views[1] + 1}"
-    rest = (family, judged, _FEWER if judged else _ENOUGH)
     known = state.known(cases)
-    if len(views) == 1 or not known:  # of two pictures, objects tell more, and every probe more makes all see less
-        yield _Line(f"{name}: pixels", *rest, _pixels(cases, views), pictured=True)
+
+    def line(what: str, seen: Look, framed: bool = False) -> _Line:
+        why = _FRAMED if framed else _RIVAL if rival else _ENOUGH
+        return _Line(f"{name}: {what}", family, False, why, seen, pictured=True, rival=rival and not framed)
+
+    if len(views) == 1 or not known:  # of two pictures, objects tell more
+        yield line("pixels", _pixels(cases, views))
     if not known:
         return
     if cases[0].pictured:
-        framed = (family, False, _FRAMED) if judged and state.framed(cases) else rest
-        yield _Line(f"{name}: objects", *framed, _forest(state.of_options, cases, views), pictured=True)
+        yield line("objects", _forest(state.of_options, cases, views), rival and state.framed(cases))
         return
-    objects = _forest(state.of_questions, cases, views, "questions")
-    yield _Line(f"{name}: objects", *rest, objects, pictured=True)
+    yield line("objects", _forest(state.of_questions, cases, views, "questions"))
     if np.mean([state.spoken_of(c)[c.row["answer"]] is not None for c in cases]) > 0.5:
-        things = _forest(state.of_things, cases, views)
-        yield _Line(f"{name}: what the options speak of", *rest, things, pictured=True)
+        yield line("what the options speak of", _forest(state.of_things, cases, views))
 
 
 def _unasked(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:

@@ -32,12 +32,14 @@ from wmspec.check.units import SPEED, VOLUME
 
 @dataclass(frozen=True)
 class Function:
-    """A function: its parameters and its result. `options` are parameters that may be left out, by name; each is written
+    """A function: its parameters and its result.
 
-    `name: value`, and a keyword of Python has `_` after it there. Where one thing is wanted a list may stand, if the
-    result is a truth value, a quantity or a word: then it is a list of those. With `repeated`, the last of the parameters may be given any number of times. `measured` is what
-    measures it on the executed episode, if that is what it does: `module:function`, called with what was `Observed` and
-    the arguments, names for bodies and cameras. What `chooses` among bodies by another measure is given `Measured`.
+    `options` are parameters that may be left out, by name; each is written `name: value`, and a keyword of Python has
+    `_` after it there. Where one thing is wanted a list may stand, if the result is a truth value, a quantity or a
+    word: then it is a list of those. With `repeated`, the last of the parameters may be given any number of times.
+    `measured` is what measures it on the executed episode, if that is what it does: `module:function`, called with what
+    was `Observed` and the arguments, names for bodies and cameras. What `chooses` among bodies by another measure is
+    given `Measured`.
     `moments` is how many moments of the episode it takes to see it: 1 for how something is, 2 for how it changes, 3 for
     the course of that.
     """

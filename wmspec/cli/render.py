@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from wmspec.check.vocabulary import STAGES
 from wmspec.cli.common import (
     instance_of,
     instance_option,
@@ -19,7 +20,7 @@ from wmspec.cli.common import (
     seed_option,
     task_option,
 )
-from wmspec.cli.run import STAGES, duration_option, seconds_of, tell_notes
+from wmspec.cli.run import duration_option, seconds_of, tell_notes
 from wmspec.diagnostics import WmsError
 from wmspec.places import FilePlace
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from wmspec.check.vocabulary import STAGES
 from wmspec.cli.common import (
     instance_of,
     instance_option,
@@ -24,8 +25,6 @@ from wmspec.limits import SECONDS
 
 if TYPE_CHECKING:
     from wmspec.api import Episode
-
-STAGES = (".usd", ".usda", ".usdc", ".usdz")
 
 
 duration_option = click.option(

@@ -15,9 +15,10 @@ RATE = 240  # samples a second
 
 @dataclass(frozen=True)
 class Track:
-    """The way of one body, T samples: `position` (T, 3) m and `orientation` (T, 4) of its frame, which is at its centre
+    """The way of one body, T samples.
 
-    of mass, and velocities (T, 3), m/s and rad/s, in world axes.
+    `position` (T, 3) m and `orientation` (T, 4) of its frame, which is at its centre of mass, and velocities (T, 3),
+    m/s and rad/s, in world axes.
     """
 
     position: Array
@@ -56,9 +57,10 @@ def sample(time: float) -> int:
 
 @dataclass(frozen=True)
 class Measure:
-    """A number that mechanics knows: `answer` and how far an engine may be off, both in `unit`; how it is measured of a
+    """A number that mechanics knows.
 
-    run; the formula and where it is from.
+    `answer` and how far an engine may be off, both in `unit`; how it is measured of a run; the formula and where it is
+    from.
     """
 
     what: str

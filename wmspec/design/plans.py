@@ -107,7 +107,9 @@ _KNOWN = 64  # up to this length, rows are shuffled once: most digits of a sampl
 
 
 class _Digit:
-    """One digit, 0 .. `base` - 1, of positions 0 .. `count` - 1: a function of the position such that
+    """One digit, 0 .. `base` - 1, of positions 0 .. `count` - 1.
+
+    It is a function of the position such that
 
     - together with `position % below`, which the digits before it tell, it tells `position % (below * base)`: therefore
       no two positions have the same digits;

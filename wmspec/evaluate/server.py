@@ -23,9 +23,10 @@ LARGEST = 4 << 20
 
 @dataclass(frozen=True)
 class Server:
-    """How a server is reached: its address, the seconds that it may take, how often a request is tried again, and what
+    """How a server is reached.
 
-    a million tokens cost, sent and received.
+    Its address, the seconds that it may take, how often a request is tried again, and what a million tokens cost, sent
+    and received.
     """
 
     address: str

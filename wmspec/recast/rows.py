@@ -1,7 +1,4 @@
-"""Entries of a table as rows of a dataset: the columns that all datasets have, then factors and their control
-
-groups.
-"""
+"""Entries of a table as rows of a dataset: the columns of all datasets, then factors and their control groups."""
 
 from __future__ import annotations
 

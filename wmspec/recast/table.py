@@ -46,11 +46,10 @@ _DIMENSION = re.compile(r"[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*")
 
 @dataclass(frozen=True)
 class Entry:
-    """A row of the table that was found right. `line` is where it begins; `answer` is the place of the true option,
+    """A row of the table that was found right.
 
-    None
-
-    if the question is open. `pictured` tells whether the options are files. A `clip` gives `frames` pictures.
+    `line` is where it begins; `answer` is the place of the true option, None if the question is open. `pictured` tells
+    whether the options are files. A `clip` gives `frames` pictures.
     """
 
     line: int

@@ -18,9 +18,9 @@ BOTH, OTHER = "both", "other"
 
 @dataclass(frozen=True)
 class Position:
-    """Of questions with `options` options: accuracy where the true one is shown at `place` (from 0), and how often the
+    """Of questions with `options` options, those whose true one is shown at `place` (from 0).
 
-    option at that place is chosen.
+    The accuracy there, and how often the option at that place is chosen.
     """
 
     system: str

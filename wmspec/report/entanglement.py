@@ -143,11 +143,9 @@ def _factor(
 
 
 def _asked(questions: Questions, task: str, factor: str, ids: pd.Index[str]) -> bool:
-    """Whether the answer or the difference is another where the factor alone is; where no two such questions were
+    """Whether the answer or the difference is another where the factor alone is.
 
-    asked,
-
-    whether answers go with the factor's levels.
+    Where no two such questions were asked, whether answers go with the factor's levels.
     """
     if factor not in questions.groups[task]:
         return False  # a nuisance

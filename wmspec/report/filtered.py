@@ -24,9 +24,7 @@ ITS_OWN, EVERYONES = "its own", "all models'"
 
 @dataclass(frozen=True)
 class Filtered:
-    """A system's accuracy on all predictions of a task, on those perceived rightly `by`, and the gain Δ from all to
-
-    these.
+    """A system's accuracy on all predictions of a task, on those perceived rightly `by`, and the gain Δ to these.
 
     `kept` is the share of predictions that are left.
     """

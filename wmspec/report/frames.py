@@ -92,10 +92,7 @@ def wide(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
 
 
 def accuracy(table: Table) -> pd.DataFrame:
-    """The table of accuracies in percent as it is printed: a row for each system, then chance; averages at the
-
-    right.
-    """
+    """The table of accuracies in percent as it is printed: a row for each system, then chance; averages right."""
     heads = [("average", "", d) for d in ("all", *table.dimensions)]
     heads += [(c.dimension, c.letters, c.task) for c in table.columns]
     rows = {}

@@ -18,9 +18,9 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with its 95 % interval (None where there are too few clusters to say) and how many questions it rests
+    """A number with its 95 % interval and how many questions it rests on.
 
-    on.
+    The interval is None where there are too few clusters to say.
     """
 
     value: float

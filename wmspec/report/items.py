@@ -28,11 +28,9 @@ TRIES = 50
 
 @dataclass(frozen=True)
 class Item:
-    """A question: how difficult it is (b, in standard deviations of ability), its accuracy over systems, and `rest`,
+    """A question: how difficult it is (b, in standard deviations of ability), and its accuracy over systems.
 
-    the
-
-    correlation of who is right on it with who is right on the rest (None if all or none are).
+    `rest` is the correlation of who is right on it with who is right on the rest (None if all or none are).
     """
 
     id: str
@@ -53,9 +51,10 @@ class Ability:
 
 @dataclass(frozen=True)
 class Form:
-    """A short form of `size` questions: how far its score is off the whole one (root mean square over systems, each of
+    """A short form of `size` questions.
 
-    them left out where difficulty is told, and over draws), and how far that of questions drawn at random is.
+    How far its score is off the whole one (root mean square over systems, each of them left out where difficulty is
+    told, and over draws), and how far that of questions drawn at random is.
     """
 
     size: int
@@ -65,9 +64,9 @@ class Form:
 
 @dataclass(frozen=True)
 class Items:
-    """What is known of the items: those that all systems answered. `short` are the ids of the short form,
+    """What is known of the items: those that all systems answered.
 
-    each with how often it counts.
+    `short` are the ids of the short form, each with how often it counts.
     """
 
     items: tuple[Item, ...]
@@ -142,9 +141,9 @@ def _standard(share: Floats) -> Floats:
 
 
 def _surprise(q: Floats, y: Floats, c: Floats, weight: Floats) -> tuple[float, Floats]:
-    """The negative log posterior of θ (m), b (k), log a (k), and its gradient. `y` is (k, m), `c` and `weight` (k,
+    """The negative log posterior of θ (m), b (k), log a (k), and its gradient.
 
-    1).
+    `y` is (k, m), `c` and `weight` (k, 1).
     """
     from scipy.special import expit
 

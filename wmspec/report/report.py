@@ -40,11 +40,10 @@ class Account:
 
 @dataclass(frozen=True)
 class Report:
-    """Everything that a report tells. `raters` is how many people answered, `dataset` the name of the dataset, if
+    """Everything that a report tells.
 
-    given.
-
-    `narrow` are the tasks whose intervals are over instances, because they have too few control groups.
+    `raters` is how many people answered, `dataset` the name of the dataset, if given. `narrow` are the tasks whose
+    intervals are over instances, because they have too few control groups.
     """
 
     dataset: str

@@ -18,10 +18,7 @@ CHANCE = "chance"
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: a task, under its dimension; `letters` and `environment` as the paper heads it, if it
-
-    does.
-    """
+    """A column of a table: a task, under its dimension; `letters` and `environment` as the paper heads it, if so."""
 
     task: str
     dimension: str

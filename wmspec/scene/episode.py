@@ -66,9 +66,9 @@ class Hold:
 
 @dataclass(frozen=True)
 class Grip:
-    """From step number `first` to `last` the kinematic body number `hand` holds the dynamic `body` by `points` (m) of
+    """From step number `first` to `last` the kinematic body number `hand` holds the dynamic `body`.
 
-    its own frame, wherever the body is then.
+    It holds it by `points` (m) of its own frame, wherever the body is then.
     """
 
     first: int
@@ -182,9 +182,9 @@ class World(Protocol):
         """Set the velocities of a dynamic body."""
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
-        """What makes kinematic bodies move in step number i, before which it is called with i: each from where it is
+        """What makes kinematic bodies move in step number i, before which it is called with i.
 
-        then, (T, 7), to where it is after the step, with velocities (T, 6).
+        Each from where it is then, (T, 7), to where it is after the step, with velocities (T, 6).
         """
 
     def push(self, body: int, force: Any, torque: Any) -> None:

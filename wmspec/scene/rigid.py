@@ -21,9 +21,10 @@ from wmspec.scene.transform import identity
 
 @dataclass(frozen=True)
 class Piece:
-    """A shape that collides, m. `kind` is box (`size`: half-extents), sphere (radius), cylinder or capsule (radius,
+    """A shape that collides, m.
 
-    height of the straight part, along z) or hull (`size`: corners, flat). `pose`: position, quaternion (w, x, y, z).
+    `kind` is box (`size`: half-extents), sphere (radius), cylinder or capsule (radius, height of the straight part,
+    along z) or hull (`size`: corners, flat). `pose`: position, quaternion (w, x, y, z).
     `material`: static friction, dynamic friction, restitution.
     """
 

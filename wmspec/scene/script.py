@@ -104,9 +104,10 @@ def script(
     values: Mapping[str, object],
     world: str,
 ) -> str:
-    """The text of a script: functions and classes (`parts`), literals by name (`values`), and the lines that make
+    """The text of a script.
 
-    a `world` from them. `values` must contain the `EPISODE`; their `repr` must be their Python text.
+    Functions and classes (`parts`), literals by name (`values`), and the lines that make a `world` from them. `values`
+    must contain the `EPISODE`; their `repr` must be their Python text.
     """
     values = {"NAMES": [body.name for body in scene.bodies], "MEET": MEET, "TOUCH": TOUCH, "TORN": TORN, **values}
     sections = [

@@ -211,9 +211,9 @@ class Shape:
 
     @property
     def primitive(self) -> tuple[str, tuple[float, ...]] | None:
-        """What all engines have for it, or None: box (half its edges), sphere (radius), cylinder or capsule (radius,
+        """What all engines have for it, or None.
 
-        height of the straight part, along z).
+        Box (half its edges), sphere (radius), cylinder or capsule (radius, height of the straight part, along z).
         """
         return None
 

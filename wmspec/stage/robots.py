@@ -1,6 +1,7 @@
-"""Robots on the stage: an arm as a reference to what it is made of, its ways of joints and holds; cars and walkers as
+"""Robots on the stage.
 
-bodies that are carried along.
+An arm is a reference to what it is made of, its ways of joints and holds; cars and walkers are bodies that are carried
+along.
 """
 
 from __future__ import annotations

@@ -25,9 +25,10 @@ def filtered(
     joints: Mapping[str, Joint],
     notes: Notes = STRICT,
 ) -> tuple[Pair, ...]:
-    """The pairs of names of bodies that pass through each other, sorted; `prims` have filtered pairs or are roots of
+    """The pairs of names of bodies that pass through each other, sorted.
 
-    articulations, `groups` are collision groups; the others are given by their paths.
+    `prims` have filtered pairs or are roots of articulations, `groups` are collision groups; the others are given by
+    their paths.
 
     Raises:
         StageError: where only some colliders of two bodies would, or what is named is not on the stage.

@@ -14,10 +14,10 @@ from wmspec.write.rows import Row
 
 @dataclass(frozen=True)
 class Baselines:
-    """Of a task's questions with options: how many there are, and the shares that are right by `chance`, by always
+    """Of a task's questions with options: how many there are, and the shares that are right by simple rules.
 
-    taking the commonest `answer`, and by always taking the commonest `place`. `groups` are its independent control
-    groups.
+    By `chance`, by always taking the commonest `answer`, and by always taking the commonest `place`. `groups` are its
+    independent control groups.
     """
 
     asked: int

@@ -156,9 +156,9 @@ class Pictures(Kind[PictureAnswer]):
         return tuple(options)
 
     def picked(self, mine: PictureAnswer, other: PictureAnswer) -> str | None:
-        """The nearest option; of those that are as near, the one that is turned so, and then the one that looks like
+        """The option that is nearest to what happens in the other engine.
 
-        what happens in the other engine.
+        Of those that are as near, the one that is turned so, and then the one that looks like it.
         """
         gaps = [mine.apart(other.outcomes[0], outcome) for outcome in mine.outcomes]
         least = min(gaps)

@@ -89,10 +89,11 @@ JointKind = Literal["fixed", "hinge", "slider", "ball"]
 
 @dataclass(frozen=True)
 class Drive:
-    """A damped spring along a joint's one coordinate: force `stiffness` (target - coordinate) + `damping` (velocity
+    """A damped spring along a joint's one coordinate.
 
-    - rate of the coordinate), at most `max_force`. SI units: N/m and m of a slider, N m/rad and rad of a hinge. What is
-    `weightless` is so for each unit of what it moves; no engine is given that, see `wmspec.scene.drives.weighed`.
+    Its force is `stiffness` (target - coordinate) + `damping` (velocity - rate of the coordinate), at most `max_force`.
+    SI units: N/m and m of a slider, N m/rad and rad of a hinge. What is `weightless` is so for each unit of what it
+    moves; no engine is given that, see `wmspec.scene.drives.weighed`.
     """
 
     stiffness: float

@@ -58,9 +58,10 @@ class Shot:
 
 @dataclass(frozen=True)
 class Frame:
-    """A picture: `rgb` (h, w, 3) uint8; `ids` (h, w) int16, the index of the body seen, -1 for the background;
+    """A picture.
 
-    `depth` (h, w) float32 in metres along the view axis, 0 for the background, or None if it was not asked for.
+    `rgb` (h, w, 3) uint8; `ids` (h, w) int16, the index of the body seen, -1 for the background; `depth` (h, w)
+    float32 in metres along the view axis, 0 for the background, or None if it was not asked for.
     """
 
     rgb: NDArray[np.uint8]
