@@ -4,28 +4,35 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from importlib import import_module
 from math import radians
 from pathlib import Path
 
 import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdPhysics
+from scipy.interpolate import CubicSpline
 
 import wmspec
 from tests.engines import installed
+from tests.language.specs import SPECS, task_of
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design
 from wmspec.diagnostics import EngineError, SpecError
+from wmspec.layout.values import Values
 from wmspec.resources import resource
 from wmspec.robots.arm import down
 from wmspec.robots.franka import PANDA
 from wmspec.robots.ik import solve
+from wmspec.robots.plan import matrix, plan
+from wmspec.robots.stand import base
 from wmspec.stage.episode import document
 from wmspec.stage.one_factor import changed_by, violations
 from wmspec.usd import read
 
 ENGINES = ("mujoco", "pybullet", "sapien")
 FIRST = ("mujoco", *(pytest.param(engine, marks=pytest.mark.slow) for engine in ENGINES[1:]))
+TASKS = [path for path in SPECS if path.stem.startswith(("arm_", "arms_"))]
 NEAR = 1e-4  # m
 TURN = radians(0.05)
 
@@ -260,6 +267,44 @@ def test_the_tool_comes_where_it_is_sent() -> None:
         assert (PANDA.low <= q).all()
         assert (q <= PANDA.high).all()
         assert PANDA.tool(q, np.eye(4)) == pytest.approx(target, abs=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("robot", "low", "high"), [("arm", -0.3, 0.3), ("left_arm", -0.3, 0.05), ("right_arm", -0.05, 0.3)]
+)
+def test_all_of_its_patch_is_within_reach(robot: str, low: float, high: float) -> None:
+    """A thousand places on 60 × 40 cm, or on its half of them, the hand turned anyhow."""
+    task = one("") if robot == "arm" else wmspec.load(text=TWO.format(size="(20 cm, 7 cm, 3 cm)", more=""))
+    instance = Design(task.spec)[0]
+    stand = matrix(base(Values(task.spec, instance.values, None, instance.key), robot))
+    rng = np.random.default_rng(0)
+    for x, y, z, yaw in rng.uniform((low, -0.2, 0.02, -np.pi / 2), (high, 0.2, 0.25, np.pi / 2), (1000, 4)):
+        ways = [solve(PANDA, down(x, y, z, turn), stand, PANDA.rest) for turn in (yaw, yaw + np.pi)]
+        assert any(q is not None and (PANDA.low <= q).all() and (q <= PANDA.high).all() for q in ways)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", TASKS, ids=lambda path: path.stem)
+def test_joints_keep_their_limits_and_speeds_between_knots_too(path: Path) -> None:
+    design = Design(task_of(path))
+    for index in design.sample(8):
+        for reach in plan(Values(design.spec, design[index].values, None, design[index].key)).values():
+            way, times = CubicSpline(reach.times, reach.values, bc_type="clamped"), np.arange(0, reach.times[-1], 0.002)
+            q, speed = way(times)[:, :7], way(times, 1)[:, :7]
+            assert (PANDA.low - 1e-3 <= q).all()
+            assert (q <= PANDA.high + 1e-3).all()
+            assert (np.abs(speed) <= PANDA.speed).all()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_only_what_can_be_touched_is_driven_step_by_step(engine: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    backend, world = installed(engine), import_module(f"wmspec.backends.{engine}.world").World
+    driven, scene = [], read(one(PICK)[0].stage())
+    real = world.driven
+    monkeypatch.setattr(world, "driven", lambda self, paths: driven.extend(paths) or real(self, paths))
+    backend.execute(replace(scene, duration=0.1))
+    assert {scene.bodies[i].name for i in driven} == {"hand", "left_finger", "right_finger"}
+    assert sum(body.motion == "kinematic" for body in scene.bodies) > 6
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,12 @@ import mujoco
 def bodies(path: str) -> dict[str, dict[str, object]]:
     """Place, orientation (w, x, y, z), mass, centre of mass and principal moments of every body."""
     model = mujoco.MjSpec.from_file(path).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)  # an arm is a tree to it
     return {
         model.body(i).name: {
-            "position": model.body_pos[i].tolist(),
-            "orientation": model.body_quat[i].tolist(),
+            "position": data.xpos[i].tolist(),
+            "orientation": data.xquat[i].tolist(),
             "mass": float(model.body_mass[i]),
             "center": model.body_ipos[i].tolist(),
             "moments": sorted(model.body_inertia[i].tolist()),

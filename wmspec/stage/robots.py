@@ -18,6 +18,9 @@ from wmspec.stage import materials
 from wmspec.stage.document import Document
 from wmspec.stage.objects import geometry, object_path
 
+#: Of somebody (kg, kg m²): nothing comes of it here, but some importers take no body without a mass.
+WEIGHT, MOMENTS = 70.0, (16.0, 16.0, 1.0)
+
 
 def add_robot(doc: Document, robot: Thing, values: Values) -> None:
     """The prim of a robot before it does anything: an arm's hand is drawn back.
@@ -26,7 +29,8 @@ def add_robot(doc: Document, robot: Thing, values: Values) -> None:
     """
     pose, arm = base(values, robot.name), robot.model in ARMS
     path = object_path(robot.name)
-    prim = doc.add(path, "Xform", () if arm else ("PhysicsRigidBodyAPI",), (f"{robot.name}.model",) if arm else ())
+    body = () if arm else ("PhysicsRigidBodyAPI", *(("PhysicsMassAPI",) if robot.model == "walker" else ()))
+    prim = doc.add(path, "Xform", body, (f"{robot.name}.model",) if arm else ())
     sources = [f"{robot.name}.{name}" for name in ("on", "at", "yaw")]
     if values.has(robot.name, "on"):
         sources.append(f"{values.property(robot.name, 'on')}.pose")
@@ -39,6 +43,10 @@ def add_robot(doc: Document, robot: Thing, values: Values) -> None:
     prim.set("physics:kinematicEnabled", "bool", True)
     if robot.model == "car":
         _paint(doc, robot.name, values)
+    else:
+        prim.set("physics:mass", "float", WEIGHT)
+        prim.set("physics:diagonalInertia", "float3", MOMENTS)
+        prim.set("physics:principalAxes", "quatf", (1.0, 0.0, 0.0, 0.0))
 
 
 def _paint(doc: Document, name: str, values: Values) -> None:
