@@ -26,7 +26,6 @@ from wmspec.scene.model import Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.scene.overlap import overlap
 from wmspec.scene.transform import compose as placed
 from wmspec.scene.transform import rotate
-from wmspec.stage.episode import built
 
 #: Bodies that lie deeper (m) in one another at the start would be thrown apart, by each engine in its own way.
 DEEP = 0.001
@@ -101,7 +100,7 @@ def execute(design: Design, instance: Instance, change: Counterfactual | None, p
     label = f"{change.name}: " if change else ""
     try:
         values = values_of(design, instance, change)
-        scene = pair.scenes.scene(built(values))
+        scene = pair.scenes.of(values)
         for a, b, depth in overlaps(scene):
             raise Reject("overlap", f"{label}{a} and {b} are {depth * 1000:.1f} mm deep in one another at the start")
         return Run(values, scene, pair.traces.trace(scene))

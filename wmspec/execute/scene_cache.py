@@ -16,10 +16,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+from wmspec.check.ir import TaskSpec
 from wmspec.diagnostics import WmsError
+from wmspec.layout.values import Values
 from wmspec.scene.digest import PLAIN_FORMAT
 from wmspec.scene.model import Body, Camera, Scene
 from wmspec.stage.document import Document, Prim
+from wmspec.stage.episode import built
 from wmspec.stage.layers import bare, compose
 from wmspec.usd import read
 
@@ -44,6 +47,8 @@ _TYPES = {
 }
 _TYPES |= {"Cube", "Sphere", "Cylinder", "Cone", "Capsule", "Plane", "Mesh", "GeomSubset", "WmsObservation"}
 _TYING = ("PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI", "CollectionAPI")
+#: So many whole scenes are remembered: those of a few groups whose members are each other's options.
+SIBLINGS = 64
 
 #: The paths of the prims of every part.
 _Parts = dict[str, list[str]]
@@ -55,6 +60,23 @@ class SceneCache:
     def __init__(self, remembered: int = 2048) -> None:
         self._remembered = remembered
         self._known: OrderedDict[bytes, Any] = OrderedDict()
+        self._built: OrderedDict[tuple[object, ...], tuple[TaskSpec, Scene]] = OrderedDict()
+
+    def of(self, values: Values) -> Scene:
+        """The scene of an instance, or of what it would be under a counterfactual.
+
+        Other levels make it one of its siblings, whose scene it has, whichever of them was built first. Raises WmsError
+        with all that is wrong.
+        """
+        if values.change is not None and values.change.change != "levels":
+            return self.scene(built(values))
+        key = (id(values.spec), values.key, *sorted(values.assignment.items()))
+        if key not in self._built:
+            self._built[key] = values.spec, self.scene(built(values))  # the spec stays, and so its `id`
+            if len(self._built) > SIBLINGS:
+                self._built.popitem(last=False)
+        self._built.move_to_end(key)
+        return self._built[key][1]
 
     def scene(self, document: Document) -> Scene:
         """The scene of a document, as `wmspec.usd.read` reads it from the whole stage.

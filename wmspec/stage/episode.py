@@ -37,11 +37,11 @@ def built(values: Values) -> Document:
         doc.add(f"/World/{scope}", "Scope")
     carried, deciding = carriers(values), carrier_sources(spec)
     report = Report()
-    for thing in spec.things:
+    for thing in (thing for thing in spec.things if thing.kind == "object"):
         with report.gathered():
-            if thing.kind == "object" and values.there(thing.name):
+            if values.there(thing.name):
                 add_object(doc, thing.name, values, deciding, thing.name in carried)
-    for thing in spec.things:
+    for thing in (thing for thing in spec.things if thing.kind in ("joint", "camera", "light", "robot")):
         with report.gathered():
             match thing.kind:
                 case "joint":
@@ -64,9 +64,9 @@ def built(values: Values) -> Document:
 
 
 def _actions(doc: Document, values: Values, carried: dict[str, str], report: Report) -> None:
-    for thing in values.spec.things:
+    for thing in (thing for thing in values.spec.things if thing.kind == "action"):
         with report.gathered():
-            if thing.kind == "action" and values.there(thing.name):
+            if values.there(thing.name):
                 if thing.of:
                     from wmspec.stage import robots
 
