@@ -1,6 +1,6 @@
 """The pictures of docs/worlds.md: every thing of the libraries, with its name and without, and every room.
 
-python tools/worlds.py things [NAME ...]    named; every sixth without a name by each engine: docs/images/things*.jpg
+python tools/worlds.py things [NAME ...]    named; smaller, by each engine: docs/images/things*.jpg
 python tools/worlds.py rooms [NAME ...]     from each camera: docs/images/rooms.jpg
 python tools/worlds.py nameless FOLDER KEY [LOOK]   one a picture and shuffled, to be named; what they are is in KEY
 python tools/worlds.py parity [all]         what the pictures of the engines differ by: lines of a table, for every
@@ -162,20 +162,18 @@ def rows(cells: Iterable[Image.Image], abreast: int) -> Iterator[Image.Image]:
         yield typeset.beside(every[i : i + abreast], GAP)
 
 
-def thing_cell(name: str, library: str, engines: Iterable[str], side: int, named: bool) -> Image.Image:
-    """A thing in each engine, with or without its name below."""
+def thing_cell(name: str, library: str, engines: Iterable[str], side: int) -> Image.Image:
+    """A thing in each engine, with its name below."""
     what = thing(name, library)
     cell = typeset.beside([one for engine in engines for one in pictures(what, engine, side)])
-    if not named:
-        return cell
     label = typeset.paragraph(name.replace("_", " "), Style(15), cell.width, centred=True)
     return typeset.above([cell, label])
 
 
-def things_sheet(chosen: Iterable[str], engines: Iterable[str], side: int, named: bool) -> Image.Image:
+def things_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Image.Image:
     """All things."""
     every = things()
-    cells = [thing_cell(name, every[name], engines, side, named) for name in chosen]
+    cells = [thing_cell(name, every[name], engines, side) for name in chosen]
     return typeset.padded(typeset.above(rows(cells, ABREAST if len(tuple(engines)) == 1 else 5), GAP), GAP)
 
 
@@ -263,11 +261,11 @@ def main(kind: str, *chosen: str) -> int:
         nameless(Path(folder), Path(key), cast(Look, look[0]) if look else "parity")
         return 0
     if kind == "rooms":
-        rooms_sheet(chosen or ROOMS, (default(),), 160).save(IMAGES / "rooms.jpg", quality=85)
+        rooms_sheet(chosen or ROOMS, (default(),), 240).save(IMAGES / "rooms.jpg", quality=85)
         return 0
     every = chosen or tuple(things())
-    things_sheet(every, (default(),), 128, named=True).save(IMAGES / "things.jpg", quality=85)
-    things_sheet(every[::6], names(), 80, named=False).save(IMAGES / "things_engines.jpg", quality=85)
+    things_sheet(every, (default(),), 160).save(IMAGES / "things.jpg", quality=85)
+    things_sheet(every, names(), 104).save(IMAGES / "things_engines.jpg", quality=85)
     return 0
 
 
