@@ -106,7 +106,7 @@ def _episodes(design: Design, index: int, pair: EnginePair) -> list[tuple[Scene,
 def native(scene: Scene, times: tuple[float, ...], size: int) -> None:
     """Execute an episode and draw its pictures as one would by hand."""
     whole, timeline = prepare(scene)
-    text = mjcf(scene, timeline, whole.trees)
+    text = mjcf(scene, timeline, whole)
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     renderer = mujoco.Renderer(model, size, size) if times else None

@@ -1,0 +1,59 @@
+"""Seconds of processor time that an instance of each task costs in one process, with what the whole task would take.
+
+    python -m benchmarks.cost specs/perception specs/prediction --tried 16
+
+Units are made as `generate` would, without the first instance, which starts engines. Unlike `generate --dry-run`, which
+measures how long workers take, this bears company: what else the machine does counts little.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from pathlib import Path
+
+os.environ.setdefault("LP_NUM_THREADS", "0")
+
+from wmspec.api.making import planned
+from wmspec.execute.pool import Effort
+from wmspec.write.estimate import TRIED
+from wmspec.write.generate import job_of
+from wmspec.write.plan import Plan, Task
+from wmspec.write.units import units
+from wmspec.write.worker import Job, Sharing, work
+
+
+def cost(job: Job, task: Task, seed: int, tried: int) -> tuple[float, int, Sharing]:
+    """Seconds for some instances from all over the task, how many they are, and how much they shared."""
+    every, seconds, made, shared = list(units(task.spec, seed, task.indices)), 0.0, 0, Sharing()
+    work(job, task.spec.name, every[-1][0])
+    for number in range(0, len(every) - 1, max(1, len(every) * 4 // tried)):
+        for piece in every[number][:TRIED]:
+            began = time.process_time()
+            shared += work(job, task.spec.name, piece).shared
+            seconds += time.process_time() - began
+            made += len(piece)
+        if made >= tried:
+            break
+    return seconds, made, shared
+
+
+def main() -> None:
+    """Run and report."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("specs", nargs="+", type=Path)
+    parser.add_argument("--tried", type=int, default=16, help="instances of each task, at least")
+    options = parser.parse_args()
+    plan: Plan = planned(options.specs, lambda _: None, backend="mujoco")
+    job, whole = job_of(plan, Effort(1, 300)), 0.0
+    for task in plan.tasks:
+        seconds, made, shared = cost(job, task, plan.seed, options.tried)
+        hours = seconds / made * len(task.indices) / 3600
+        whole += hours
+        print(f"{task.spec.name:26} {seconds / made * 1000:6.0f} ms  {hours:5.2f} h of a core; of {made}: {shared}")
+    print(f"all: {whole:.1f} hours of a core")
+
+
+if __name__ == "__main__":
+    main()
