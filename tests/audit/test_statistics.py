@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import stats
 from sklearn.ensemble import RandomForestClassifier
 from sklearn.model_selection import cross_val_predict
@@ -196,7 +198,8 @@ def test_a_shortcut_of_the_size_told_is_found_in_four_of_five_draws(
 
     seen = blank()
     spread = power.deviation(held_out(seen, asked), chance, asked.groups)
-    size = power.smallest(spread, 1 / choices, tests, power.learned(seen, asked, chance))
+    reach = power.Reach(1 / choices, spread, power.learned(seen, asked, chance))
+    size = power.smallest(reach, power.threshold(tests))
     assert 0.08 < size < 0.3
     found = [_alarm(*power.planted(blank(), asked, size, random), tests) for _ in range(draws)]
     false = [_alarm(blank(), _asked(400, choices, 4, seed)[0], 1) for seed in range(draws)]
@@ -256,7 +259,8 @@ def test_a_shortcut_of_the_size_told_is_found_by_the_best() -> None:
     looks = [lambda s=s: s for s in noise]
     rivals = Rivals.of(looks, asked)  # type: ignore[arg-type]
     spread = power.deviation(rivals.best(asked)[0], chance, asked.groups)
-    size = power.smallest(spread, 0.25, tests, rivals.learned(looks, asked, chance))  # type: ignore[arg-type]
+    reach = power.Reach(0.25, spread, rivals.learned(looks, asked, chance))  # type: ignore[arg-type]
+    size = power.smallest(reach, power.threshold(tests))
     assert 0.1 < size < 0.3
     found = 0
     for _ in range(draws):
@@ -267,8 +271,33 @@ def test_a_shortcut_of_the_size_told_is_found_by_the_best() -> None:
 
 
 def test_what_is_too_faint_is_said_to_be_overlooked() -> None:
-    luck = 0.1 / power.threshold(20)
-    assert power.smallest(luck, 0.5, 20, (0.01, 0.03, 0.09)) == 1.0
-    assert power.smallest(luck, 0.5, 20, (0.08, 0.12, 0.25)) == pytest.approx(0.15)
-    assert power.smallest(luck, 0.5, 20, (0.2, 0.3, 0.4)) == pytest.approx(0.1), "no probe finds more than there is"
-    assert power.smallest(luck, 0.5, 20, None) > 0.1
+    beyond = power.threshold(20)
+
+    def least(learned: tuple[float, ...] | None) -> float:
+        return power.smallest(power.Reach(0.5, 0.1 / beyond, learned), beyond)
+
+    assert least((0.01, 0.03, 0.09)) == 1.0
+    assert least((0.08, 0.12, 0.25)) == pytest.approx(0.15)
+    assert least((0.2, 0.3, 0.4)) == pytest.approx(0.1), "no probe finds more than there is"
+    assert least(None) > 0.1
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from([0.25, 0.5]), st.floats(0.02, 0.09), st.none() | st.tuples(*[st.floats(-0.1, 0.3)] * 3)
+        ),
+        min_size=1,
+        max_size=30,
+    )
+)
+def test_the_alarms_are_shared_out_and_those_that_find_least_get_more(probes: list[Any]) -> None:
+    reaches = [power.Reach(*probe) for probe in probes]
+    beyond = power.thresholds(reaches)
+    assert sum(stats.norm.sf(beyond)) <= power.ALARMS + 1e-9
+    even = power.threshold(len(reaches))
+    worst = max(power.smallest(reach, even) for reach in reaches)
+    halved = power.threshold(len(reaches), power.ALARMS / 2)
+    assert all(mine <= max(halved, even) + 1e-9 for mine in beyond)
+    if worst == 1.0 and max(power.smallest(r, b) for r, b in zip(reaches, beyond, strict=True)) < 1.0:
+        assert min(beyond) < even, "the one that found nothing was given some of the others' alarms"

@@ -50,7 +50,7 @@ class Probe:
 
     `family` says what sort of thing it sees. `right` of `asked` questions (ties count in part), `chance` is what
     guessing yields, `deviation` the standard deviation of the accuracy about it. (`low`, `high`) is the 95 % interval
-    of its accuracy; it is `luck` if it is no further above chance than guessing gets. `least` is the smallest
+    of its accuracy; a judged one is `luck` if it is no further above chance than guessing gets. `least` is the smallest
     shortcut, in accuracy above chance, that would have been found in four of five datasets such as this; `learned` what
     the probe answered of shortcuts that were planted. One that is not `judged` sees what the question is meant to be
     answered from.

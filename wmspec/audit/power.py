@@ -8,7 +8,7 @@ sizes are planted into what the probe sees, and it is seen how much of them it a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 import numpy as np
@@ -25,6 +25,8 @@ SIZES, PLANTED = (0.1, 0.2, 0.3), {"linear": 16, "forest": 8}
 
 #: A number that has fewer values, or in fewer of the questions one largest, has no room for a shortcut.
 VALUES, ABLE = 20, 0.9
+#: What is larger by less than this share of how much a number varies is not clearly so.
+LARGER = 0.1
 
 #: How much more a probe's accuracy varies than that of answers given one by one, since what answers the parts has been
 #: fitted to most of the same questions: measured on noise, 1.16 to 1.2 in three settings of 40 to 100 draws.
@@ -44,9 +46,45 @@ def deviation(right: Array, chance: Array, groups: Sequence[str]) -> float:
     return SHARED * max(alone, clustered)
 
 
-def threshold(tests: int) -> float:
+@dataclass(frozen=True)
+class Reach:
+    """What is known of a probe before it is looked at what it answers: its `chance`, the `deviation` of its accuracy.
+
+    `learned` is how far above chance it gets, in four of five datasets, with a shortcut of each of the `SIZES`; None
+    if there is nothing to learn.
+    """
+
+    chance: float
+    deviation: float
+    learned: Sequence[float] | None
+
+    def gained(self, size: float) -> float:
+        """How far above chance it gets in four of five datasets with a shortcut of this size, in deviations."""
+        if self.learned is not None:
+            got = float(np.interp(size, [0.0, *SIZES], np.maximum.accumulate([0.0, *self.learned])))
+        else:
+            share = min(self.chance + size, 1.0)
+            wider = np.sqrt(share * (1 - share) / max(self.chance * (1 - self.chance), 1e-12))
+            got = size - NormalDist().inv_cdf(POWER) * self.deviation * float(wider)
+        return got / self.deviation
+
+
+def threshold(tests: int, alarms: float = ALARMS) -> float:
     """How many standard deviations above chance is more than luck, in so many tests (Bonferroni)."""
-    return NormalDist().inv_cdf(1 - ALARMS / max(1, tests))
+    return NormalDist().inv_cdf(1 - alarms / max(1, tests))
+
+
+def thresholds(reaches: Sequence[Reach]) -> list[float]:
+    """The same of each of a task's probes: half of the alarms are shared out evenly, half to those that find least.
+
+    These get so much that all find a shortcut of the same size, the smallest that can be had (weights by power, as in
+    Roeder & Wasserman 2009). If none of `SIZES` can be had, all alarms are shared out evenly.
+    """
+    for size in np.arange(0.01, SIZES[-1] + 0.001, 0.01):
+        needed = [reach.gained(float(size)) for reach in reaches]
+        if sum(1 - NormalDist().cdf(beyond) for beyond in needed) <= ALARMS / 2:
+            return [min(beyond, threshold(len(reaches), ALARMS / 2)) for beyond in needed]
+    return [threshold(len(reaches))] * len(reaches)
 
 
 def learned(seen: Seen, asked: Asked, chance: Array) -> tuple[float, ...]:
@@ -70,20 +108,14 @@ def least_gained(gained: Sequence[Sequence[float]]) -> tuple[float, ...]:
     return tuple(float(mean) for mean in means - (NormalDist().inv_cdf(POWER) + times**-0.5) * spread)
 
 
-def smallest(deviation: float, chance: float, tests: int, learned: Sequence[float] | None) -> float:
+def smallest(reach: Reach, beyond: float) -> float:
     """The smallest shortcut that is told from luck in four of five datasets; 1 if none that was tried.
 
-    `learned` is what a probe gets of each of the sizes in as many, None if there is nothing to learn.
+    More than luck is what is more than `beyond` deviations above chance.
     """
-    above = threshold(tests) * deviation
-    if learned is None:
-        share = min(chance + above, 1.0)
-        wider = np.sqrt(share * (1 - share) / max(chance * (1 - chance), 1e-12))
-        return above + NormalDist().inv_cdf(POWER) * deviation * float(wider)
-    got = np.maximum.accumulate(np.array([0.0, *learned]))
-    if got[-1] < above:
-        return 1.0
-    return float(max(np.interp(above, got + np.arange(len(got)) * 1e-9, [0.0, *SIZES]), above))
+    sizes = np.arange(0.0, (1.0 if reach.learned is None else SIZES[-1]) + 1e-9, 0.002)
+    found = [size for size in sizes if reach.gained(float(size)) >= beyond - 1e-9]
+    return max(float(found[0]), beyond * reach.deviation) if found else 1.0
 
 
 def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) -> tuple[Seen, Asked]:
@@ -115,9 +147,10 @@ def _telling(features: Array, able: Array, random: np.random.Generator) -> int:
 
 
 def _only_best(features: Array, asked: Asked) -> Array:
-    """In how many of the questions one option alone has the largest number: (d,)."""
+    """In how many of the questions one option has a number that is clearly the largest: (d,)."""
     largest = np.repeat(np.maximum.reduceat(features, asked.starts), asked.sizes, axis=0)
-    having = np.add.reduceat((features >= largest - 1e-9).astype(np.float64), asked.starts)
+    near = features >= largest - np.maximum(LARGER * features.std(0), 1e-9)
+    having = np.add.reduceat(near.astype(np.float64), asked.starts)
     return np.asarray((having == 1).mean(0))
 
 

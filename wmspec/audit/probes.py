@@ -161,9 +161,11 @@ def _lines(cases: Sequence[Case]) -> Iterator[_Line]:
         yield _Line("the options' colours", "options", *blind, _blind(features.colours, cases))
         if state.known(cases):
             yield _Line("the options' objects", "options", *blind, _forest(state.of_options, cases, ()))
+        fewer = _fewer(cases, (shown - 1,)) if shown else False
         for name, scores in likeness.rules(cases).items():
             last = "last picture" in name
-            yield _Line(name, "rule", *((True, _FEWER) if last else blind), scores=scores, pictured=last)
+            judged = (fewer, _FEWER if fewer else _ENOUGH) if last else blind
+            yield _Line(name, "rule", *judged, scores=scores, pictured=last)
     for views in _views(shown):
         yield from _seeing(cases, views)
     if shown:
@@ -179,7 +181,7 @@ def _views(shown: int) -> Iterator[tuple[int, ...]]:
 
 def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
     """The probes that see these pictures with the question and its options."""
-    rival = _moments(cases[0], views) < min(_needed(cases), cases[0].moments)
+    rival = _fewer(cases, views)
     if len(views) > 1 and not rival:
         return  # there is nothing to learn from what is meant to suffice
     family: Family = "picture" if len(views) == 1 else "pair"
@@ -221,9 +223,10 @@ def _forest(see: SeeViews, cases: Sequence[Case], views: tuple[int, ...], of: Of
     return lambda: Seen(see(cases, views), of, "forest")
 
 
-def _moments(case: Case, views: Sequence[int]) -> int:
-    """How many moments these pictures are of."""
-    return len({case.row["context_time"][view] for view in views})
+def _fewer(cases: Sequence[Case], views: Sequence[int]) -> bool:
+    """Whether it takes more moments to see the answer than these pictures are of, and more are shown."""
+    first = cases[0]
+    return len({first.row["context_time"][view] for view in views}) < min(_needed(cases), first.moments)
 
 
 def _needed(cases: Sequence[Case]) -> int:
@@ -261,21 +264,28 @@ def weighed(made: Sequence[Probe]) -> list[Probe]:
 
     All judged probes of a task are one family of tests, which raises one false alarm in twenty sound tasks.
     """
-    tests: dict[str, int] = {}
+    families: dict[str, list[Probe]] = {}
     for probe in made:
-        tests[_task(probe)] = tests.get(_task(probe), 0) + probe.judged
-    return [_weighed(probe, tests[_task(probe)]) for probe in made]
+        if probe.judged and probe.deviation:
+            families.setdefault(probe.task.partition(" q")[0], []).append(probe)
+    beyond = {
+        (probe.task, probe.sees): more
+        for family in families.values()
+        for probe, more in zip(family, power.thresholds([_reach(p) for p in family]), strict=True)
+    }
+    return [_weighed(probe, beyond.get((probe.task, probe.sees))) for probe in made]
 
 
-def _task(probe: Probe) -> str:
-    return probe.task.partition(" q")[0]
+def _reach(probe: Probe) -> power.Reach:
+    return power.Reach(probe.chance, probe.deviation, probe.learned)
 
 
-def _weighed(probe: Probe, tests: int) -> Probe:
+def _weighed(probe: Probe, beyond: float | None) -> Probe:
     low, high = clopper_pearson(probe.right, probe.asked, 0.95)
-    least = power.smallest(probe.deviation, probe.chance, tests, probe.learned)
-    above = (probe.accuracy - probe.chance) / probe.deviation if probe.deviation else 0.0
-    return replace(probe, low=low, high=high, least=least, luck=above <= power.threshold(tests))
+    if beyond is None:  # it is not judged, or a single option is left: nothing to overlook
+        return replace(probe, low=low, high=high, least=1.0 - probe.judged)
+    luck = probe.accuracy - probe.chance <= beyond * probe.deviation
+    return replace(probe, low=low, high=high, least=power.smallest(_reach(probe), beyond), luck=luck)
 
 
 def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
