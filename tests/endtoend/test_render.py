@@ -83,7 +83,7 @@ def test_an_mp4_shows_the_whole_episode(trace: Path) -> None:
     frames = ffmpeg.read_frames(str(trace.parent / "film.mp4"))
     about = next(frames)
     assert about["size"] == (64, 64)
-    assert len(list(frames)) == 36
+    assert len(list(frames)) == 47
 
 
 def test_an_mp4_without_its_package_is_refused_with_the_remedy(trace: Path) -> None:
