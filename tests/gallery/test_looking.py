@@ -191,6 +191,7 @@ def test_everything_is_there_after_a_reload(compared: tuple[Any, Path]) -> None:
     tab.keyboard.press("1")
     tab.keyboard.press("f")
     score, count = tab.inner_text("#score"), counted(tab)
+    tab.wait_for_timeout(1000)  # browsers write what is kept a little later
     tab.reload()
     tab.wait_for_selector("article")
     assert (tab.inner_text("#score"), counted(tab), tab.input_value("#value")) == (score, count, "red")

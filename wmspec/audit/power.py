@@ -129,21 +129,31 @@ def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) 
     tells = random.random(asked.count) < size / (1 - (1 / count).mean())
     claimed = np.where(tells, places, (random.random(asked.count) * count).astype(np.int64))
     features = seen.features.copy()
-    if seen.of == "options":
-        column = _telling(features, _only_best(features, asked), random)
+    of_options = seen.of == "options"
+    column = _telling(features, _only_best(features, asked) if of_options else _values(features), random)
+    if of_options:
         features[:, column] = _first(features[:, column], asked, claimed, random)
     else:
-        values = np.array([len(np.unique(column.round(9))) for column in features.T])
-        column = _telling(features, np.minimum(1.0, values / VALUES), random)
         features[:, column] = _banded(features[:, column], asked.name[asked.starts + claimed], random)
     return replace(seen, features=features), retold
 
 
 def _telling(features: Array, able: Array, random: np.random.Generator) -> int:
-    """A number that a shortcut may be in: one of the eight that vary most, of those `able` (0 to 1) to tell it."""
+    """A number that a shortcut may be in: one of the eight that vary most, of those `able` (0 to 1) to tell it.
+
+    If there is none, one of them gets other values, drawn at random.
+    """
     possible = np.flatnonzero(able >= min(ABLE, able.max()))
     widest = possible[np.argsort(-features[:, possible].std(0), kind="stable")][:8]
-    return int(widest[random.integers(len(widest))])
+    column = int(widest[random.integers(len(widest))])
+    if able[column] < ABLE:
+        features[:, column] = random.random(len(features))
+    return column
+
+
+def _values(features: Array) -> Array:
+    """Whether each has as many values as a shortcut has room in: (d,), at most 1."""
+    return np.array([min(1.0, len(np.unique(column.round(9))) / VALUES) for column in features.T])
 
 
 def _only_best(features: Array, asked: Asked) -> Array:
