@@ -130,7 +130,10 @@ def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) 
     claimed = np.where(tells, places, (random.random(asked.count) * count).astype(np.int64))
     features = seen.features.copy()
     of_options = seen.of == "options"
-    column = _telling(features, _only_best(features, asked) if of_options else _values(features), random)
+    able = _only_best(features, asked) if of_options else _values(features)
+    column = _telling(features, able, random)
+    if able[column] < ABLE:  # no number has room
+        features[:, column] = random.random(len(features))
     if of_options:
         features[:, column] = _first(features[:, column], asked, claimed, random)
     else:
@@ -139,16 +142,10 @@ def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) 
 
 
 def _telling(features: Array, able: Array, random: np.random.Generator) -> int:
-    """A number that a shortcut may be in: one of the eight that vary most, of those `able` (0 to 1) to tell it.
-
-    If there is none, one of them gets other values, drawn at random.
-    """
+    """A number that a shortcut may be in: one of the eight that vary most, of those most `able` (0 to 1) to tell it."""
     possible = np.flatnonzero(able >= min(ABLE, able.max()))
     widest = possible[np.argsort(-features[:, possible].std(0), kind="stable")][:8]
-    column = int(widest[random.integers(len(widest))])
-    if able[column] < ABLE:
-        features[:, column] = random.random(len(features))
-    return column
+    return int(widest[random.integers(len(widest))])
 
 
 def _values(features: Array) -> Array:
