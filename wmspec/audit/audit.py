@@ -49,7 +49,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
         if task not in damaged:
             _task(dataset, counted, most, gathered)
         progress(task, 1)
-    tests, probed = balance.powered(balance.corrected(gathered.tests)), probes.weighed(gathered.probes)
+    tests, probed = balance.weighed(gathered.tests), probes.weighed(gathered.probes)
     probed.sort(key=lambda p: p.chance - p.accuracy)
     gathered.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
     made = {key: dataset.manifest.get(key) for key in ("rows", "engines", "size", "seed", "consensus", "versions")}

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -18,12 +19,12 @@ from wmspec.audit.cases import Case, Unit
 from wmspec.audit.model import Finding, Test
 from wmspec.audit.statistics import detectable, goodness, holm, independence
 
-#: Numbers with more different values than this are put into quarters.
-MOST_VALUES = 8
+#: Numbers with more different values than this are put into quarters; into halves, if a quarter had fewer cases.
+MOST_VALUES, LEAST_CASES = 8, 20
 #: A dependence fails if it is this sure after correction, and this strong: a weak one is no use to anybody.
 SURE, STRONG = 0.01, 0.1
-#: A test that could have overlooked a stronger dependence than this says nothing: it is large (Cohen 1988).
-ROOM = 0.5
+#: A test that could have overlooked what makes guessing better by more than this says nothing.
+ROOM = 0.35
 
 PLACE, ANSWER = "place of the truth", "answer"
 
@@ -52,16 +53,33 @@ def tests(unit: Unit) -> list[Test]:
     return made
 
 
-def corrected(tested: Sequence[Test]) -> list[Test]:
-    """The tests with their probabilities corrected for the number of those judged."""
-    judged = iter(holm([t.p for t in tested if t.judged]))
-    return [replace(t, corrected=next(judged) if t.judged else t.p) for t in tested]
+def weighed(tested: Sequence[Test]) -> list[Test]:
+    """The tests with their probabilities corrected, and with the weakest dependence that each would have found.
+
+    Of a task, those of answers are one family and those of the places of the truth another, so that the many of places
+    take nothing from the few of answers, which have one case in each group. Each family has half of the alarms.
+    """
+    families: dict[tuple[str, str], list[int]] = {}
+    for i, test in enumerate(tested):
+        if test.judged:
+            families.setdefault((test.task.partition(" q")[0], test.first), []).append(i)
+    made = [replace(test, corrected=test.p, least=detectable(test.counts, SURE)) for test in tested]
+    for family in families.values():
+        level = SURE / 2 / len(family)
+        for i, p in zip(family, holm([tested[i].p for i in family]), strict=True):
+            made[i] = replace(tested[i], corrected=min(1.0, 2 * p), least=detectable(tested[i].counts, level))
+    return made
 
 
-def powered(tested: Sequence[Test]) -> list[Test]:
-    """The tests with the weakest dependence that each would have found, given how many are judged."""
-    level = SURE / max(1, sum(t.judged for t in tested))
-    return [replace(t, least=detectable(t.counts, level)) for t in tested]
+def points(test: Test) -> float:
+    """How much better than guessing is who knows the weakest dependence that would have been found (0 to 1).
+
+    That is if it tells all about as many cases as it takes, and nothing about the others.
+    """
+    rows, columns = sum(map(any, test.counts)), sum(map(any, zip(*test.counts, strict=True)))
+    if not test.second:  # one of them is true more often, the others less
+        return min(1.0, test.least * sqrt(max(0, columns - 1)) / max(1, columns))
+    return test.least * (min(rows, columns) - 1) / rows
 
 
 def judge(test: Test) -> Finding:
@@ -74,8 +92,8 @@ def judge(test: Test) -> Finding:
         return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {how}")
     if not test.judged:
         return Finding("balance", test.task, "told", f"{what}, as far as can be told {how}")
-    power = f"a strength of {test.least:.2f} would have been found"
-    if test.least > ROOM:
+    power = f"a strength of {test.least:.2f} would have been found, {100 * points(test):.0f} points above guessing"
+    if points(test) > ROOM:
         return Finding("balance", test.task, "unclear", f"{what} {how}; {power}: too few questions to tell")
     return Finding("balance", test.task, "holds", f"{what} {how}; {power}")
 
@@ -138,11 +156,11 @@ def _value(case: Case, what: str) -> Any:
 
 
 def _binned(values: Sequence[Any]) -> list[str]:
-    """Values as texts; many different numbers as the quarter that they are in."""
+    """Values as texts; many different numbers as the quarter, or half, that they are in."""
     numbers = [v for v in values if isinstance(v, (int, float)) and not isinstance(v, bool)]
     if len(numbers) < len(values) or len(set(numbers)) <= MOST_VALUES:
         return [f"{v:.4g}" if isinstance(v, float) else str(v) for v in values]
-    edges = np.quantile(numbers, [0.25, 0.5, 0.75])
+    edges = np.quantile(numbers, [0.25, 0.5, 0.75] if len(numbers) >= 4 * LEAST_CASES else [0.5])
     bounds = [min(numbers), *edges, max(numbers)]
     ranges = [f"{a:.3g} to {b:.3g}" for a, b in pairwise(bounds)]
     return [ranges[int(np.searchsorted(edges, v))] for v in values]
