@@ -19,11 +19,9 @@ from wmspec.compare.tolerance import Tolerances
 from wmspec.design.design import Design, Instance
 from wmspec.diagnostics import WmsError
 from wmspec.execute.render_cache import RenderCache
+from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.scene.model import Scene, Trace
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
 
 #: The pictures on which `visible`, `occluded` and `contrast` are measured (px).
 SIDE = 256
@@ -35,7 +33,7 @@ Traces = Mapping[tuple[str, str], Trace]
 def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances: Tolerances) -> Checked:
     """Execute an instance in every engine and compare each pair of them."""
     spec, instance = design.spec, design[index]
-    scenes, failures = _scenes(spec, instance)
+    scenes, failures = _scenes(design, instance)
     traces, failed = _execute(scenes, engines)
     pairs = list(combinations([e.engine for e in engines], 2))
     comparisons = tuple(
@@ -59,15 +57,16 @@ def _changes(question: Question, instance: Instance) -> tuple[Counterfactual, ..
     return KINDS[question.kind].executed(question, instance.factors)
 
 
-def _scenes(spec: TaskSpec, instance: Instance) -> tuple[dict[str, Scene], list[Failure]]:
+def _scenes(design: Design, instance: Instance) -> tuple[dict[str, Scene], list[Failure]]:
     """The scenes to execute, by run, and those that cannot be made."""
+    spec = design.spec
     changes: dict[str, Counterfactual | None] = {TRUTH: None}
     for q, question in enumerate(spec.questions):
         changes |= {run_name(spec, q, change): change for change in _changes(question, instance)}
     scenes, failures = {}, []
     for run, change in changes.items():
         try:
-            scenes[run] = read(compose(document(spec, instance, change)))
+            scenes[run] = _reader().of(values_of(design, instance, change))
         except WmsError as error:
             failures.append(Failure("", run, str(error)))
     return scenes, failures
@@ -141,6 +140,12 @@ def _verdict(
         cause=None if agreed else _cause(compared),
         regimes=tuple(dict.fromkeys(regime for c in compared for regime in c.regimes)),
     )
+
+
+@cache
+def _reader() -> SceneCache:
+    """Reads every scene of a closed set once, whichever of its members is checked."""
+    return SceneCache()
 
 
 @cache
