@@ -15,6 +15,7 @@ from wmspec.check import ir
 from wmspec.check.make import action, compound, objects, observe, task, thing
 from wmspec.design.design import Design
 from wmspec.diagnostics import WmsError
+from wmspec.layout import scatter
 from wmspec.layout.values import Values
 from wmspec.scene.model import Array, Body, Scene
 from wmspec.scene.transform import apply
@@ -201,6 +202,19 @@ def test_another_seed_scatters_anew_and_the_tenth_comes_after_the_second() -> No
     assert all(one.pose(f"dots_{i}") != other.pose(f"dots_{i}") for i in range(11))
     fewer = values(TABLE, *dots(10, 10), seed=1)
     assert all(one.pose(f"dots_{i}") == fewer.pose(f"dots_{i}") for i in range(10))
+
+
+def test_where_one_finds_no_room_all_are_laid_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    narrow = [values(TABLE, *dots(9, 9, scatter=(0.16, 0.16)), seed=seed) for seed in range(8)]
+    assert all(there.pose("dots_8") for there in narrow)
+    monkeypatch.setattr(scatter, "DEALS", 1)
+    refused = 0
+    for seed in range(8):
+        try:
+            values(TABLE, *dots(9, 9, scatter=(0.16, 0.16)), seed=seed).pose("dots_8")
+        except WmsError:
+            refused += 1
+    assert 0 < refused < 8
 
 
 def test_a_field_without_room_is_refused_with_a_remedy() -> None:
