@@ -25,9 +25,9 @@ class Test:
     """Whether two things are independent of each other, or one of them uniform (`second` is "").
 
     `counts` are the contingency table, a row for each value of `first`; `strength` is Cramér's V (or Cohen's w),
-    `p` the probability of a table so uneven by chance, by `method`; `corrected` is `p` after Holm, among those of
-    the task that are `judged` (`wmspec.audit.balance.weighed`). `least` is the weakest dependence that would have been found in four of five datasets
-    such as this.
+    `p` the probability of a table so uneven by chance, by `method`; `corrected` is `p` after Holm, among those of the
+    task that are `judged` (`wmspec.audit.balance.weighed`). `least` is the weakest dependence that would have been
+    found in four of five datasets such as this.
     """
 
     task: str

@@ -207,9 +207,9 @@ def _likeness(like: Likeness) -> str:
 def _rules() -> str:
     return (
         "<h2>Rules</h2>\n"
-        "<p>A dependence fails if, after Holm's correction for all of its task's that are judged, its probability is below "
-        f"{SURE:g} and its strength (Cramér's V, Cohen's w) at least {STRONG:g}. The answer may hang on factors; that "
-        "is told, not judged.</p>\n"
+        "<p>A dependence fails if, after Holm's correction for all of its task that are judged, its probability is "
+        f"below {SURE:g} and its strength (Cramér's V, Cohen's w) at least {STRONG:g}. The answer may hang on factors; "
+        "that is told, not judged.</p>\n"
         f"<p>A probe is a lasso on words or options, or a forest of {TREES} trees on pictures and what is "
         f"in them, fitted to {FOLDS - 1} of {FOLDS} parts of the control groups and judged on the other. It fails if "
         f"its accuracy is more than {SLACK:.0%} above chance and that is no luck: by luck any of a task's probes gets "
@@ -217,6 +217,6 @@ def _rules() -> str:
         f"{ROOM:.0%} above chance: shortcuts of known sizes are planted, and it has to find {POWER:.0%} of them. "
         "Probes that see fewer moments than it takes to see the answer are judged; the others are told.</p>\n"
         f"<p>Fewer than {LEAST_GROUPS} control groups are too few to speak of more than these. A test of balance is "
-        f"unknown if it might have overlooked what makes guessing {balance.ROOM:.0%} better. Answers are unstable if surely fewer "
-        f"than {LEAST_STABLE:.0%} hold in all engines and after a nudge.</p>"
+        f"unknown if it might have overlooked what makes guessing {balance.ROOM:.0%} better. Answers are unstable if "
+        f"surely fewer than {LEAST_STABLE:.0%} hold in all engines and after a nudge.</p>"
     )
