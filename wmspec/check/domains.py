@@ -137,9 +137,14 @@ def _interval(check: Expressions, e: s.Range) -> Written:
 
 def _number(check: Expressions, expr: ir.Expr, span: Span) -> float:
     value = constant(expr)
-    if value is None:
+    if value is not None:
+        return value
+    declared = check.scope.names.get(span.text)
+    if declared is None:
         check.fail("WMS401", "the values of a domain are constants", span, "write them out")
-    return value
+    what = f"the values of a domain are constants, and `{span.text}` is none"
+    notes = (Note("declared here", declared.name.span),)
+    check.fail("WMS401", what, span, "write the values out, or call what is declared otherwise", notes)
 
 
 # ---------------------------------------------------------------- choices between domains
