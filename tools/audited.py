@@ -1,6 +1,8 @@
 """The last section of docs/audit.md, from what `wmspec audit --json` printed of datasets of the catalogue.
 
 python -m tools.audited FILE...
+
+Tasks that are in none of the files keep their lines.
 """
 
 from __future__ import annotations
@@ -22,15 +24,33 @@ HEADS = ("task", "verdict", "questions", "groups", "best judged probe, above cha
 Record = dict[str, Any]
 
 
-def audited(records: Sequence[Record]) -> Iterator[str]:
-    """The lines of the section."""
-    lines = sorted((line for record in records for line in record["summaries"]), key=lambda line: line["task"])
-    passed = sum(line["verdict"] == "holds" for line in lines)
-    yield f"{passed} of {len(lines)} tasks pass.\n"
-    yield from table(HEADS, map(row, lines))
-    wrong = [finding for record in records for finding in record["findings"] if finding["verdict"] == "fails"]
+def audited(records: Sequence[Record], before: str) -> Iterator[str]:
+    """The lines of the section, which said `before` what it says of other tasks."""
+    rows = {cells[0]: cells for cells in map(cells_of, before.splitlines()) if cells[0].startswith("`")}
+    rows |= {cells[0]: cells for cells in (row(line) for record in records for line in record["summaries"])}
+    passed = sum(cells[1] == VERDICTS["holds"] for cells in rows.values())
+    yield f"{passed} of {len(rows)} tasks pass.\n"
+    yield from table(HEADS, (rows[task] for task in sorted(rows, key=lambda name: name.strip("`"))))
+    anew = {line["task"] for record in records for line in record["summaries"]}
+    wrong = [line for line in before.splitlines() if line.startswith("- `") and task_of(line) not in anew]
+    wrong += [
+        f"- `{f['task']}`, {f['check']}: {f['what']}"
+        for record in records
+        for f in record["findings"]
+        if f["verdict"] == "fails"
+    ]
     yield "What fails:\n" if wrong else "Nothing fails.\n"
-    yield from (f"- `{f['task']}`, {f['check']}: {f['what']}" for f in sorted(wrong, key=lambda f: str(f["task"])))
+    yield from sorted(wrong)
+
+
+def cells_of(line: str) -> tuple[str, ...]:
+    """What a line of a Markdown table says."""
+    return tuple(cell.strip() for cell in line.strip("|").split("|"))
+
+
+def task_of(failure: str) -> str:
+    """The task that a line about a failure speaks of."""
+    return failure.split("`")[1].partition(" q")[0]
 
 
 def row(line: Record) -> tuple[str, ...]:
@@ -59,8 +79,8 @@ def main() -> None:
     records = [json.loads(Path(name).read_text(encoding="utf-8")) for name in sys.argv[1:]]
     if not records:
         sys.exit(USAGE)
-    told, mark, _ = PAGE.read_text(encoding="utf-8").partition(MARK)
-    PAGE.write_text(told + mark + "\n" + "\n".join(audited(records)).rstrip() + "\n", encoding="utf-8")
+    told, mark, before = PAGE.read_text(encoding="utf-8").partition(MARK)
+    PAGE.write_text(told + mark + "\n" + "\n".join(audited(records, before)).rstrip() + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
