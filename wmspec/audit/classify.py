@@ -80,6 +80,11 @@ class Asked:
         means = np.add.reduceat(values, self.starts, axis=0) / self.sizes[:, None]
         return np.asarray(values - np.repeat(means, self.sizes, axis=0))
 
+    def ranks(self, values: Array) -> Array:
+        """By each value (options, d), how many more of its question's options have a smaller one than a larger one."""
+        stood = [np.sign((one[:, None] - one).round(9)).sum(1) for one in np.split(values, self.starts[1:])]
+        return np.concatenate(stood)
+
     def retold(self, places: NDArray[np.int64]) -> Asked:
         """The same questions with other options true: of each the one at this place."""
         truth = np.zeros(len(self.owner), dtype=bool)
@@ -89,11 +94,15 @@ class Asked:
 
 @dataclass(frozen=True)
 class Seen:
-    """What a probe sees as `features`, of every option (options, d) or of every question (questions, d)."""
+    """What a probe sees as `features`, of every option (options, d) or of every question (questions, d).
+
+    If `ranked`, it also sees the order of a question's options by each of the features.
+    """
 
     features: Array
     of: Literal["options", "questions"]
     model: Literal["linear", "forest"]
+    ranked: bool = False
 
 
 def held_out(seen: Seen, asked: Asked) -> Array:
@@ -143,6 +152,8 @@ def _scores(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[n
 
 def _of_options(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
     x = asked.among(seen.features)
+    if seen.ranked:
+        x = np.concatenate([x, asked.ranks(seen.features)], axis=1)
     if seen.model == "forest":
         return _probabilities(x[fitted], asked.truth[fitted], x[here], trees)[1][:, -1]
     y = asked.among(asked.truth[:, None].astype(np.float64))[:, 0]

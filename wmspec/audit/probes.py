@@ -220,7 +220,7 @@ def _pixels(cases: Sequence[Case], views: tuple[int, ...]) -> Look:
 
 
 def _forest(see: SeeViews, cases: Sequence[Case], views: tuple[int, ...], of: Of = "options") -> Look:
-    return lambda: Seen(see(cases, views), of, "forest")
+    return lambda: Seen(see(cases, views), of, "forest", ranked=not views)
 
 
 def _fewer(cases: Sequence[Case], views: Sequence[int]) -> bool:
