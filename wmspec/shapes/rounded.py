@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from wmspec.shapes.facets import Facets
     from wmspec.shapes.shape import Array
 
-_BENDS = 6  # edges of a quarter of a circle that is drawn
+_BENDS = 4  # edges of a quarter of a circle that is drawn
 
 
 @dataclass(frozen=True)
