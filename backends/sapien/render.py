@@ -8,8 +8,10 @@ SAPIEN's own compile for seconds at every start, light with every kind of lamp, 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +22,13 @@ from wmspec.diagnostics import GraphicsError
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, to_bytes, to_linear, to_srgb
 from wmspec.scene.contact_shadow import ContactShadows
-from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
+from wmspec.scene.model import Body, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.near_plane import NearPlane
 from wmspec.scene.picture import check, over
 from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
 from wmspec.scene.texcoords import texcoords
-from wmspec.scene.transform import identity, multiply, quaternion
+from wmspec.scene.transform import identity, multiply, quaternion, rotation
 
 with silence():
     import sapien
@@ -76,13 +78,19 @@ class Renderer:
         return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance.copy() if depth else None)
 
     def repaint(self, scene: Scene) -> bool:
-        """Draw a scene from now on that differs in colours only."""
+        """Draw a scene from now on that differs in colours only; False if other things would be drawn as one."""
+        parts = [merged(body) for body in scene.bodies]
+        if _counts(parts) != _counts(map(merged, self._scene.bodies)):
+            return False
         self._scene = scene
-        for entity, body in zip(self._bodies, scene.bodies, strict=True):
+        for entity, geometries in zip(self._bodies, parts, strict=True):
             shapes = entity.find_component_by_type(sapien.render.RenderBodyComponent).render_shapes
-            shown = [geom for geom in body.geoms if geom.visible]
-            for shape, geom in zip(shapes, shown, strict=True):
-                shape.parts[0].material.base_color = [*geom.surface.color, 1.0]
+            for shape, geoms in zip(shapes, geometries, strict=True):
+                material = shape.parts[0].material
+                if _has_palette(geoms):
+                    material.base_color_texture = _palette(geoms)
+                else:
+                    material.base_color = [*geoms[0].surface.color, 1.0]
         return True
 
     def close(self) -> None:
@@ -142,7 +150,26 @@ def _pose(pose: Pose) -> Any:
 
 def bodies(world: Any, scene: Scene, linear: bool = False) -> list[Any]:
     """An entity for each body of the scene; colours are as they are, for our shaders, or `linear`, for SAPIEN's own."""
-    return [_body(world, [geom for geom in body.geoms if geom.visible], linear) for body in scene.bodies]
+    return [
+        _body(world, [[geom] for geom in body.geoms if geom.visible] if linear else merged(body), linear)
+        for body in scene.bodies
+    ]
+
+
+def merged(body: Body) -> list[list[Geom]]:
+    """What is visible of a body, in as many shapes as it must be drawn in: to draw one costs as much as many triangles.
+
+    All in a row that have no image are one, and all that have the same and are of one colour. Their order stays: of
+    faces in one plane the first is seen.
+    """
+    shown = [geom for geom in body.geoms if geom.visible]
+    rows = groupby(shown, lambda geom: None if geom.surface.texture is None else geom.surface)
+    return [list(row) for _, row in rows]
+
+
+def _counts(parts: Iterable[list[list[Geom]]]) -> list[list[int]]:
+    """How many geometries are drawn as one, shape by shape of each body."""
+    return [[len(geoms) for geoms in body] for body in parts]
 
 
 def place(entities: list[Any], shot: Shot) -> None:
@@ -186,25 +213,49 @@ def _lights(world: Any, scene: Scene) -> Any:
     return world.add_directional_light(direction, [light.diffuse * SHADE] * 3, shadow=True, shadow_map_size=SHADOW_MAP)
 
 
-def _body(world: Any, geoms: list[Geom], linear: bool) -> Any:
+def _body(world: Any, parts: list[list[Geom]], linear: bool) -> Any:
     component = sapien.render.RenderBodyComponent()
-    for geom in geoms:
-        component.attach(_shape(geom, linear))
+    for geoms in parts:
+        component.attach(_shape(geoms, linear))
     entity = sapien.Entity()
     entity.add_component(component)
     world.add_entity(entity)
     return entity
 
 
-def _shape(geom: Geom, linear: bool) -> Any:
-    facets = texcoords(geom)
-    st: Array = facets.st * [1, -1] + [0, 1]
-    points, normals = facets.points.astype(np.float32), facets.normals.astype(np.float32)
-    shape = sapien.render.RenderShapeTriangleMesh(
-        points, facets.faces.astype(np.uint32), normals, st.astype(np.float32), _material(geom, linear)
+def _shape(geoms: list[Geom], linear: bool) -> Any:
+    facets = [texcoords(geom) for geom in geoms]
+    turns = [rotation(geom.pose.orientation).T for geom in geoms]
+    points = [part.points @ turn + geom.pose.position for part, turn, geom in zip(facets, turns, geoms, strict=True)]
+    normals = [part.normals @ turn for part, turn in zip(facets, turns, strict=True)]
+    counts = [len(part.points) for part in facets]
+    faces = [part.faces + sum(counts[:i]) for i, part in enumerate(facets)]
+    if _has_palette(geoms):
+        across = (np.arange(len(geoms)) + 0.5) / len(geoms)
+        st = np.repeat(np.column_stack([across, np.full(len(geoms), 0.5)]), counts, axis=0)
+        material = sapien.render.RenderMaterial()
+        material.base_color, material.base_color_texture = [1.0] * 4, _palette(geoms)
+    else:
+        st = np.concatenate([part.st for part in facets]) * [1, -1] + [0, 1]
+        material = _material(geoms[0], linear)
+    return sapien.render.RenderShapeTriangleMesh(
+        np.concatenate(points).astype(np.float32),
+        np.concatenate(faces).astype(np.uint32),
+        np.concatenate(normals).astype(np.float32),
+        st.astype(np.float32),
+        material,
     )
-    shape.local_pose = _pose(geom.pose)
-    return shape
+
+
+def _has_palette(geoms: list[Geom]) -> bool:
+    """Whether geometries without images are drawn as one, each in a colour of a palette."""
+    return len(geoms) > 1 and geoms[0].surface.texture is None
+
+
+def _palette(geoms: list[Geom]) -> Any:
+    """An image of the colours of geometries, side by side."""
+    colors = np.array([[*geom.surface.color, 1.0] for geom in geoms])
+    return sapien.render.RenderTexture2D(to_bytes(colors)[None], "R8G8B8A8Unorm", mipmap_levels=1, srgb=False)
 
 
 def _material(geom: Geom, linear: bool) -> Any:

@@ -12,7 +12,7 @@ from tests.pixels.scenes import SUN
 from wmspec.execute.backends import backend
 from wmspec.execute.keys import form_key, look_key
 from wmspec.execute.render_cache import RenderCache
-from wmspec.scene.model import Light, Scene, Shot
+from wmspec.scene.model import Light, Pose, Scene, Shot, Surface
 
 
 def painted(scene: Scene, shift: int) -> Scene:
@@ -41,6 +41,27 @@ def test_a_repainted_renderer_draws_as_a_new_one(engine: str, table: Scene) -> N
         assert np.array_equal(one.rgb, new.rgb)
         assert np.array_equal(one.ids, new.ids)
     studio.close()
+
+
+def test_things_of_many_colours_are_repainted_in_sapien(table: Scene) -> None:
+    installed("sapien")
+    first = table.bodies[0]
+    row = [Pose(np.array([0.1 * i, 0.0, 0.1]), first.pose.orientation) for i in range(3)]
+
+    def coloured(*tones: tuple[float, float, float]) -> Scene:
+        looks = [replace(first.geoms[0], pose=at, surface=Surface(tone)) for at, tone in zip(row, tones, strict=True)]
+        return replace(table, bodies=(replace(first, geoms=tuple(looks)), *table.bodies[1:]))
+
+    red, green, blue = (0.8, 0.1, 0.1), (0.1, 0.6, 0.1), (0.1, 0.1, 0.8)
+    studio, fresh = RenderCache("sapien", 96, 96), RenderCache("sapien", 96, 96)
+    studio.draw(coloured(red, red, green), shot(table))
+    one, new = (cache.draw(coloured(green, blue, red), shot(table)) for cache in (studio, fresh))
+    assert np.array_equal(one.rgb, new.rgb)
+    assert all(
+        (np.abs(new.rgb.astype(int) - 255 * np.array(tone)).max(axis=2) < 128).any() for tone in (red, green, blue)
+    )
+    studio.close()
+    fresh.close()
 
 
 def test_what_is_not_a_colour_is_built_anew(table: Scene) -> None:
