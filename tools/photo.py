@@ -13,7 +13,7 @@ from pathlib import Path
 import wmspec
 
 IMAGES = Path(__file__).parent.parent / "docs/images/photo"
-SIDE, SAMPLES = 480, 16
+SIDE, SAMPLES = 512, 8
 
 
 @dataclass(frozen=True)
