@@ -2,6 +2,7 @@
 
 python tools/worlds.py things [NAME ...]    named; smaller, by each engine: docs/images/things*.jpg
 python tools/worlds.py rooms [NAME ...]     from each camera: docs/images/rooms.jpg
+python tools/worlds.py town                 the town and the flat, as tasks show them: docs/images/town.jpg
 python tools/worlds.py nameless FOLDER KEY [LOOK]   one a picture and shuffled, to be named; what they are is in KEY
 python tools/worlds.py parity [all]         what the pictures of the engines differ by: lines of a table, for every
                                             sixth thing and every room, or for all from each camera; and the worst
@@ -22,6 +23,7 @@ from typing import cast
 import numpy as np
 from PIL import Image
 
+import wmspec
 from wmspec.check.task import check
 from wmspec.design.design import Design
 from wmspec.diagnostics import Report
@@ -188,6 +190,17 @@ def rooms_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Ima
     return typeset.padded(typeset.above(lines, GAP), GAP)
 
 
+def town_sheet(side: int, count: int) -> Image.Image:
+    """What is seen first in tasks of driving, and below in tasks of walking: instances spread over them."""
+    lines = []
+    for spec in ("drive", "walk"):
+        task = wmspec.load_all(library_folder().parent / f"prediction/mechanistic/{spec}.wms")[-1]
+        episodes = [task[i * len(task) // count].run("mujoco") for i in range(count)]
+        shown = [episode.picture(*episode.views()[0], size=side) for episode in episodes]
+        lines.append(typeset.beside(shown, GAP))
+    return typeset.padded(typeset.above(lines, GAP), GAP)
+
+
 def apart(a: Frame, b: Frame) -> tuple[float, float, float]:
     """Of what both show: least overlap (IoU), most apart in mean colour (of 255), 99th percentile in depth (mm)."""
     overlap, color = 1.0, 0.0
@@ -262,6 +275,9 @@ def main(kind: str, *chosen: str) -> int:
         return 0
     if kind == "rooms":
         rooms_sheet(chosen or ROOMS, (default(),), 240).save(IMAGES / "rooms.jpg", quality=85)
+        return 0
+    if kind == "town":
+        town_sheet(240, 5).save(IMAGES / "town.jpg", quality=88)
         return 0
     every = chosen or tuple(things())
     things_sheet(every, (default(),), 160).save(IMAGES / "things.jpg", quality=85)
