@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -133,13 +134,15 @@ def alike(scene: Scene, camera: str) -> None:
 def test_the_cover_of_a_bed_has_no_speckles_in_mujoco() -> None:
     """Its top shaded itself here and there: 51 pixels were darker by 30 of 255 than what is around them."""
     installed("mujoco")
-    nursery = worlds.room("nursery")
+    whole = worlds.room("nursery")
+    bare = [body for body in whole.bodies if not body.name.endswith(("rail", "doll"))]  # their shadows are thin
+    nursery = replace(whole, bodies=tuple(bare))
     (frame,) = worlds.frames(nursery, "mujoco", 384, ["front"])
     cot = frame.ids == next(i for i, body in enumerate(nursery.bodies) if body.name.endswith("cot"))
     within = np.asarray(Image.fromarray(cot.astype(np.uint8)).filter(ImageFilter.MinFilter(9))) > 0
     gray = Image.fromarray(frame.rgb).convert("L")
     darker = np.asarray(gray.filter(ImageFilter.MedianFilter(5)), int) - np.asarray(gray, int)
-    assert within.sum() > 15_000
+    assert within.sum() > 20_000
     assert (darker[within] > 30).sum() < 30
 
 
