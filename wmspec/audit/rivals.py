@@ -17,7 +17,7 @@ from wmspec.audit.classify import SEED, Array, Asked, Seen, held_out, held_out_t
 from wmspec.audit.power import SIZES, least_gained, planted
 
 #: How often a shortcut of each size is planted into one of them, drawn at random.
-PLANTED = 6
+PLANTED = 12
 
 
 @dataclass(frozen=True)
