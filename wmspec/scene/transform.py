@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from wmspec.scene.model import Array, Pose
@@ -11,21 +9,17 @@ from wmspec.scene.model import Array, Pose
 
 def multiply(a: Array, b: Array) -> Array:
     """The rotation `b`, then `a`: (..., 4) times (..., 4)."""
-    a, b = np.asarray(a, float), np.asarray(b, float)
-    if a.ndim == b.ndim == 1:  # as below to the bit, but fast for one
-        return np.array(_product(a.tolist(), b.tolist()))
-    return np.stack(_product(np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)), axis=-1)
-
-
-def _product(a: Any, b: Any) -> list[Any]:
-    """The parts (w, x, y, z) of a product, as numbers or as arrays."""
-    (aw, ax, ay, az), (bw, bx, by, bz) = a, b
-    return [
-        aw * bw - ax * bx - ay * by - az * bz,
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-    ]
+    aw, ax, ay, az = np.moveaxis(np.asarray(a, float), -1, 0)
+    bw, bx, by, bz = np.moveaxis(np.asarray(b, float), -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
 
 
 def conjugate(q: Array) -> Array:
@@ -37,19 +31,9 @@ def conjugate(q: Array) -> Array:
 def rotate(q: Array, v: Array) -> Array:
     """The vectors `v` (..., 3) turned by the unit quaternions `q` (..., 4)."""
     q, v = np.asarray(q, float), np.asarray(v, float)
-    if q.ndim == v.ndim == 1:
-        return np.array(_rotated(q.tolist(), v.tolist()))
     w, u = q[..., :1], q[..., 1:]
     t = 2.0 * cross(u, v)
     return v + w * t + cross(u, t)
-
-
-def _rotated(q: list[float], v: list[float]) -> list[float]:
-    """As `rotate` to the bit, but fast for one."""
-    w, x, y, z = q
-    a, b, c = v
-    r, s, t = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    return [a + w * r + (y * t - z * s), b + w * s + (z * r - x * t), c + w * t + (x * s - y * r)]
 
 
 def cross(a: Array, b: Array) -> Array:
