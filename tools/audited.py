@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tools.reference import table
+from wmspec.audit.cases import task_of
 
 PAGE = Path(__file__).parent.parent / "docs/audit.md"
 MARK = "<!-- audited -->\n"
@@ -32,7 +33,7 @@ def audited(records: Sequence[Record], before: str) -> Iterator[str]:
     yield f"{passed} of {len(rows)} tasks pass.\n"
     yield from table(HEADS, (rows[task] for task in sorted(rows, key=lambda name: name.strip("`"))))
     anew = {line["task"] for record in records for line in record["summaries"]}
-    wrong = [line for line in before.splitlines() if line.startswith("- `") and task_of(line) not in anew]
+    wrong = [line for line in before.splitlines() if line.startswith("- `") and task_of(line.split("`")[1]) not in anew]
     wrong += [
         f"- `{f['task']}`, {f['check']}: {f['what']}"
         for record in records
@@ -46,11 +47,6 @@ def audited(records: Sequence[Record], before: str) -> Iterator[str]:
 def cells_of(line: str) -> tuple[str, ...]:
     """What a line of a Markdown table says."""
     return tuple(cell.strip() for cell in line.strip("|").split("|"))
-
-
-def task_of(failure: str) -> str:
-    """The task that a line about a failure speaks of."""
-    return failure.split("`")[1].partition(" q")[0]
 
 
 def row(line: Record) -> tuple[str, ...]:

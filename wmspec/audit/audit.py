@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from wmspec.audit import balance, groups, probes
-from wmspec.audit.cases import Unit, units
+from wmspec.audit.cases import Unit, task_of, units
 from wmspec.audit.counts import accounted, counts, whole
 from wmspec.audit.duplicates import duplicates, judged
 from wmspec.audit.likeness import QUANTILES, judge, likeness
@@ -94,16 +94,12 @@ def _unit(unit: Unit, gathered: _Gathered) -> None:
 
 def _summary(counted: Counts, gathered: _Gathered, probed: list[Probe]) -> Summary:
     """A task in one line; its questions have its name, and a number if there are several."""
-
-    def of_it(name: str) -> bool:
-        return name == counted.task or name.startswith(f"{counted.task} q")
-
     return summary(
         counted.task,
         counted.kept,
-        {name: count for name, count in gathered.groups.items() if of_it(name)},
-        [f for f in gathered.findings if of_it(f.task)],
-        [p for p in probed if of_it(p.task)],
+        {name: count for name, count in gathered.groups.items() if task_of(name) == counted.task},
+        [f for f in gathered.findings if task_of(f.task) == counted.task],
+        [p for p in probed if task_of(p.task) == counted.task],
         gathered.stable.get(counted.task),
     )
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.audit.cases import Case, Unit
+from wmspec.audit.cases import Case, Unit, task_of
 from wmspec.audit.model import Finding, Test
 from wmspec.audit.statistics import detectable, goodness, holm, independence
 
@@ -62,8 +62,10 @@ def weighed(tested: Sequence[Test]) -> list[Test]:
     families: dict[tuple[str, str], list[int]] = {}
     for i, test in enumerate(tested):
         if test.judged:
-            families.setdefault((test.task.partition(" q")[0], test.first), []).append(i)
-    made = [replace(test, corrected=test.p, least=detectable(test.counts, SURE)) for test in tested]
+            families.setdefault((task_of(test.task), test.first), []).append(i)
+    made = [
+        test if test.judged else replace(test, corrected=test.p, least=detectable(test.counts, SURE)) for test in tested
+    ]
     for family in families.values():
         level = SURE / 2 / len(family)
         for i, p in zip(family, holm([tested[i].p for i in family]), strict=True):

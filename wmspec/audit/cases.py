@@ -107,6 +107,11 @@ def units(dataset: DatasetReader, task: str, most: int) -> Iterator[Unit]:
         yield Unit(task if len(parted) == 1 else f"{task} q{question}", tuple(cases), dataset.engines)
 
 
+def task_of(name: str) -> str:
+    """The task that a unit of this name is of."""
+    return name.partition(" q")[0]
+
+
 def _looked(row: Row, engines: tuple[str, ...]) -> bool:
     """Every instance is looked at in the first engine, for comparing instances, and in one other, for the probes."""
     return row["engine"] in (engines[0], engines[_turn(row["index"], len(engines))])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wmspec.audit import features, likeness, power, state
 from wmspec.audit.balance import table_of
-from wmspec.audit.cases import Case, Unit
+from wmspec.audit.cases import Case, Unit, task_of
 from wmspec.audit.classify import Array, Asked, Seen, held_out, hits
 from wmspec.audit.model import Finding, Probe
 from wmspec.audit.rivals import Rivals
@@ -267,7 +267,7 @@ def weighed(made: Sequence[Probe]) -> list[Probe]:
     families: dict[str, list[Probe]] = {}
     for probe in made:
         if probe.judged and probe.deviation:
-            families.setdefault(probe.task.partition(" q")[0], []).append(probe)
+            families.setdefault(task_of(probe.task), []).append(probe)
     beyond = {
         (probe.task, probe.sees): more
         for family in families.values()

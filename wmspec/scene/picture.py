@@ -23,9 +23,9 @@ Image = NDArray[np.float32]
 def over(rgba: NDArray[np.uint8], color: tuple[float, float, float]) -> NDArray[np.uint8]:
     """A picture (h, w, 4), where alpha is the share of a pixel that isn't background, on `color` (sRGB, 0..1)."""
     behind = np.rint(np.outer(255 - np.arange(256), color)).astype(np.uint8)
-    rgb, share = np.ascontiguousarray(rgba[..., :3]), rgba[..., 3]
-    if (seen := share < 255).any():
-        rgb[seen] += behind[share[seen]]
+    rgb, share = rgba[..., :3].copy(), rgba[..., 3]
+    seen = share < 255
+    rgb[seen] += behind[share[seen]]
     return rgb
 
 
