@@ -29,6 +29,7 @@ from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
 from wmspec.scene.texcoords import texcoords
 from wmspec.scene.transform import identity, multiply, quaternion, rotation
+from wmspec.shapes.facets import Facets, join
 
 with silence():
     import sapien
@@ -224,27 +225,30 @@ def _body(world: Any, parts: list[list[Geom]], linear: bool) -> Any:
 
 
 def _shape(geoms: list[Geom], linear: bool) -> Any:
-    facets = [texcoords(geom) for geom in geoms]
-    turns = [rotation(geom.pose.orientation).T for geom in geoms]
-    points = [part.points @ turn + geom.pose.position for part, turn, geom in zip(facets, turns, geoms, strict=True)]
-    normals = [part.normals @ turn for part, turn in zip(facets, turns, strict=True)]
-    counts = [len(part.points) for part in facets]
-    faces = [part.faces + sum(counts[:i]) for i, part in enumerate(facets)]
+    parts = [_placed(geom) for geom in geoms]
+    whole = join(parts)
     if _has_palette(geoms):
         across = (np.arange(len(geoms)) + 0.5) / len(geoms)
-        st = np.repeat(np.column_stack([across, np.full(len(geoms), 0.5)]), counts, axis=0)
+        own = np.column_stack([across, np.full(len(geoms), 0.5)])
+        st = np.repeat(own, [len(part.points) for part in parts], axis=0)
         material = sapien.render.RenderMaterial()
         material.base_color, material.base_color_texture = [1.0] * 4, _palette(geoms)
     else:
-        st = np.concatenate([part.st for part in facets]) * [1, -1] + [0, 1]
+        st = whole.st * [1, -1] + [0, 1]
         material = _material(geoms[0], linear)
     return sapien.render.RenderShapeTriangleMesh(
-        np.concatenate(points).astype(np.float32),
-        np.concatenate(faces).astype(np.uint32),
-        np.concatenate(normals).astype(np.float32),
+        whole.points.astype(np.float32),
+        whole.faces.astype(np.uint32),
+        whole.normals.astype(np.float32),
         st.astype(np.float32),
         material,
     )
+
+
+def _placed(geom: Geom) -> Facets:
+    """The triangles of a geometry in the frame of its body."""
+    facets, turn = texcoords(geom), rotation(geom.pose.orientation).T
+    return replace(facets, points=facets.points @ turn + geom.pose.position, normals=facets.normals @ turn)
 
 
 def _has_palette(geoms: list[Geom]) -> bool:
