@@ -130,17 +130,20 @@ class Renderer:
         z = np.empty((self._rect.height, self._rect.width), np.float32)
         mujoco.mjr_readPixels(None, z, self._rect, self._context)
         near, far = float(self._model.vis.map.znear), float(self._model.vis.map.zfar)
-        return (far * near / (near + z[::-1].astype(np.float64) * (far - near))).astype(np.float32)
+        away = z[::-1].astype(np.float64)
+        away *= far - near
+        away += near
+        return np.asarray(far * near / away, np.float32)
 
     def _bodies(self, marks: NDArray[np.uint8]) -> NDArray[np.int16]:
         """The scene's body behind every id colour (0 is the background, n + 1 the n-th drawn geometry)."""
-        number = marks.astype(np.int32) @ np.array([1, 256, 65536])
+        red, green, blue = (marks[..., i].astype(np.int32) for i in range(3))
+        number = red + (green << 8) + (blue << 16)
         table = np.full(self._view.ngeom + 1, -1, np.int16)
         for geom in self._view.geoms[: self._view.ngeom]:
             if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
                 table[geom.segid + 1] = self._owner[geom.objid]
-        bodies: NDArray[np.int16] = table[number]
-        return bodies
+        return table.take(number)
 
 
 def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:

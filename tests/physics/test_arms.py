@@ -33,6 +33,7 @@ from wmspec.usd import read
 ENGINES = ("mujoco", "pybullet", "sapien")
 FIRST = ("mujoco", *(pytest.param(engine, marks=pytest.mark.slow) for engine in ENGINES[1:]))
 TASKS = [path for path in SPECS if path.stem.startswith(("arm_", "arms_"))]
+AT_A_LIMIT = {"arms_push": (1817,)}  # where a joint goes as far as it may
 NEAR = 1e-4  # m
 TURN = radians(0.05)
 
@@ -287,12 +288,12 @@ def test_all_of_its_patch_is_within_reach(robot: str, low: float, high: float) -
 @pytest.mark.parametrize("path", TASKS, ids=lambda path: path.stem)
 def test_joints_keep_their_limits_and_speeds_between_knots_too(path: Path) -> None:
     design = Design(task_of(path))
-    for index in design.sample(8):
+    for index in [*design.sample(8), *AT_A_LIMIT.get(path.stem, ())]:
         for reach in plan(Values(design.spec, design[index].values, None, design[index].key)).values():
             way, times = CubicSpline(reach.times, reach.values, bc_type="clamped"), np.arange(0, reach.times[-1], 0.002)
             q, speed = way(times)[:, :7], way(times, 1)[:, :7]
-            assert (PANDA.low - 1e-3 <= q).all()
-            assert (q <= PANDA.high + 1e-3).all()
+            assert (PANDA.low <= q).all()
+            assert (q <= PANDA.high).all()
             assert (np.abs(speed) <= PANDA.speed).all()
 
 

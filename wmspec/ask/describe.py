@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache, lru_cache
 
 from wmspec.ask.difference import ciede2000, lab
 from wmspec.check.vocabulary import COLORS
@@ -12,6 +13,7 @@ from wmspec.layout.values import Values
 from wmspec.layout.view import front, seen
 from wmspec.materials import SHADES
 from wmspec.materials.colors import rgb
+from wmspec.scene.model import Array
 
 #: One object is larger than another if its edges are so many times as long; further aside by so much (m).
 LARGER, ASIDE = 1.15, 0.03
@@ -43,14 +45,20 @@ def present(values: Values) -> Iterator[str]:
             yield thing.name
 
 
+@lru_cache(maxsize=4096)
 def color_word(color: str) -> str:
     """A colour as a person names it: its word, or that of the colour most like it."""
     if color in COLORS:
         return color
     if color in SHADES:
         return color.partition("_")[0]
-    wanted = lab(rgb(color))
-    return min(COLORS, key=lambda word: float(ciede2000(wanted, lab(COLORS[word]))))
+    return min(_named(), key=lambda word: float(ciede2000(lab(rgb(color)), _named()[word])))
+
+
+@cache
+def _named() -> dict[str, Array]:
+    """CIELAB of the colours that have names."""
+    return {word: lab(color) for word, color in COLORS.items()}
 
 
 def together(names: Sequence[str], values: Values) -> str | None:

@@ -31,6 +31,7 @@ class Observed:
         self.trace = trace
         self.views = tuple(views)
         self._draw = draw
+        self._seen: dict[View, Frame] = {}
         self._index = {body.name: i for i, body in enumerate(scene.bodies)}
 
     @cached_property
@@ -109,7 +110,9 @@ class Observed:
         """What a camera sees at a time (s). Raises WmsError where nothing can be drawn."""
         if self._draw is None:
             raise WmsError("what is seen can only be measured where pictures are drawn")
-        return self._draw(camera, time)
+        if (camera, time) not in self._seen:
+            self._seen[camera, time] = self._draw(camera, time)
+        return self._seen[camera, time]
 
     def views_of(self, camera: str) -> list[View]:
         """The views of a camera. Raises WmsError if there is none."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from PIL import Image, ImageFilter
 
 from wmspec.ask.difference import ciede2000, lab
 from wmspec.ask.observed import Observed
@@ -83,13 +83,16 @@ def outstanding(frame: Frame, index: int) -> float:
         return 0.0
     wide = max(1, round(AROUND * len(mask)))
     near = np.s_[max(rows[0] - wide, 0) : rows[-1] + wide + 1, max(columns[0] - wide, 0) : columns[-1] + wide + 1]
-    mask, colors = mask[near], frame.rgb[near] / 255.0
+    mask, colors = mask[near], frame.rgb[near]
     around = _grown(mask, wide) & ~mask
     if not around.any():
         return 0.0
-    return float(ciede2000(lab(colors[mask].mean(axis=0)), lab(colors[around])).mean())
+    return float(ciede2000(lab((colors[mask] / 255.0).mean(axis=0)), lab(colors[around] / 255.0)).mean())
 
 
 def _grown(mask: NDArray[np.bool_], wide: int) -> NDArray[np.bool_]:
-    grown = Image.fromarray(mask.astype(np.uint8) * 255).filter(ImageFilter.MaxFilter(2 * wide + 1))
-    return np.asarray(np.asarray(grown) > 0)
+    """Every pixel at most so many columns and so many rows away from one of the mask."""
+    for axis in (0, 1):
+        padded = np.pad(mask, [(wide, wide) if axis == side else (0, 0) for side in (0, 1)])
+        mask = np.asarray(sliding_window_view(padded, 2 * wide + 1, axis).any(axis=-1))
+    return mask

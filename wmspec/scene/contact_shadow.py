@@ -9,7 +9,7 @@ and Howell, "Thermal Radiation Heat Transfer", configuration factors).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import groupby
@@ -42,6 +42,9 @@ FINE = 0.2
 
 HALVINGS, SPARED = 3, 0.75
 """A piece is cut across up to so often, if the boxes of both ends together have at most this share of its volume."""
+
+Part = tuple[slice, slice]
+"""Rows and columns of a picture."""
 
 
 @dataclass(frozen=True)
@@ -90,11 +93,12 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Occluder:
-    """A body by its number, boxes with their frames in it, and the `own` bodies that it casts no shadow on."""
+class Piece:
+    """A box in a frame of the body with this number, and the `own` bodies that it casts no shadow on."""
 
     body: int
-    boxes: tuple[tuple[Pose, Box], ...]
+    frame: Pose
+    box: Box
     own: tuple[int, ...]
 
 
@@ -102,12 +106,14 @@ class ContactShadows:
     """The contact shadows of a scene's bodies; made once, cast on every picture."""
 
     def __init__(self, scene: Scene) -> None:
-        self._occluders = list(_occluders(scene)) if scene.light.shadows else []
+        self._pieces = list(_pieces(scene)) if scene.light.shadows else []
+        self._frames = _stacked([piece.frame for piece in self._pieces])
+        self._middles = np.array([piece.box.middle for piece in self._pieces])
 
     @property
     def any(self) -> bool:
         """Whether a picture needs to be shaded."""
-        return bool(self._occluders)
+        return bool(self._pieces)
 
     def cast(
         self,
@@ -121,9 +127,9 @@ class ContactShadows:
 
         `ids` (h, w) are the bodies seen, `depth` (h, w) is in metres along the view axis; `camera` is in the world.
         """
-        if not self._occluders:
+        if not self._pieces:
             return rgb
-        shaded = self._shaded(ids, depth, camera, shot)
+        shaded = list(self._shaded(ids, depth, camera, shot))
         if not shaded:
             return rgb
         window = _window(shaded, ids.shape)
@@ -136,58 +142,68 @@ class ContactShadows:
         picture[window] = quantize(rgb[window] * left.reshape(*ids[window].shape, 1))
         return picture
 
-    def _shaded(self, ids: NDArray[np.int16], depth: NDArray[np.float32], camera: Camera, shot: Shot) -> list[Shaded]:
+    def _shaded(
+        self, ids: NDArray[np.int16], depth: NDArray[np.float32], camera: Camera, shot: Shot
+    ) -> Iterator[Shaded]:
         """The pixels that each piece may shade, body by body; pieces that shade none are left out."""
-        view, shaded = inverse(camera.pose), []
-        for one in self._occluders:
-            at = compose(view, shot.poses[one.body])
-            for pose, box in one.boxes:
-                frame = compose(at, pose)
-                rows, columns, away = _reached(box, frame, camera, ids.shape)
-                near = np.abs(depth[rows, columns] - away) < box.reach
-                if near.any():
-                    for number in (-1, *one.own):
-                        near &= ids[rows, columns] != number
-                    row, column = np.nonzero(near)
-                    if len(row):
-                        shaded.append(Shaded(one.body, box, frame, row + rows.start, column + columns.start))
-        return shaded
+        bodies = _stacked([shot.poses[piece.body] for piece in self._pieces])
+        frames = compose(compose(inverse(camera.pose), bodies), self._frames)
+        x, y = _rays(camera, ids.shape)
+        for i, (piece, middle) in enumerate(zip(self._pieces, apply(frames, self._middles).tolist(), strict=True)):
+            part = _reached(piece.box.reach, middle, camera, ids.shape)
+            seen, (rows, columns) = depth[part], part
+            aside = [x[columns] * seen - middle[0], y[rows, None] * seen - middle[1], seen + middle[2]]
+            near = aside[0] ** 2 + aside[1] ** 2 + aside[2] ** 2 < np.float32(piece.box.reach**2)
+            for number in (-1, *piece.own):
+                near &= ids[part] != number
+            if near.any():
+                yield Shaded(piece.body, piece.box, Pose(frames.position[i], frames.orientation[i]), part, near)
 
 
 @dataclass(frozen=True)
 class Shaded:
-    """The pixels, in `rows` (n,) and `columns` (n,), that a piece of a body may shade; its `frame` is the camera's."""
+    """The pixels of a `part` of the picture that a piece of a body may shade; its `frame` is in the camera's axes."""
 
     body: int
     box: Box
     frame: Pose
-    rows: NDArray[np.intp]
-    columns: NDArray[np.intp]
+    part: Part
+    pixels: NDArray[np.bool_]
+
+    def within(self, window: Part) -> NDArray[np.intp]:
+        """The numbers of the pixels in a window around the part, row by row."""
+        (rows, columns), (high, wide) = self.part, window
+        row, column = np.divmod(np.flatnonzero(self.pixels), columns.stop - columns.start)
+        first = (rows.start - high.start) * (wide.stop - wide.start) + columns.start - wide.start
+        numbers: NDArray[np.intp] = row * (wide.stop - wide.start) + column + first
+        return numbers
 
 
-def _window(shaded: list[Shaded], size: tuple[int, ...]) -> tuple[slice, slice]:
+def _stacked(poses: Sequence[Pose]) -> Pose:
+    """All the poses in one, with a leading axis."""
+    return Pose(np.array([pose.position for pose in poses]), np.array([pose.orientation for pose in poses]))
+
+
+def _window(shaded: list[Shaded], size: tuple[int, ...]) -> Part:
     """The part of a picture (height, width) around all that is shaded, and a pixel more for the slopes at its edges."""
     rows, columns = (
-        slice(
-            max(min(int(part.min()) for part in places) - 1, 0), min(max(int(part.max()) for part in places) + 2, side)
-        )
-        for places, side in zip(([one.rows for one in shaded], [one.columns for one in shaded]), size, strict=True)
+        slice(max(min(side.start for side in sides) - 1, 0), min(max(side.stop for side in sides) + 1, most))
+        for sides, most in zip(zip(*(one.part for one in shaded), strict=True), size, strict=True)
     )
     return rows, columns
 
 
-def _hidden(parts: Iterable[Shaded], surfaces: tuple[list[Image], list[Image]], window: tuple[slice, slice]) -> Image:
+def _hidden(parts: Iterable[Shaded], surfaces: tuple[list[Image], list[Image]], window: Part) -> Image:
     """The share of the light that the pieces of a body hide, in a window of the picture."""
-    rows, columns = window
     most = np.zeros_like(surfaces[0][0])
     for part in parts:
-        pixels = (part.rows - rows.start) * (columns.stop - columns.start) + (part.columns - columns.start)
+        pixels = part.within(window)
         points, normals = ([side.take(pixels) for side in sides] for sides in surfaces)
         most[pixels] = np.maximum(most.take(pixels), part.box.hidden(points, normals, part.frame))
     return most
 
 
-def _occluders(scene: Scene) -> Iterator[Occluder]:
+def _pieces(scene: Scene) -> Iterator[Piece]:
     """What casts contact shadows: bodies that can move, and small ones that stand still and can be touched."""
     numbers = {body.name: i for i, body in enumerate(scene.bodies)}
     for i, body in enumerate(scene.bodies):
@@ -197,8 +213,7 @@ def _occluders(scene: Scene) -> Iterator[Occluder]:
         own = {i} | {numbers[name] for pair in jointed for name in pair if name is not None}
         boxes = [(geom.pose, box) for geom in body.geoms if geom.visible for box in _boxes(geom.shape)]
         thick = FINE * max((box.radius for _, box in boxes), default=0.0)
-        if kept := tuple((pose, box) for pose, box in boxes if box.radius > thick):
-            yield Occluder(i, kept, tuple(sorted(own)))
+        yield from (Piece(i, pose, box, tuple(sorted(own))) for pose, box in boxes if box.radius > thick)
 
 
 def _is_small(body: Body) -> bool:
@@ -249,14 +264,13 @@ def _axis(points: Array, half: Array) -> int | None:
     return None
 
 
-def _reached(box: Box, frame: Pose, camera: Camera, size: tuple[int, ...]) -> tuple[slice, slice, float]:
-    """The rows and columns of a picture (height, width) in which a box may shade something, and how far it is (m)."""
-    (height, width), reach = size, box.reach
-    x, y, z = apply(frame, box.middle).tolist()
+def _reached(reach: float, middle: Sequence[float], camera: Camera, size: tuple[int, ...]) -> Part:
+    """The rows and columns of a picture (height, width) in which a sphere is seen; `middle` is in the camera's axes."""
+    (height, width), (x, y, z) = size, middle
     if -z - reach < camera.near:
-        return slice(0, height), slice(0, width), -z
+        return slice(0, height), slice(0, width)
     focal = height / (2 * math.tan(camera.fovy / 2))
-    return _part(-y, -z, reach, focal, height), _part(x, -z, reach, focal, width), -z
+    return _part(-y, -z, reach, focal, height), _part(x, -z, reach, focal, width)
 
 
 def _part(aside: float, away: float, reach: float, focal: float, size: int) -> slice:
@@ -267,13 +281,13 @@ def _part(aside: float, away: float, reach: float, focal: float, size: int) -> s
 
 
 def _surfaces(
-    camera: Camera, ids: NDArray[np.int16], depth: NDArray[np.float32], window: tuple[slice, slice]
+    camera: Camera, ids: NDArray[np.int16], depth: NDArray[np.float32], window: Part
 ) -> tuple[list[Image], list[Image]]:
     """What is seen in a window of the picture: the points and the unit normals, (n,) along each of the camera's axes.
 
     The inverse of the distance is linear in the places of a flat surface's pixels, and its slopes are the normal.
     """
-    x, y = (side.astype(np.float32) for side in rays(camera, ids.shape[1], ids.shape[0]))
+    x, y = _rays(camera, ids.shape)
     step = x[1] - x[0] if len(x) > 1 else np.float32(1)
     ids, depth, x, y = ids[window], depth[window], x[window[1]], y[window[0]]
     near: Image = np.reciprocal(np.maximum(depth, np.float32(1e-6)))
@@ -282,6 +296,12 @@ def _surfaces(
     length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
     points = [x * depth, y[:, None] * depth, -depth]
     return [part.ravel() for part in points], [(part / length).ravel() for part in normal]
+
+
+def _rays(camera: Camera, size: tuple[int, ...]) -> tuple[Image, Image]:
+    """What `rays` tells of a picture (height, width)."""
+    x, y = rays(camera, size[1], size[0])
+    return x.astype(np.float32), y.astype(np.float32)
 
 
 def _slope(values: Image, ids: NDArray[np.int16], axis: int) -> Image:
