@@ -143,7 +143,8 @@ class Renderer:
         for geom in self._view.geoms[: self._view.ngeom]:
             if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
                 table[geom.segid + 1] = self._owner[geom.objid]
-        return table.take(number)
+        bodies: NDArray[np.int16] = table.take(number)
+        return bodies
 
 
 def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:

@@ -32,10 +32,11 @@ def _sighting(
 ) -> Sighting:
     """An object that a picture shows where `mask` (h, w) is, in a pose (7,)."""
     position, orientation = tuple(pose[:3]), tuple(pose[3:])
-    if not mask.any():
+    pixels = int(mask.sum())
+    if not pixels:
         return Sighting(*what, position, orientation, 0.0, None, None, None)
     down, across = (
-        float((places.mean() + 0.5) / side) for places, side in zip(np.nonzero(mask), mask.shape, strict=True)
+        float((mask.sum(axis=1 - axis) @ np.arange(side) / pixels + 0.5) / side) for axis, side in enumerate(mask.shape)
     )
     color = tuple(frame.rgb[mask].mean(axis=0) / 255.0)
     return Sighting(*what, position, orientation, float(mask.mean()), across, down, tuple(map(float, color)))
