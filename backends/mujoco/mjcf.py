@@ -32,7 +32,7 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) 
     """A model, with one `pair` per pair that may touch.
 
     Bodies are in the scene's order, those in trees below their parents, frames at their centres of mass. What is
-    not to be `seen` is without the shapes that stand still and only show.
+    not to be `seen` is without the shapes that only show, and what has no others does not move as it is told.
     """
     root, trees = ET.Element("mujoco", model=scene.name), whole.trees
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -62,16 +62,16 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) 
     actuators = ET.SubElement(root, "actuator") if drives else root
     for limb in drives:
         actuator(actuators, limb, scene)
-    _keyframe(root, scene, episode, whole, [control(limb) for limb in drives])
+    _keyframe(root, bodies, episode, whole, [control(limb) for limb in drives])
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
 def _felt(body: Body) -> Body:
-    """The body without what is only seen of it, if it stands still."""
-    if body.motion != "static":
-        return body
-    return replace(body, geoms=tuple(replace(geom, visible=False) for geom in body.geoms if geom.collides))
+    """The body without what is only seen of it; what moves as it is told and can't be touched stands still."""
+    geoms = tuple(replace(geom, visible=False) for geom in body.geoms if geom.collides)
+    still = body.motion == "kinematic" and body.inertia is None and not geoms
+    return replace(body, geoms=geoms, motion="static" if still else body.motion)
 
 
 def _bodies(
@@ -244,15 +244,17 @@ def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly)
             )
 
 
-def _keyframe(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly, controls: Sequence[float]) -> None:
+def _keyframe(
+    root: ET.Element, bodies: Sequence[Body], episode: Episode, whole: Assembly, controls: Sequence[float]
+) -> None:
     """The start, with initial velocities, bodies as they are nested; MuJoCo wants angular ones in the body's axes."""
-    index = {body.name: i for i, body in enumerate(scene.bodies)}
+    index = {body.name: i for i, body in enumerate(bodies)}
     limbs = {limb.body: limb for tree in whole.trees for limb in tree}
     kicks = {kick.body: kick for kick in episode.kicks if kick.step == 0}
     places: list[float] = []
     speeds: list[float] = []
     for i in (index[element.attrib["name"]] for element in root.iter("body")):
-        kind = limbs[i].kind if i in limbs else "static" if scene.bodies[i].motion == "static" else "free"
+        kind = limbs[i].kind if i in limbs else "static" if bodies[i].motion == "static" else "free"
         match kind:
             case "free":
                 places += episode.start[i]

@@ -33,6 +33,7 @@ class World:
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
         self.warned, self.calm = self.data.warning.number, self.data.warning.number.tobytes()  # the first is a view
         self.pairs: dict[bytes, tuple[list[tuple[int, int]], set[tuple[int, int]]]] = {}
+        self.close: dict[tuple[bytes, bytes], set[tuple[int, int]]] = {}
         self.met: set[tuple[int, int]] = set()
         self.resting: set[tuple[int, int]] = set()
         self.asleep = self.data.tree_asleep.tobytes()
@@ -195,9 +196,10 @@ class World:
             self.asleep = asleep
             self.resting = {pair for pair in self.met if self.sleeps(*pair)}
         if near | self.resting != self.met:
-            gaps = self.data.contact.dist.tolist()
-            met = {pair for pair, gap in zip(each, gaps, strict=True) if gap < MEET or pair in self.met}
-            self.met = met | self.resting
+            close = (self.data.contact.dist < MEET).tobytes()
+            if (key, close) not in self.close:
+                self.close[key, close] = {pair for pair, meets in zip(each, close, strict=True) if meets}
+            self.met = self.close[key, close] | (near & self.met) | self.resting
         return self.met
 
     def sleeps(self, first: int, second: int) -> bool:

@@ -81,10 +81,11 @@ class Grip:
         """The points in the body's frame (n, 3), from where both are (7,)."""
         return rotate(conjugate(body[3:7]), hand[:3] + rotate(hand[3:7], np.array(self.points)) - body[:3])
 
-    def stretch(self, hand: Any, body: Any, anchors: Any) -> float:
-        """How far apart (m) the two are that should be together."""
-        held = hand[:3] + rotate(hand[3:7], np.array(self.points)) - body[:3] - rotate(body[3:7], anchors)
-        return float(np.linalg.norm(held, axis=1).max())
+    def stretch(self, hand: Any, body: Any, anchors: Any) -> Any:
+        """How far apart (T,), m, the two (T, 13) are that should be together."""
+        hand, body = hand[:, None], body[:, None]
+        there = hand[..., :3] + rotate(hand[..., 3:7], np.array(self.points))
+        return np.linalg.norm(there - body[..., :3] - rotate(body[..., 3:7], anchors), axis=2).max(axis=1)
 
 
 @dataclass(frozen=True)
@@ -230,7 +231,6 @@ def play(world: World, episode: Episode) -> Recording:
     begins = beginnings(episode)
     drive = world.driven({body: path for body, path in paths.items() if body not in episode.unfelt})
     held: dict[int, Any] = {}
-    torn: dict[int, tuple[float, int, float]] = {}
     touching = []
     for i in range(steps + 1):
         kicks = begin(world, episode, i) if i in begins else []
@@ -238,14 +238,13 @@ def play(world: World, episode: Episode) -> Recording:
             take(world, episode, paths, held, i)
         if i % episode.substeps == 0:
             observe(world, episode, kicks, states[i // episode.substeps])
-            stretched(episode, held, states[i // episode.substeps], torn, i)
         if i == steps:
             break
         drive(i)
         act(world, episode, i)
         world.step()
         touching.append(world.touching())
-    return Recording(mounted(states, episode), touching, tuple(torn.values()))
+    return Recording(mounted(states, episode), touching, torn(episode, held, states))
 
 
 def told(episode: Episode) -> Recording | None:
@@ -298,24 +297,27 @@ def begin(world: World, episode: Episode, i: int) -> list[Kick]:
 
 
 def take(world: World, episode: Episode, paths: Any, held: dict[int, Any], i: int) -> None:
-    """Let hands take and let go before step number `i`; `held` has the anchors of what is held, by number of grip."""
+    """Let hands take and let go before step number `i`; `held` gets the anchors of what is taken, by number of grip."""
     for number, grip in enumerate(episode.grips):
         if i == grip.last and number in held:
             world.loose(number, grip)
-            del held[number]
         if grip.first <= i < grip.last and i == grip.first:
             hand = paths[grip.hand][0][i] if i < len(paths[grip.hand][0]) else paths[grip.hand][1][-1]
             held[number] = grip.anchors(hand, np.asarray(world.state(grip.body)))
             world.grip(number, grip, held[number])
 
 
-def stretched(episode: Episode, held: dict[int, Any], states: Any, torn: dict[int, Any], i: int) -> None:
-    """Note the grips that are longer than `TORN` at step number `i`, for states (N, 13)."""
+def torn(episode: Episode, held: dict[int, Any], states: Any) -> tuple[tuple[float, int, float], ...]:
+    """The grips that grew longer than `TORN`, in order: when (s), the number, and how long (m); `states` (T, N, 13)."""
+    found = []
     for number, anchors in held.items():
         grip = episode.grips[number]
-        length = grip.stretch(states[grip.hand], states[grip.body], anchors)
-        if length > TORN and number not in torn:
-            torn[number] = (i * episode.step, number, length)
+        first, last = (-(-step // episode.substeps) for step in (grip.first, grip.last))
+        lengths = grip.stretch(states[first:last, grip.hand], states[first:last, grip.body], anchors)
+        over = np.flatnonzero(lengths > TORN)
+        if len(over):
+            found.append(((first + int(over[0])) * episode.substeps * episode.step, number, float(lengths[over[0]])))
+    return tuple(sorted(found))
 
 
 def act(world: World, episode: Episode, i: int) -> None:

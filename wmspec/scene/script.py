@@ -27,9 +27,9 @@ from wmspec.scene.episode import (
     mounted,
     observe,
     play,
-    stretched,
     take,
     told,
+    torn,
 )
 from wmspec.scene.model import Scene
 from wmspec.scene.transform import conjugate, cross, multiply, rotate, turned, turning
@@ -58,7 +58,7 @@ _COMMON: tuple[Callable[..., Any], ...] = (
     act,
     observe,
     take,
-    stretched,
+    torn,
     mounted,
 )
 _HEAD = '''"""Plays the episode "{name}" in {engine} and writes its trace to trace.npz, next to this file.
