@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from wmspec.scene.model import Array, Pose
@@ -9,7 +11,12 @@ from wmspec.scene.model import Array, Pose
 
 def floats(values: Array) -> tuple[float, ...]:
     """All numbers of an array, in order."""
-    return tuple(np.ravel(values).astype(float).tolist())
+    return tuple(np.asarray(values, float).ravel().tolist())
+
+
+def rows(values: Sequence[Array]) -> tuple[tuple[float, ...], ...]:
+    """All numbers of arrays of one length."""
+    return tuple(map(tuple, np.array(values, float).tolist()))
 
 
 def numbers(pose: Pose) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from wmspec.scene.episode import Track
 from wmspec.scene.model import Action, Array, Body, Follow, Glide, Pose, Scene, Teleport, Vanish
-from wmspec.scene.numbers import floats
+from wmspec.scene.numbers import rows
 from wmspec.scene.transform import conjugate, multiply, turned, turning
 
 Move = Glide | Follow | Teleport
@@ -56,10 +56,10 @@ def track(scene: Scene, index: int, steps_per_second: int) -> Track:
     return Track(
         index,
         tuple(float(part.time) for part in parts),
-        tuple(floats(part.point) for part in parts),
-        tuple(floats(part.velocity) for part in parts),
-        tuple(floats(part.turn) for part in parts),
-        tuple(floats(part.spin) for part in parts),
+        rows([part.point for part in parts]),
+        rows([part.velocity for part in parts]),
+        rows([part.turn for part in parts]),
+        rows([part.spin for part in parts]),
     )
 
 
