@@ -26,14 +26,15 @@ def body(stage: Usd.Stage, path: str, frame: Array, *, moves: bool) -> str:
 def mesh_prim(
     stage: Usd.Stage, path: str, points: Array, faces: NDArray[np.int32], look: UsdShade.Material
 ) -> UsdGeom.Mesh:
-    """A mesh of triangles with smooth normals."""
+    """A mesh of triangles with smooth normals; points that are in none are left out."""
     facets = smooth(np.asarray(points, np.float64), np.asarray(faces, np.int32), None)
+    used, corners = np.unique(facets.faces, return_inverse=True)
     mesh = UsdGeom.Mesh.Define(stage, path)
-    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.asarray(facets.points, np.float32)))
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(np.asarray(facets.normals, np.float32)))
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.asarray(facets.points[used], np.float32)))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(np.asarray(facets.normals[used], np.float32)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
     mesh.CreateFaceVertexCountsAttr([3] * len(facets.faces))
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(np.asarray(facets.faces, np.int32).reshape(-1)))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(corners.reshape(-1).astype(np.int32)))
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     mesh.CreateExtentAttr(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
     UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(look)
