@@ -33,6 +33,7 @@ dimension_option = click.option(
 )
 task_option = click.option("--task", default="", metavar="NAME", help="Which task, of a file that has several.")
 instance_option = click.option("--instance", "-i", default=0, show_default=True, metavar="I", help="Which instance.")
+size_option = click.option("--size", default="384", show_default=True, help="Pixels of a picture: 384, or 320x240.")
 redrawn_option = click.option(
     "--redrawn", default=0, metavar="N", type=click.IntRange(0), help="With its nuisances drawn anew, for the Nth time."
 )

@@ -17,6 +17,7 @@ from wmspec.cli.common import (
     parse_share,
     parse_size,
     seed_option,
+    size_option,
     specs_argument,
     tell,
 )
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 )
 @click.option("--full", is_flag=True, help="All instances of every task, where there are more than the paper's.")
 @dimension_option
-@click.option("--size", default="384", show_default=True, help="Pixels of a picture: 384, or 320x240.")
+@size_option
 @look_options
 @seed_option
 @click.option(

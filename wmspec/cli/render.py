@@ -18,6 +18,7 @@ from wmspec.cli.common import (
     parse_size,
     redrawn_option,
     seed_option,
+    size_option,
     task_option,
 )
 from wmspec.cli.run import duration_option, seconds_of, tell_notes
@@ -46,7 +47,7 @@ FILMS = (".gif", ".mp4")
 @redrawn_option
 @seed_option
 @duration_option
-@click.option("--size", default="384", show_default=True, help="Pixels: 384, or 320x240.")
+@size_option
 @look_options
 @click.option("--camera", default="", help="Only this camera.  [default: those that observe; for a film the first]")
 @click.option(
