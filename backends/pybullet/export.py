@@ -11,7 +11,18 @@ from . import articulations, shapes, world
 from .physics import prepare
 
 CONSTANTS = {
-    world: ("ITERATE", "HEAVY_MASS", "HEAVY_INERTIA", "DYNAMIC", "GIVEN", "ROUND", "SOFT_ERP", "TIE_FORCE", "FASTEST"),
+    world: (
+        "ITERATE",
+        "SETTLED",
+        "HEAVY_MASS",
+        "HEAVY_INERTIA",
+        "DYNAMIC",
+        "GIVEN",
+        "ROUND",
+        "SOFT_ERP",
+        "TIE_FORCE",
+        "FASTEST",
+    ),
     shapes: ("HERE", "KINDS"),
     articulations: ("JOINTS", "MEETING"),
 }

@@ -20,6 +20,7 @@ with silence():
     import pybullet
 
 ITERATE = 200, 400  # with 100 a stack of five creeps twice as far, with 200 hands turn what they push
+SETTLED = 1e-24  # the iteration that changes less, squared, is the last: all of them take twice the time
 HEAVY_MASS, HEAVY_INERTIA = 1e4, 1e6  # kg, kg m²: a body that nothing in the scene can push
 DYNAMIC, GIVEN = 1, 2  # collision groups: bodies whose motion is given pass through each other
 ROUND = ("sphere", "capsule")  # their margin is their radius
@@ -39,7 +40,7 @@ class World:
             fixedTimeStep=assembly.step,
             numSubSteps=0,
             numSolverIterations=ITERATE[any(body.motion == "kinematic" and body.pieces for body in self.bodies)],
-            solverResidualThreshold=0.0,
+            solverResidualThreshold=SETTLED,
             useSplitImpulse=1,
             splitImpulsePenetrationThreshold=0.0,
             restitutionVelocityThreshold=0.0,
