@@ -126,3 +126,15 @@ def test_a_parameter_that_is_called_like_a_design_is_none() -> None:
       }
     """
     assert wmspec.load(text=text).groups == 4
+
+
+def test_a_word_in_a_library_is_the_word_whatever_the_task_calls_so(tmp_path: Path) -> None:
+    aside = "factor side in [left, right] let way = if side == left then -1 else 1"
+    side = "object thing { shape: cube  size: 10 cm  color: white  on: ground at (way * 20 cm, 0) }"
+    (tmp_path / "aside.wms").write_text(f'"""Aside."""\nuse shop\n{aside}\n{side}\n')
+    own = "nuisance left in 0 cm .. 4 cm  factor tone in [red, green]"
+    ball = "object ball { shape: sphere  size: 10 cm  color: tone  on: ground at (left, 0) }  observe front at [0 s]"
+    found, errors = tasks(tmp_path, f"use aside\ntask a : custom {{ {own} {ball} }}")
+    assert not errors
+    assert [f.name for f in found["a"].factors] == ["side", "left", "tone"]
+    assert found["a"].factors[0].levels == ("left", "right")

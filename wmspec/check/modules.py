@@ -2,28 +2,30 @@
 
 All of it happens in the syntax tree. `use room(wall: blue)` puts `blue` wherever the library says `wall`. With `use
 room as here` its floor is `here.floor`, or `here_floor` once names are plain. `only [floor]` takes that and what it
-needs.
+needs. A library that says `left` means the word, also where the task calls something so.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+from wmspec.check.vocabulary import WORDS
 from wmspec.diagnostics import Note, Report, suggestion
 from wmspec.node import Node
 from wmspec.parse import syntax as s
 from wmspec.parse.load import Program
-from wmspec.places import Span
+from wmspec.places import Source, Span
 
 Item = s.Statement | s.Variant | s.Task
 Declared = s.Factor | s.Let | s.Block | s.Action | s.Template
 #: The names that libraries were given with `as`, and the names that there are in each.
 Prefixes = dict[str, frozenset[str]]
 S = TypeVar("S")
+_WORDS = frozenset(word for words in WORDS.values() for word in words)
 
 
 class Modules:
@@ -34,6 +36,8 @@ class Modules:
         self._report = report
         self._used: dict[tuple[Path, str], s.Use] = {}
         self._prefixes: Prefixes = {}
+        files = (program.file, *program.libraries.values())
+        self._taken = _WORDS.intersection(name for file in files for name in _declared(file.items))
 
     @property
     def whole(self) -> bool:
@@ -97,6 +101,8 @@ class Modules:
         items = self._program.libraries[path].items
         values = self._given(use, [item for item in items if isinstance(item, s.Parameter)])
         statements = self._level([_replaced(item, values) for item in items], outer + prefix, {})
+        if self._taken:
+            statements = self._closed(statements, self._program.libraries[path].span.source)
         if use.only is not None:
             statements = self._chosen(use, use.only, statements)
         if use.prefix is None:
@@ -104,6 +110,20 @@ class Modules:
         names = frozenset(filter(None, map(_name, statements)))
         prefixes[use.prefix.id] = names
         return [_replaced(statement, {}, {name: prefix + name for name in names}) for statement in statements]
+
+    def _closed(self, statements: list[s.Statement], library: Source) -> list[s.Statement]:
+        """The statements of a library, in which words that it wrote and declares nowhere are the language's own."""
+        inner = (
+            p.name.id for statement in statements if isinstance(statement, s.Template) for p in statement.parameters
+        )
+        words = self._taken.difference(map(_name, statements), inner)
+
+        def closed(node: Any) -> Any:
+            if isinstance(node, s.Name):
+                return replace(node, closed=True) if node.id in words and node.span.source is library else node
+            return _each(node, closed)
+
+        return [closed(statement) for statement in statements]
 
     def _again(self, use: s.Use, first: s.Use) -> None:
         if use.given or use.only:
@@ -152,6 +172,15 @@ def _values(given: Mapping[str, s.Expr], parameters: Iterable[s.Parameter]) -> d
         name = parameter.name.id
         values[name] = given.get(name) or _replaced(parameter.value, values)
     return values
+
+
+def _declared(items: Iterable[Item]) -> Iterator[str]:
+    """The names that are declared in a file, in its tasks and in their variants."""
+    for item in items:
+        if isinstance(item, s.Task | s.Variant):
+            yield from _declared(item.body)
+        elif isinstance(item, Declared):
+            yield item.name.id
 
 
 def _world(statement: s.Statement) -> str:

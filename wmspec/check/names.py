@@ -46,7 +46,7 @@ def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
     if not e.id:  # it is missing, and that was reported
         raise Failed
     word = _word(e.id, wanted)
-    declared = check.scope.names.get(e.id)
+    declared = None if e.closed else check.scope.names.get(e.id)
     if declared is not None:
         typed = _declared(check, e, declared)
         return typed if word is None or any(fits(typed.type, k) for k in wanted) else word

@@ -50,10 +50,11 @@ class Truth(Node):
 
 
 class Name(Node):
-    """A bare word."""
+    """A bare word; `closed` if it is the language's own, whatever is declared by that name."""
 
     id: str
     span: Span
+    closed: bool = False
 
 
 class Member(Node):
