@@ -137,4 +137,4 @@ def test_a_word_in_a_library_is_the_word_whatever_the_task_calls_so(tmp_path: Pa
     found, errors = tasks(tmp_path, f"use aside\ntask a : custom {{ {own} {ball} }}")
     assert not errors
     assert [f.name for f in found["a"].factors] == ["side", "left", "tone"]
-    assert found["a"].factors[0].levels == ("left", "right")
+    assert {instance.factors["side"] for instance in Design(found["a"])} == {"left", "right"}
