@@ -204,6 +204,16 @@ DRAWER = """object body { shape: box  size: (26 cm, 1 cm, 9 cm)  on: table at (0
   joint rails : slider { of: drawer  to: body    at: (0, 0, 2 cm)  axis: (0, -1, 0)  low: -1 cm  high: 18 cm }"""
 
 
+@pytest.mark.parametrize("wide", [34, 45])
+@pytest.mark.parametrize("engine", FIRST)
+def test_what_is_narrower_than_the_hand_is_pushed_too(engine: str, wide: int) -> None:
+    more = "action go = arm.push(cup, direction: left, distance: 8 cm) for 6 s"
+    text = ONE.format(more=more, density=500, friction=0.5).replace("(6 cm, 5 cm, 6 cm)", f"(6 cm, {wide} mm, 4 cm)")
+    moved, orientation = ended(wmspec.load(text=text), engine, "cup")
+    assert moved == pytest.approx([-0.08, 0, 0], abs=1.5e-3)
+    assert turned(orientation, 0.0) < radians(0.5)
+
+
 @pytest.mark.parametrize("engine", FIRST)
 def test_a_drawer_is_opened_and_closed_by_its_knob(engine: str) -> None:
     more = f"""{DRAWER} action pull = arm.open(knob, joint: rails, far: 12 cm) for 6.4 s
@@ -315,6 +325,22 @@ def test_only_what_can_be_touched_is_driven_step_by_step(engine: str, monkeypatc
         ("action grab = arm.pick(mat, height: 12 cm) for 3 s", "`mat` is fixed"),
         (f"{PICK} action more = arm.push(cup, direction: left, distance: 5 cm) for 5 s after grab", "holds `cup`"),
         (f"{PICK} action more = arm.rotate(cup, angle: 9 deg) for 1 s at 2 s", "`arm` is still busy when `more`"),
+        (
+            "action grab = arm.pick(cup, height: 12 cm, at: (24 mm, 22 mm)) for 3.4 s",
+            "a finger would come down on `cup`; take it nearer to its middle",
+        ),
+        (
+            f"{DRAWER} action pull = arm.open(knob, joint: rails, far: 19 cm) for 8 s",
+            "`rails` would be moved to 19 cm, and stops at 18 cm",
+        ),
+        (
+            f"{DRAWER} action pull = arm.close(knob, joint: rails, far: 2 cm) for 6 s",
+            "`rails` would be moved to -2 cm, and stops at -1 cm",
+        ),
+        (
+            f"{DRAWER} action pull = arm.open(cup, joint: rails, far: 3 cm) for 6 s",
+            "`rails` does not hold `cup`; name a thing that is joined",
+        ),
     ],
 )
 def test_what_an_arm_cannot_do_is_told_where_it_stands(more: str, message: str) -> None:

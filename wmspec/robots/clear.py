@@ -19,6 +19,7 @@ SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
 ROUND = 0.006  # m: the same of two hands, whose corners are round
 HAND = 0.25  # m: no part of a hand is further from its frame
 ASIDE = "let the hand come from elsewhere, or move that out of its way"
+TAKES = ("pick", "grasp", "lift", "open", "close")
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 
 
@@ -57,6 +58,13 @@ def collision(made: Plan, action: Thing) -> tuple[str, str] | None:
     for name, box in _obstacles(made, action, frames[:, :3, 3]):
         if (when := _first(hand, [box], reach, SLACK)) is not None:
             return f"its hand would go through `{name}`, {when:.2f} s after it starts", ASIDE
+    own = made.things[made.values.property(action.name, "object")]
+    if action.verb in TAKES and not made.values.parts(own.name):
+        down = slice(0, int(frames[:, 2, 3].argmin()) + 1)
+        fingers = list(_hand(arm.arm, frames[down], reach.values[down, -1]))[1:]
+        box = Box(own.middle[None], own.frame[None, :3, :3], np.array(own.half))
+        if _first(fingers, [box], reach, SLACK) is not None:
+            return f"a finger would come down on `{own.name}`", "take it nearer to its middle, or wholly beside it"
     start = made.number(action, "start")
     for robot, other in made.arms.items():
         if robot != action.of:
@@ -103,7 +111,7 @@ def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Bo
 
 def _obstacles(made: Plan, action: Thing, places: Array) -> Iterator[tuple[str, Box]]:
     """All near the way of a hand (n, 3) that it does not handle; what it pushes may push what can move."""
-    values, handled = made.values, _together(made.values, made.values.property(action.name, "object"))
+    values, handled = made.values, together(made.values, made.values.property(action.name, "object"))
     others = {values.property(t.name, "object") for t in values.spec.things if _moves_object(t, values)}
     for thing in values.spec.things:
         name = thing.name
@@ -139,7 +147,7 @@ def _solid(values: Values, name: str) -> bool:
     return any(touchable(values, part) for part in parts) if parts else touchable(values, name)
 
 
-def _together(values: Values, name: str) -> set[str]:
+def together(values: Values, name: str) -> set[str]:
     """An object and all that joints join to it."""
     joined, left = {name}, [t for t in values.spec.things if t.kind == "joint"]
     ends = [{values.property(t.name, end) for end in ("of", "to") if values.has(t.name, end)} for t in left]

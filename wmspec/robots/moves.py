@@ -11,15 +11,18 @@ from wmspec.check.ir import Thing
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.motion import angle as heading
 from wmspec.robots.arm import Array, down, shift
+from wmspec.robots.clear import together
 from wmspec.robots.goods import Goods
 from wmspec.robots.grasps import FIRM, LEEWAY, PALM, sides_of, taken
 from wmspec.robots.legs import Leg, spun, stay, straight
 from wmspec.robots.planning import ABOVE, Plan, only
 
 NARROW = 0.036  # m: how far apart the fingers are that push
+SLIM = 0.046  # m: what is less wide is pushed by fingers that are closed
 BESIDE = 0.04  # m: how far from what it pushes the hand comes down
 CORNER = 0.05  # m: how far from the middle of its side each of two hands pushes that meet at a corner
 TIP = 0.035  # m: how far from its end a thing is pushed that is turned
+NEAR = 1e-6  # rad or m: so far beyond its limit a joint is at it
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -98,6 +101,7 @@ def _pushed(made: Plan, action: Thing, thing: Goods, way: Array, aside: Array, m
     face = made.nearest(action.of, (float(np.arctan2(ahead[1], ahead[0])),))
     z = max(thing.middle[2], thing.top - arm.arm.palm + PALM)
     gap = thing.reach(ahead) + arm.arm.width / 2
+    apart = NARROW if 2 * thing.reach(np.cross(UP, ahead)) > SLIM else 0.0
 
     def beside(away: float) -> Array:
         x, y = thing.middle[:2] - ahead[:2] * (gap + away) + aside[:2]
@@ -108,14 +112,14 @@ def _pushed(made: Plan, action: Thing, thing: Goods, way: Array, aside: Array, m
     back = shift(*(-BESIDE * (move(1.0)[:3, :3] @ ahead))) @ there
     above = shift(0.0, 0.0, ABOVE)
     legs = [
-        Leg(0.28 * lasts, straight(arm.tool, above @ first), NARROW),
-        Leg(0.36 * lasts, straight(above @ first, first), NARROW),
-        Leg(0.41 * lasts, straight(first, near), NARROW),
-        Leg(0.43 * lasts, straight(near, touch), NARROW),
-        Leg(0.63 * lasts, lambda s: np.asarray(move(s) @ touch), NARROW),
-        Leg(0.65 * lasts, stay(there), NARROW),  # or the spline would swing .1 mm beyond it
-        Leg(0.695 * lasts, straight(there, back), NARROW),
-        Leg(0.762 * lasts, straight(back, above @ back), NARROW),
+        Leg(0.28 * lasts, straight(arm.tool, above @ first), apart),
+        Leg(0.36 * lasts, straight(above @ first, first), apart),
+        Leg(0.41 * lasts, straight(first, near), apart),
+        Leg(0.43 * lasts, straight(near, touch), apart),
+        Leg(0.63 * lasts, lambda s: np.asarray(move(s) @ touch), apart),
+        Leg(0.65 * lasts, stay(there), apart),  # or the spline would swing .1 mm beyond it
+        Leg(0.695 * lasts, straight(there, back), apart),
+        Leg(0.762 * lasts, straight(back, above @ back), apart),
         Leg(lasts, straight(above @ back, arm.drawn_back(back)), arm.arm.opening),
     ]
     made.go(action, legs)
@@ -165,7 +169,9 @@ def _along_joint(made: Plan, action: Thing, handle: Goods, sign: float) -> Goods
     """Take a handle and move it by so much along the way that its joint leaves it; let go, and draw back."""
     arm, lasts, joint = made.arms[action.of], made.lasts(action), made.values.property(action.name, "joint")
     made.free(action)
-    at, move = taken(made, action, handle), _joint_way(made, action, joint, sign * made.number(action, "far"))
+    by = sign * made.number(action, "far")
+    _lets(made, action, handle.name, joint, by)
+    at, move = taken(made, action, handle), _joint_way(made, action, joint, by)
     above, opened, closed = shift(0.0, 0.0, ABOVE), arm.arm.opening, handle.across(at) + LEEWAY
     there = move(1.0) @ at
     legs = [
@@ -181,7 +187,29 @@ def _along_joint(made: Plan, action: Thing, handle: Goods, sign: float) -> Goods
     start = made.number(action, "start")
     made.hold(action, handle.name, start + 0.37 * lasts, FIRM)
     made.let_go(action, start + 0.66 * lasts)
+    made.opened[joint] = made.opened.get(joint, 0.0) + by
     return handle.put(move(1.0))
+
+
+def _lets(made: Plan, action: Thing, handle: str, joint: str, by: float) -> None:
+    """Complain unless a joint holds the handle, or what that is joined to, and lets it be moved so far (rad or m)."""
+    values = made.values
+    if values.property(joint, "of") not in together(values, handle):
+        raise ImpossibleValue(
+            f"`{joint}` does not hold `{handle}`", action.place, "name a thing that is joined to what the joint holds"
+        )
+    low, high = (
+        float(values.property(joint, end)) if values.has(joint, end) else most
+        for end, most in (("low", -np.inf), ("high", np.inf))
+    )
+    reached, turns = made.opened.get(joint, 0.0) + by, values.spec.thing(joint).model == "hinge"
+    if not low - NEAR <= reached <= high + NEAR:
+        to, stop = (
+            f"{np.degrees(x):.3g} deg" if turns else f"{100 * x:.3g} cm" for x in (reached, np.clip(reached, low, high))
+        )
+        raise ImpossibleValue(
+            f"`{joint}` would be moved to {to}, and stops at {stop}", action.place, "move it less far"
+        )
 
 
 def _joint_way(made: Plan, action: Thing, joint: str, by: float) -> Callable[[float], Array]:

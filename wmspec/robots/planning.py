@@ -73,13 +73,17 @@ class Unable(Exception):
 
 @dataclass
 class Plan:
-    """A plan in the making. `choice` is which of the ways to take things is tried."""
+    """A plan in the making. `choice` is which of the ways to take things is tried.
+
+    `opened` is how far (rad or m) joints have been moved from where they began.
+    """
 
     values: Values
     choice: int
     arms: dict[str, State]
     things: dict[str, Goods] = field(default_factory=dict)
     reaches: dict[str, Reach] = field(default_factory=dict)
+    opened: dict[str, float] = field(default_factory=dict)
 
     def thing(self, action: Thing) -> Goods:
         """What an action is done to, as it is by then."""
