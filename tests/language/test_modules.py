@@ -105,6 +105,7 @@ def test_each_variant_is_a_task_with_what_is_common(tmp_path: Path) -> None:
         ("use shop only [ground, frnt]", "1:24: there is no `frnt` in `shop`; did you mean `front`?"),
         ("use shop(tone: red)  use shop(tone: blue)", "1:22: `shop` is used twice"),
         ("use shop as here  let here_x = here.grund", "`here.grund` is not known here"),
+        ("use shop as here  light lamp { diffuse: 1 }", "1:25: `lamp` is a second light, and there is one sun"),
     ],
 )
 def test_mistakes_are_told(tmp_path: Path, text: str, wanted: str) -> None:
