@@ -61,7 +61,8 @@ def collision(made: Plan, action: Thing) -> tuple[str, str] | None:
     own = made.things[made.values.property(action.name, "object")]
     if action.verb in TAKES and not made.values.parts(own.name):
         down = slice(0, int(frames[:, 2, 3].argmin()) + 1)
-        fingers = list(_hand(arm.arm, frames[down], reach.values[down, -1]))[1:]
+        touching = arm.arm.tip[1] * (1, 0, 1) + (0, arm.arm.pad, 0)  # of a finger the pad alone
+        fingers = list(_fingers(frames[down], reach.values[down, -1], arm.arm, np.array([arm.arm.tip[0], touching])))
         box = Box(own.middle[None], own.frame[None, :3, :3], np.array(own.half))
         if _first(fingers, [box], reach, SLACK) is not None:
             return f"a finger would come down on `{own.name}`", "take it nearer to its middle, or wholly beside it"
@@ -86,9 +87,14 @@ def _first(hand: list[Box], others: list[Box], reach: Reach, slack: float) -> fl
 def _hand(arm: Arm, frames: Array, slides: Array) -> Iterator[Box]:
     """The hull of the hand and its fingers, for its frames (n, 4, 4) and how far (n,) each finger has slid."""
     yield _between(frames, arm.hull)
+    yield from _fingers(frames, slides, arm, arm.tip)
+
+
+def _fingers(frames: Array, slides: Array, arm: Arm, corners: Array) -> Iterator[Box]:
+    """The part of both fingers that is between two corners (2, 3) of their own frames."""
     for side in (0.0, np.pi):
         fingers = np.array([about(2, side) @ shift(0.0, float(slide), arm.finger) for slide in slides])
-        yield _between(frames @ fingers, arm.tip)
+        yield _between(frames @ fingers, corners)
 
 
 def _between(frames: Array, corners: Array) -> Box:
