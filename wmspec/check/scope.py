@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 
 from wmspec.check.functions import FUNCTIONS
 from wmspec.check.verbs import VERBS
@@ -61,20 +61,17 @@ class Scope:
             self._report.add("WMS202", f"`{name}` is declared twice", statement.name.span, remedy, notes)
             self.doubled = True
             return
-        if isinstance(statement, s.Block) and statement.kind == "light" and (sun := next(self._lights(), None)):
+        if isinstance(statement, s.Block) and statement.kind == "light" and (suns := self.blocks("light")):
             what = f"`{name}` is a second light, and there is one sun"
             remedy = "leave one out: of a library, name in `only [...]` what you need"
-            self._report.add("WMS202", what, statement.name.span, remedy, (Note("the first one", sun.name.span),))
+            notes = (Note("the first one", self.names[suns[0]].name.span),)
+            self._report.add("WMS202", what, statement.name.span, remedy, notes)
         if name in RESERVED:
             message = f"`{name}` is a word of the language"
             self._report.add("WMS202", message, statement.name.span, "choose another name")
         self.names[name] = statement
         if member_of:
             self.sets[name] = member_of
-
-    def _lights(self) -> Iterator[s.Block]:
-        """The lights so far."""
-        return (d for d in self.names.values() if isinstance(d, s.Block) and d.kind == "light")
 
     def asset(self, of: str, named: dict[str, str], blocks: tuple[s.Block, ...]) -> None:
         """Take in the links and joints of an asset, and put its base in the place of the object that named it."""
