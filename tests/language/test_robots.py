@@ -149,6 +149,7 @@ def test_a_car_changes_lanes() -> None:
         (("action a = taxi.forward(5 m) for 2 s", (2, -30), 45), "it is headed along none of its roads"),
         (("action a = taxi.change_lane(left) for 3 s",), "there is no lane for it on the left in `street`"),
         (("action a = taxi.stop() for 3 s",), "it stands still by then"),
+        (("action a = taxi.forward(40 m) for 1 s",), "would have to go at 60 m/s, and cars here do at most 50"),
         (
             (
                 "action a = taxi.forward(20 m) for 3 s",
@@ -313,6 +314,18 @@ def test_nobody_stands_in_a_thing() -> None:
     more = "object crate { shape: cube  size: 1 m  color: red  on: floor at (60 cm, 0)  fixed: true }"
     with pytest.raises(WmsError, match="`someone` stands less than 25 cm from `crate`"):
         planned(room("action go = someone.move(1 m) for 1 s", more=more))
+
+
+@pytest.mark.parametrize(
+    ("act", "message"),
+    [
+        ("someone.move(4 m) for 0.5 s", r"go at 12 m/s, and walkers here do at most 8; give it some 0\.8 s"),
+        ("someone.turn(left, angle: 180 deg) for 0.1 s", r"turn at 2686 deg/s, and walkers here do at most 720"),
+    ],
+)
+def test_nobody_is_faster_than_such_a_thing_is(act: str, message: str) -> None:
+    with pytest.raises(WmsError, match=message):
+        planned(room(f"action go = {act}"))
 
 
 def test_one_thing_at_a_time() -> None:

@@ -54,6 +54,7 @@ task two : custom {{
   observe facing at [0 s]
 }}"""
 PICK = "action grab = arm.pick(cup, height: 12 cm) for 3.4 s"
+BLOCK = "object block { shape: cube  size: 5 cm  on: table at (14 cm, 8 cm) }"
 BOTH = """action a = left_arm.lift(plank, height: {low}) for 3.4 s
   action b = right_arm.lift(plank, height: {high}) for 3.4 s with a"""
 
@@ -115,19 +116,54 @@ def test_what_is_too_heavy_or_too_smooth_slips(engine: str, density: float, fric
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_what_is_held_back_tears_loose_and_is_told(engine: str) -> None:
+def test_what_is_held_back_is_told(engine: str) -> None:
+    """Whether the tie between hand and thing gives, as in MuJoCo and PyBullet, or what is in the way, as in SAPIEN."""
     installed(engine)
-    stop = "object stop { shape: box  size: (3 cm, 8 cm, 6 cm)  on: table at (1.5 cm, -3 cm)  fixed: true }"
-    more = f"""{stop} action grab = arm.pick(cup, height: 2 cm) for 3.4 s
+    stop = "object stop { shape: box  size: (3 cm, 8 cm, 6 cm)  on: table at (1.5 cm, -3 cm)  mass: 100 g }"
+    wall = "object wall { shape: box  size: (3 cm, 8 cm, 6 cm)  on: table at (4.6 cm, -3 cm)  fixed: true }"
+    more = f"""{stop} {wall} action grab = arm.pick(cup, height: 2 cm) for 3.4 s
       action go = arm.carry(cup, direction: right, distance: 25 mm) for 1 s after grab"""
-    with pytest.raises(EngineError, match=r"hand loses hold of .*/cup at \d\.\d+ s"):
+    with pytest.raises(EngineError, match=r"hand loses hold of .*/cup at \d\.\d+ s|cup is pressed .* into stop at \d"):
         one(more)[0].run(engine)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_is_held_may_push_along_what_can_move(engine: str) -> None:
+    installed(engine)
+    more = """object stop { shape: box  size: (3 cm, 8 cm, 6 cm)  on: table at (1.5 cm, -3 cm)  mass: 100 g }
+      action grab = arm.pick(cup, height: 2 cm) for 3.4 s
+      action go = arm.carry(cup, direction: right, distance: 25 mm) for 1 s after grab"""
+    run = one(more)[0].run(engine)
+    assert run["stop"].position[-1][0] - run["stop"].position[0][0] == pytest.approx(0.015, abs=2e-3)
 
 
 def test_no_hand_goes_through_a_thing() -> None:
     lid = "object lid { shape: box  size: (8 cm, 3 cm, 2 cm)  at: (-4 cm, -3 cm, 12 cm)  fixed: true }"
     with pytest.raises(SpecError, match="its hand would go through `lid`"):
         one(f"{lid} {PICK}")[0].stage()
+
+
+def test_nothing_that_is_held_or_pushed_goes_through_what_is_fixed() -> None:
+    far = "object stop {{ shape: box  size: (3 cm, 8 cm, {high})  on: table at ({x} cm, -3 cm)  fixed: true }}"
+    low = PICK.replace("12 cm", "4 cm")
+    go = f"{low} action go = arm.carry(cup, direction: right, distance: 7 cm) for 2 s after grab"
+    with pytest.raises(SpecError, match="`cup` would go through `stop`"):
+        one(f"{far.format(high='4.5 cm', x=6)} {go}")[0].stage()
+    one(f"{far.format(high='3.9 cm', x=6)} {go}")[0].stage()  # it is 4 cm up by then
+    shove = "action shove = arm.push(cup, direction: left, distance: 8 cm) for 5 s"
+    with pytest.raises(SpecError, match="`cup` would go through `stop`"):
+        one(f"{far.format(high='2 cm', x=-15.5)} {shove}")[0].stage()
+    one(f"{far.format(high='2 cm', x=-17)} {shove}")[0].stage()
+
+
+def test_no_link_goes_through_a_thing() -> None:
+    shelf = "object shelf {{ shape: box  size: (40 cm, 3 cm, 3 cm)  at: (0, 40 cm, {z} cm)  fixed: true }}"
+    with pytest.raises(SpecError, match=r"a link of it would go through `shelf`"):
+        one(f"{shelf.format(z=60)} {PICK}")[0].stage()
+    one(f"{shelf.format(z=15)} {PICK}")[0].stage()
+    tip = "action tip = arm.tilt(cup, angle: 170 deg) for 4 s after grab"
+    with pytest.raises(SpecError, match=r"would go through `table`"):
+        one(f"{PICK} {tip}")[0].stage()
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -321,7 +357,21 @@ def test_only_what_can_be_touched_is_driven_step_by_step(engine: str, monkeypatc
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        ("action grab = arm.pick(cup, height: 12 cm) for 1 s", "times as fast as it can; give it more time"),
+        ("action grab = arm.pick(cup, height: 12 cm) for 1 s", r"times as fast as it can; give it some \d"),
+        (
+            "action grab = arm.pick(cup, height: 1 m) for 6 s",
+            r"cm is out of its reach with the hand turned like that; place what it handles nearer",
+        ),
+        (
+            f"{PICK} action more = arm.rotate(cup, angle: 500 deg) for 9 s after grab",
+            r"its joints stop after some \d+ of 500",
+        ),
+        ("action grab = arm.place(cup, on: mat) for 4 s", "`arm` does not hold `cup`, so it cannot place it"),
+        (f"{PICK} action more = arm.place(cup, on: cup) for 4 s after grab", "`cup` cannot be put on itself"),
+        (
+            f"{BLOCK} {PICK} action more = arm.place(cup, on: table, at: (14 cm, 9 cm)) for 5 s after grab",
+            "`cup` would go through `block`",
+        ),
         ("action grab = arm.pick(mat, height: 12 cm) for 3 s", "`mat` is fixed"),
         (f"{PICK} action more = arm.push(cup, direction: left, distance: 5 cm) for 5 s after grab", "holds `cup`"),
         (f"{PICK} action more = arm.rotate(cup, angle: 9 deg) for 1 s at 2 s", "`arm` is still busy when `more`"),
@@ -346,6 +396,55 @@ def test_only_what_can_be_touched_is_driven_step_by_step(engine: str, monkeypatc
 def test_what_an_arm_cannot_do_is_told_where_it_stands(more: str, message: str) -> None:
     with pytest.raises(SpecError, match=message):
         one(more)[0].stage()
+
+
+def test_fingers_move_what_they_take_to_their_middle_and_the_plan_knows() -> None:
+    tile = "object tile { shape: box  size: (5 cm, 5 cm, 4 cm)  on: table at (14 cm, 9 cm) }"
+    more = f"""{tile} action grab = arm.pick(tile, height: 6 cm, at: (7 mm, 3 mm)) for 3.4 s
+      action put = arm.place(tile, on: table, at: (-14 cm, 9 cm)) for 5 s after grab"""
+    moved, _ = ended(one(more), "mujoco", "tile")
+    assert moved == pytest.approx([-0.28, 0, 0], abs=3 * NEAR)
+
+
+@pytest.mark.parametrize(
+    ("shape", "at", "message"),
+    [
+        (
+            "box  size: (5 cm, 5 cm, 4 cm)",
+            "(0, 28 mm)",
+            "its fingers would close on an edge of `tile` and squeeze it out",
+        ),
+        ("sphere  size: 6 cm", "(26 mm, 0)", "finger"),
+    ],
+)
+def test_nothing_is_squeezed_out(shape: str, at: str, message: str) -> None:
+    tile = f"object tile {{ shape: {shape}  on: table at (14 cm, 9 cm) }}"
+    with pytest.raises(SpecError, match=message):
+        one(f"{tile} action grab = arm.pick(tile, height: 6 cm, at: {at}) for 3.4 s")[0].stage()
+
+
+@pytest.mark.parametrize("high", [4, 12])
+def test_what_is_thin_is_taken_above_what_it_lies_on(high: int) -> None:
+    thin = f"object tile {{ shape: box  size: (6 cm, 5 cm, {high} mm)  on: table at (14 cm, 9 cm) }}"
+    moved, _ = ended(one(f"{thin} {PICK.replace('cup', 'tile')}"), "mujoco", "tile")
+    assert moved == pytest.approx([0, 0, 0.12], abs=NEAR)
+
+
+def test_what_two_arms_hold_neither_moves_alone() -> None:
+    grips = """action a = left_arm.grasp(plank, at: (-12 cm, 0)) for 3 s
+      action b = right_arm.grasp(plank, at: (12 cm, 0)) for 3 s after a
+      action c = right_arm.carry(plank, direction: right, distance: 3 cm) for 1 s after b"""
+    with pytest.raises(SpecError, match="`left_arm` holds `plank`, too, so `right_arm` cannot carry it"):
+        wmspec.load(text=TWO.format(size="(34 cm, 7 cm, 3 cm)", more=grips))[0].stage()
+
+
+def test_what_an_arm_could_not_do_names_the_counterfactual() -> None:
+    task = one("""factor height in [6, 12] cm
+      action grab = arm.pick(cup, height: height) for 3.4 s
+      question "Where?" { answer frame(facing, end)
+        counterfactual sudden { action grab.duration: height / 1 m * 1 s } }""")
+    with pytest.raises(SpecError, match=r"as fast as it can; .*under this counterfactual, `sudden`"):
+        task[0].stage(counterfactual="sudden")
 
 
 def test_what_arms_do_obeys_the_law_of_one_factor() -> None:

@@ -151,8 +151,8 @@ def subject(check: Expressions, action: s.Action, does: Act) -> ir.Expr | None:
 
 
 def _types(check: Expressions, action: s.Action, does: Act, name: str, slot: Slot) -> tuple[Type, ...]:
-    """The types that an argument takes: a joint's target is what the joint says."""
-    if (does.name, name) != ("drive", "target") or "joint" not in does.written:
+    """The types that an argument takes: how far a joint is moved is as the joint says."""
+    if name not in ("target", "far") or "joint" not in does.written:
         return slot.types
     joint = argument(check, action, does, "joint").expr
     block = check.scope.names[str(joint.value)] if isinstance(joint, ir.Value) else None

@@ -21,8 +21,8 @@ def arm_command(description: Path, output: Path | None) -> None:
 
     target = output or description.with_suffix(".usdc")
     made = make(description, target)
-    for what in dict.fromkeys(d.message for d in made.ignored):
-        tell(f"not needed, so left out: {what}")
+    for what in {d.message: f"{d.place}: {d.message}" for d in reversed(made.ignored)}.values():
+        tell(f"left out, since an arm that moves as it is told does not need it: {what}")
     hinges, opens = len(made.arm.low), 100 * made.arm.opening
     click.echo(
         f'{target}: {hinges} hinges and a hand that opens {opens:g} cm; robot arm : arm {{ model: "{target.name}" }}'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,9 @@ from wmspec.limits import SECONDS
 if TYPE_CHECKING:
     from wmspec.api import Episode
 
+
+MANY, DEPTH = 3, 2
+"""So many parts of one prim, that deep in a stage (`/World/Objects/arm`), are told together."""
 
 duration_option = click.option(
     "--for",
@@ -164,7 +168,12 @@ def _notes(episode: Episode) -> dict[str, Any]:
 def _print(episode: Episode) -> None:
     summary = _summary(episode)
     click.echo(click.style(f"{episode.engine}, {summary['duration']:g} s", bold=True))
+    links = _links(episode)
+    for path, count in Counter(links.values()).items():
+        click.echo(f"  {path.rpartition('/')[2]:<16} has {count} parts that move as planned")
     for name, end in summary["bodies"].items():
+        if name in links:
+            continue
         x, y, z = (100 * v for v in end["middle"])
         vx, vy, vz = (100 * v for v in end["velocity"])
         click.echo(
@@ -173,3 +182,10 @@ def _print(episode: Episode) -> None:
     for contact in summary["contacts"]:
         when = f"from {contact['start']:.3f} s to {contact['stop']:.3f} s"
         click.echo(f"  {contact['first']} touches {contact['second']} {when}")
+
+
+def _links(episode: Episode) -> dict[str, str]:
+    """What moves as told and is one of many parts of something, as links of an arm are: name -> path of the whole."""
+    led = {b.name: b.path.rpartition("/")[0] for b in episode.scene.bodies if b.motion == "kinematic"}
+    wholes = Counter(led.values())
+    return {name: whole for name, whole in led.items() if wholes[whole] >= MANY and whole.count("/") > DEPTH}

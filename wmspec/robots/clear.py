@@ -1,8 +1,8 @@
-"""Whether hands keep clear: of all that they do not handle, and of each other."""
+"""Whether arms keep clear: hands, what they hold and the links behind, of what they do not handle and of each other."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,70 +12,168 @@ from wmspec.check.ir import Thing
 from wmspec.layout.geometry import pieces, touchable
 from wmspec.layout.values import Values
 from wmspec.robots.arm import Arm, Array, about, shift
-from wmspec.robots.planning import Plan, Reach, State
-from wmspec.space import Pose
+from wmspec.robots.boxes import Box, between, boxes, ends
+from wmspec.robots.goods import Goods, goods, together
+from wmspec.robots.grasps import CLOSED, FIRM
+from wmspec.robots.limbs import limbs
+from wmspec.robots.planning import PUSHES, TAKES, Plan, Reach, State, matrix
+from wmspec.shapes.shape import Shape
 
 SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
 ROUND = 0.006  # m: the same of two hands, whose corners are round
 HAND = 0.25  # m: no part of a hand is further from its frame
 ASIDE = "let the hand come from elsewhere, or move that out of its way"
-TAKES = ("pick", "grasp", "lift", "open", "close")
-_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
+SHORT = "push it less far or another way, or move that out of its way"
+AROUND = "carry it around or above that, or move that out of its way"
 
 
-@dataclass(frozen=True, eq=False)
-class Box:
-    """A box, or the same one at n times: `center` (n, 3), `axes` (n, 3, 3) as columns, `half` its edges (3,) m."""
+def collision(made: Plan, action: Thing, before: Goods) -> tuple[str, str] | None:
+    """What an arm goes through during an action and when, and what helps; None if it keeps clear.
 
-    center: Array
-    axes: Array
-    half: Array
-
-    def meets(self, other: Box, slack: float) -> NDArray[np.bool_]:
-        """When (n,) the two overlap: no axis separates them (S. Gottschalk, OBBTree, 1996, section 5)."""
-        turn = np.swapaxes(self.axes, 1, 2) @ other.axes
-        way = ((other.center - self.center)[:, None, :] @ self.axes)[:, 0]
-        size, a, b = np.abs(turn), self.half - slack, other.half - slack
-        faces = np.abs(way) > a + size @ b
-        others = np.abs((way[:, None, :] @ turn)[:, 0]) > (a @ size) + b
-        meets = np.asarray(~(faces.any(axis=1) | others.any(axis=1)))
-        if not meets.any():
-            return meets
-        way, turn, size = way[meets], turn[meets], size[meets]
-        i, j = _NEXT, _LAST
-        edge = np.abs(way[:, j, None] * turn[:, i, :] - way[:, i, None] * turn[:, j, :])
-        reach = a[i][:, None] * size[:, j, :] + a[j][:, None] * size[:, i, :]
-        reach = reach + size[:, :, j] * b[i] + size[:, :, i] * b[j]
-        meets[meets] = ~(edge > reach + 1e-9).any(axis=(1, 2))
-        return meets
-
-
-def collision(made: Plan, action: Thing) -> tuple[str, str] | None:
-    """What the hand goes through during an action and when, and what helps; None if it keeps clear."""
+    `before` is what it handles, as it was before.
+    """
     reach, arm = made.reaches[action.name], made.arms[action.of]
-    frames = np.array([arm.arm.links(q, arm.base)[-1] for q in reach.values[:, : len(arm.q)]])
-    hand = list(_hand(arm.arm, frames, reach.values[:, -1]))
-    for name, box in _obstacles(made, action, frames[:, :3, 3]):
-        if (when := _first(hand, [box], reach, SLACK)) is not None:
+    links = np.array([arm.arm.links(q, arm.base) for q in reach.values[:, : len(arm.q)]])
+    hand = list(_hand(arm.arm, links[:, -1], reach.values[:, -1]))
+    return (
+        _with_things(made, action, before, links, hand)
+        or _with_what_it_takes(made, action, before, links[:, -1])
+        or _with_other_hands(made, action, hand)
+    )
+
+
+def _with_things(made: Plan, action: Thing, before: Goods, links: Array, hand: list[Box]) -> tuple[str, str] | None:
+    """What the hand, a link or what is held or pushed goes through, of all that the arm does not handle."""
+    reach, arm, frames = made.reaches[action.name], made.arms[action.of].arm, links[:, -1]
+    led = _led(made, action, before, frames)
+    for name, box in _obstacles(made, action):
+        if _near(frames, box) and (when := _first(hand, [box], reach, SLACK)) is not None:
             return f"its hand would go through `{name}`, {when:.2f} s after it starts", ASIDE
-    own = made.things[made.values.property(action.name, "object")]
-    if action.verb in TAKES and not made.values.parts(own.name):
-        down = slice(0, int(frames[:, 2, 3].argmin()) + 1)
-        touching = arm.arm.tip[1] * (1, 0, 1) + (0, arm.arm.pad, 0)  # of a finger the pad alone
-        fingers = list(_fingers(frames[down], reach.values[down, -1], arm.arm, np.array([arm.arm.tip[0], touching])))
-        box = Box(own.middle[None], own.frame[None, :3, :3], np.array(own.half))
-        if _first(fingers, [box], reach, SLACK) is not None:
-            return f"a finger would come down on `{own.name}`", "take it nearer to its middle, or wholly beside it"
-    start = made.number(action, "start")
+        if (when := _through(arm, links, box, reach)) is not None:
+            return f"a link of it would go through `{name}`, {when:.2f} s after it starts", ASIDE
+        stays = made.values.property(name, "fixed") or action.verb == "place"
+        if stays and (when := _meets(led, box, reach)) is not None:
+            what = f"`{before.name}` would go through `{name}`, {when:.2f} s after it starts"
+            return what, SHORT if action.verb == "push" else AROUND
+    return None
+
+
+def _with_what_it_takes(made: Plan, action: Thing, before: Goods, frames: Array) -> tuple[str, str] | None:
+    """Whether a finger comes down on what it is to take, or the two close on an edge of it."""
+    reach, arm = made.reaches[action.name], made.arms[action.of].arm
+    if action.verb not in TAKES or made.values.parts(before.name):
+        return None
+    lowest = int(frames[:, 2, 3].argmin())
+    hits = before.has((frames[lowest] @ shift(0.0, 0.0, arm.reach))[:3, 3])
+    box = Box(before.middle[None], before.frame[None, :3, :3], np.array(before.half))
+    touching = arm.tip[1] * (1, 0, 1) + (0, arm.pad, 0)  # of a finger the pad alone
+    closes = np.array(reach.times) <= CLOSED * made.lasts(action)
+    for when, what in (
+        (np.arange(len(frames)) <= lowest, f"a finger would come down on `{before.name}`"),
+        (closes & (not hits), f"its fingers would close on an edge of `{before.name}` and squeeze it out"),
+    ):
+        fingers = _fingers(frames[when], reach.values[when, -1], arm, np.array([arm.tip[0], touching]))
+        if when.any() and any(finger.meets(box, SLACK).any() for finger in fingers):
+            return what, "take it nearer to its middle, or wholly beside it"
+    return None
+
+
+def _with_other_hands(made: Plan, action: Thing, hand: list[Box]) -> tuple[str, str] | None:
+    """Whether a hand meets that of another arm."""
+    reach, start = made.reaches[action.name], made.number(action, "start")
     for robot, other in made.arms.items():
         if robot != action.of:
             theirs = list(_other_hand(made, robot, other, start + np.array(reach.times)))
             if (when := _first(hand, theirs, reach, ROUND)) is not None:
-                return (
-                    f"its hand would meet that of `{robot}`, {when:.2f} s after it starts",
-                    "let one go after the other",
-                )
+                what = f"its hand would meet that of `{robot}`, {when:.2f} s after it starts"
+                return what, "let one go after the other"
     return None
+
+
+# ---------------------------------------------------------------- links, and what is led
+
+
+def _near(frames: Array, box: Box) -> bool:
+    """Whether a hand (n, 4, 4) comes near a box at any time."""
+    return bool(np.linalg.norm(frames[:, :3, 3] - box.center, axis=1).min() < HAND + float(np.linalg.norm(box.half)))
+
+
+def _through(arm: Arm, links: Array, box: Box, reach: Reach) -> float | None:
+    """When (s) a link behind the hand, of all their frames (n, k, 4, 4), is first in a box that stands still."""
+    first = len(links)
+    for number, points in limbs(arm):
+        middle = points.mean(axis=0)
+        round_ = float(np.linalg.norm(points - middle, axis=1).max())
+        frames = links[:first, number]
+        centers = frames[:, :3, :3] @ middle + frames[:, :3, 3]
+        outside = np.maximum(np.abs((centers - box.center) @ box.axes[0]) - box.half, 0.0)
+        for i in np.flatnonzero(np.linalg.norm(outside, axis=1) < round_).tolist():
+            seen = (points @ frames[i, :3, :3].T + frames[i, :3, 3] - box.center) @ box.axes[0]
+            if (np.abs(seen) < box.half - SLACK).all(axis=1).any():
+                first = i
+                break
+    return reach.times[first] if first < len(links) else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Led:
+    """A piece of what an arm leads: its solid, at these of the times of a reach in these frames (n, 4, 4)."""
+
+    solid: Shape
+    times: NDArray[np.intp]
+    frames: Array
+    box: Box
+
+
+def _led(made: Plan, action: Thing, before: Goods, frames: Array) -> list[_Led]:
+    """The pieces of what the hand (n, 4, 4) holds fast or pushes during an action, as they go with it."""
+    reach = made.reaches[action.name]
+    when = made.number(action, "start") + np.array(reach.times)
+    holds = [r.hold for r in made.reaches.values() if r.robot == action.of and r.hold]
+    spans = [(h.start, h.stop) for h in holds if h.object == before.name and len(h.points) == len(FIRM)]
+    if action.verb == "push":
+        start, lasts = made.number(action, "start"), made.lasts(action)
+        spans = [(start + PUSHES[0] * lasts, start + PUSHES[1] * lasts)]
+    during = np.array([(start <= when) & (when <= stop) for start, stop in spans]).reshape(len(spans), len(when))
+    times = np.flatnonzero(during.any(axis=0))
+    if not len(times):
+        return []
+    values = made.values
+    stood = before.frame @ np.linalg.inv(goods(values, before.name).frame) @ matrix(values.pose(before.name))
+    rigid = frames[times] @ np.linalg.inv(frames[times[0]]) @ stood
+    found = []
+    for piece in pieces(values, before.name):
+        placed = rigid @ matrix(piece.pose)
+        low, high = ends(piece)
+        middle = placed[:, :3, :3] @ ((low + high) / 2) + placed[:, :3, 3]
+        found.append(_Led(piece.solid, times, placed, Box(middle, placed[:, :3, :3], (high - low) / 2)))
+    return found
+
+
+def _meets(led: Sequence[_Led], box: Box, reach: Reach) -> float | None:
+    """When (s) what is led is first in a box that stands still: no axis of either separates them."""
+    first = None
+    for piece in led:
+        for i in np.flatnonzero(piece.box.meets(box, SLACK)).tolist():
+            if not _parted(piece.solid, piece.frames[i], box):
+                first = min(first or np.inf, reach.times[piece.times[i]])
+                break
+    return first
+
+
+def _parted(solid: Shape, frame: Array, box: Box) -> bool:
+    """Whether a side of a box, or of that around a solid, has all of the other beyond it, but for the slack."""
+    for axis in (*box.axes[0].T, *frame[:3, :3].T):
+        own = frame[:3, :3].T @ axis
+        ahead, back = solid.reach(tuple(own.tolist())), solid.reach(tuple((-own).tolist()))
+        way = float((box.center[0] - frame[:3, 3]) @ axis)
+        half = float(np.abs(box.axes[0].T @ axis) @ box.half)
+        if way - half > ahead - 2 * SLACK or -way - half > back - 2 * SLACK:
+            return True
+    return False
+
+
+# ---------------------------------------------------------------- hands
 
 
 def _first(hand: list[Box], others: list[Box], reach: Reach, slack: float) -> float | None:
@@ -86,7 +184,7 @@ def _first(hand: list[Box], others: list[Box], reach: Reach, slack: float) -> fl
 
 def _hand(arm: Arm, frames: Array, slides: Array) -> Iterator[Box]:
     """The hull of the hand and its fingers, for its frames (n, 4, 4) and how far (n,) each finger has slid."""
-    yield _between(frames, arm.hull)
+    yield between(frames, arm.hull)
     yield from _fingers(frames, slides, arm, arm.tip)
 
 
@@ -94,13 +192,7 @@ def _fingers(frames: Array, slides: Array, arm: Arm, corners: Array) -> Iterator
     """The part of both fingers that is between two corners (2, 3) of their own frames."""
     for side in (0.0, np.pi):
         fingers = np.array([about(2, side) @ shift(0.0, float(slide), arm.finger) for slide in slides])
-        yield _between(frames @ fingers, corners)
-
-
-def _between(frames: Array, corners: Array) -> Box:
-    """The box between two corners (2, 3) in these frames."""
-    middle = frames[:, :3, :3] @ corners.mean(axis=0) + frames[:, :3, 3]
-    return Box(middle, frames[:, :3, :3], (corners[1] - corners[0]) / 2)
+        yield between(frames @ fingers, corners)
 
 
 def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Box]:
@@ -115,8 +207,8 @@ def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Bo
     yield from _hand(arm.arm, frames, rows[:, -1])
 
 
-def _obstacles(made: Plan, action: Thing, places: Array) -> Iterator[tuple[str, Box]]:
-    """All near the way of a hand (n, 3) that it does not handle; what it pushes may push what can move."""
+def _obstacles(made: Plan, action: Thing) -> Iterator[tuple[str, Box]]:
+    """All that an arm does not handle; what it pushes may push what can move, and it may put things on another."""
     values, handled = made.values, together(made.values, made.values.property(action.name, "object"))
     others = {values.property(t.name, "object") for t in values.spec.things if _moves_object(t, values)}
     for thing in values.spec.things:
@@ -128,19 +220,8 @@ def _obstacles(made: Plan, action: Thing, places: Array) -> Iterator[tuple[str, 
         pose = values.pose(name)
         known = made.things.get(name)
         gone = known.frame[:3, 3] - known.start if known else np.zeros(3)
-        for box in _boxes(values, name, pose, gone):
-            if np.linalg.norm(places - box.center, axis=1).min() < HAND + float(np.linalg.norm(box.half)):
-                yield name, box
-
-
-def _boxes(values: Values, name: str, pose: Pose, gone: Array) -> Iterator[Box]:
-    """The boxes around the solids of an object, which has gone so far (3,) from its first pose."""
-    axes = np.eye(3)
-    for piece in pieces(values, name):
-        placed = pose.then(piece.pose)
-        low, high = (np.array([sign * piece.solid.reach(tuple(sign * axis)) for axis in axes]) for sign in (-1.0, 1.0))
-        turn = np.array([np.array(placed.apply(tuple(axis))) - np.array(placed.position) for axis in axes]).T
-        yield Box(np.array(placed.apply(tuple((low + high) / 2)))[None] + gone, turn[None], (high - low) / 2)
+        for box in boxes(values, name, pose, gone):
+            yield name, box
 
 
 def _moves_object(thing: Thing, values: Values) -> bool:
@@ -151,14 +232,3 @@ def _moves_object(thing: Thing, values: Values) -> bool:
 def _solid(values: Values, name: str) -> bool:
     parts = values.parts(name)
     return any(touchable(values, part) for part in parts) if parts else touchable(values, name)
-
-
-def together(values: Values, name: str) -> set[str]:
-    """An object and all that joints join to it."""
-    joined, left = {name}, [t for t in values.spec.things if t.kind == "joint"]
-    ends = [{values.property(t.name, end) for end in ("of", "to") if values.has(t.name, end)} for t in left]
-    for _ in ends:
-        for pair in ends:
-            if pair & joined:
-                joined |= pair
-    return joined

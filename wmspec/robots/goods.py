@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wmspec.layout.values import Values
+    from wmspec.shapes.shape import Shape
+
+INSIDE = 0.25
+"""So deep in what is round, in halves of its width, fingers find hold: nearer to its rim they squeeze it out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +28,8 @@ class Goods:
     """A thing that stands upright: its box has half the edges `half` (3,) m in the frame `frame` (4, 4) of its middle.
 
     `start` (3,) is where its middle was before anything happened. `slipped`: it was too heavy or too smooth for the
-    hand that wanted to raise it, or the hand closed beside it.
+    hand that wanted to raise it, or the hand closed beside it. `round`: the solid that it is, if that has no flat sides
+    alone, about its middle.
     """
 
     name: str
@@ -34,6 +39,7 @@ class Goods:
     friction: float
     start: Array
     slipped: bool = False
+    round: Shape | None = None
 
     @property
     def middle(self) -> Array:
@@ -59,9 +65,10 @@ class Goods:
         return self if self.slipped else replace(self, frame=move @ self.frame)
 
     def has(self, point: Array) -> bool:
-        """Whether a hand at a point (3,), seen from above, is where it is."""
+        """Whether a hand at a point (3,), seen from above, is where it is: of what is round, well within it."""
         own = np.abs(self.seen(point))
-        return bool(own[0] <= self.half[0] and own[1] <= self.half[1])
+        within = bool(own[0] <= self.half[0] and own[1] <= self.half[1])
+        return within and (self.round is None or self.round.depth_at(own * (1, 1, 0))[0] > INSIDE * min(self.half[:2]))
 
     def seen(self, point: Array) -> Array:
         """A point (3,) in its own frame."""
@@ -90,6 +97,7 @@ def goods(values: Values, name: str) -> Goods:
     low, high = (np.array(corner) for corner in bounds(made, HERE))
     frame = shift(*pose.position) @ about(2, float(values.property(name, "yaw"))) @ shift(*((low + high) / 2).tolist())
     half = ((high - low) / 2).tolist()
+    lone = made[0].solid if len(made) == 1 and not made[0].solid.flats and made[0].pose == HERE else None
     return Goods(
         name,
         frame,
@@ -97,4 +105,16 @@ def goods(values: Values, name: str) -> Goods:
         mass(values, name),
         float(values.property(name, "friction")),
         frame[:3, 3],
+        round=lone,
     )
+
+
+def together(values: Values, name: str) -> set[str]:
+    """An object and all that joints join to it."""
+    joined, left = {name}, [t for t in values.spec.things if t.kind == "joint"]
+    ends = [{values.property(t.name, end) for end in ("of", "to") if values.has(t.name, end)} for t in left]
+    for _ in ends:
+        for pair in ends:
+            if pair & joined:
+                joined |= pair
+    return joined

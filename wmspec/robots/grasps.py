@@ -12,7 +12,7 @@ from wmspec.check.ir import Thing
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout import surfaces
 from wmspec.robots.arm import Array, down, shift
-from wmspec.robots.goods import Goods, goods
+from wmspec.robots.goods import Goods, goods, together
 from wmspec.robots.legs import Leg, stay, straight
 from wmspec.robots.planning import ABOVE, Plan, Unable, only
 from wmspec.robots.schedule import OPENS
@@ -21,6 +21,7 @@ LEEWAY = 0.0005  # m: what the fingers leave
 SOFTLY = 0.0002  # m: from how high something is put down
 END = 0.025  # m: how far from its end a long thing is taken
 PALM = 0.003  # m: how far the palm stays above what the fingers take
+TOUCH = 0.001  # m: how far their ends stay above what it stands on
 HINGE = ((0.0, -0.02, 0.0), (0.0, 0.02, 0.0))
 FIRM = (*HINGE, (0.02, 0.0, 0.0))
 """By which points things are held, from the tool, m: two are a hinge between the pads, three hold fast."""
@@ -79,6 +80,9 @@ def place(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     action = only(acts)
     arm, lasts, values = made.arms[action.of], made.lasts(action), made.values
     onto = values.property(action.name, "on")
+    if onto in together(values, thing.name):
+        raise ImpossibleValue(f"`{thing.name}` cannot be put on itself", action.place, "name what it is to stand on")
+    made.wields(action)
     face = np.array(surfaces.top(values, onto, values.property(action.name, "at")).middle)
     if onto in made.things:
         face += made.things[onto].frame[:3, 3] - np.array(values.pose(onto).position)
@@ -104,6 +108,7 @@ def drop(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     """Open the hand; what no other hand holds falls to where it was taken from."""
     action = only(acts)
     arm = made.arms[action.of]
+    made.wields(action)
     held = arm.held == thing.name
     made.let_go(action, made.number(action, "start"))
     made.go(action, [Leg(part * OPENS, stay(arm.tool), arm.arm.opening) for part in (0.5, 1.0)])
@@ -127,6 +132,7 @@ def take(
     """Come from above, take it at `at`, and go the way `rise` with it.
 
     What is not held `firm` slips out of the hand, and a hand beside it closes on nothing: then it stays where it is.
+    The fingers close alike: what is not in the middle between them is moved there.
     """
     arm, lasts = made.arms[action.of], made.lasts(action)
     above, opened, hits = shift(0.0, 0.0, ABOVE) @ at, arm.arm.opening, thing.has(at[:3, 3])
@@ -138,9 +144,13 @@ def take(
         Leg(lasts, rise, closed),
     ]
     made.go(action, legs)
+    arm.wanted = thing.name
     if hits and firm:
         made.hold(action, thing.name, made.number(action, "start") + CLOSED * lasts, points)
-    return replace(thing, slipped=not (hits and firm))
+    if not hits:
+        return replace(thing, slipped=True)
+    between = at[:3, 1] * float(at[:3, 1] @ (at[:3, 3] - thing.middle))
+    return replace(thing.moved(between), slipped=not firm)
 
 
 def carries(made: Plan, action: Thing, mass: float, friction: float, height: float) -> bool:
@@ -165,7 +175,9 @@ def taken(made: Plan, action: Thing, thing: Goods) -> Array:
         raise ImpossibleValue(
             f"`{thing.name}` is {wide:.3g} cm wide, and `{action.of}` opens {100 * arm.opening:g} cm", action.place
         )
-    return down(spot[0], spot[1], max(spot[2], thing.top - arm.palm + PALM), made.nearest(action.of, sides))
+    ends = float(arm.finger + arm.tip[1, 2] - arm.reach)
+    low = max(thing.top - arm.palm + PALM, thing.middle[2] - thing.half[2] + ends + TOUCH)
+    return down(spot[0], spot[1], max(spot[2], low), made.nearest(action.of, sides))
 
 
 def sides_of(made: Plan, acts: Sequence[Thing], thing: Goods) -> dict[int, Thing]:
@@ -204,6 +216,7 @@ def _end_way(
 
 
 def _raise(made: Plan, action: Thing, thing: Goods) -> Goods:
+    made.wields(action)
     arm, up = made.arms[action.of], (0.0, 0.0, made.number(action, "height"))
     made.go(action, [Leg(made.lasts(action), straight(arm.tool, shift(*up) @ arm.tool), arm.width)])
     return thing.moved(up)

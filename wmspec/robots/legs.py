@@ -14,6 +14,7 @@ from wmspec.robots.ik import rotation_vector, solve
 KNOTS = 20  # Hz: a cubic spline through so many knots is off by .05 mm at most
 DIGITS = 6  # of a knot, rad or m: the same whatever processor computes them
 FAST = 0.95  # of the joints' greatest speeds
+NEARER = "place what it handles nearer to the arm, or let the hand go less far or less high"
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,11 @@ class Leg:
 
 
 class OutOfReachError(ValueError):
-    """No joint angles bring the tool there, or not so fast."""
+    """No joint angles bring the tool there, `after` (s) of its way, or not so fast; and what helps."""
+
+    def __init__(self, message: str, help: str = "", after: float | None = None) -> None:
+        super().__init__(message)
+        self.help, self.after = help, after
 
 
 def straight(a: Array, b: Array) -> Callable[[float], Array]:
@@ -72,25 +77,29 @@ def joints(arm: Arm, base: Array, q: Array, width: float, legs: Sequence[Leg]) -
         places.append(legs[i].tool(s))
         widths.append((1 - s) * opened + s * legs[i].width)
     angles = _angles(arm, base.tobytes(), q.tobytes(), np.array(places).tobytes())
+    if len(angles) < len(places):
+        x, y, z = 100 * places[len(angles)][:3, 3]
+        what = f"({x:.0f}, {y:.0f}, {z:.0f}) cm is out of its reach with the hand turned like that"
+        raise OutOfReachError(what, NEARER, times(legs[-1].until)[len(angles)])
     speed = np.abs(np.diff(angles, axis=0)) / np.diff(times(legs[-1].until))[:, None]
-    if (over := float((speed / arm.speed).max())) > FAST:
-        raise OutOfReachError(f"it would have to move {over / FAST:.3g} times as fast as it can; give it more time")
+    if (over := float((speed / arm.speed).max()) / FAST) > 1:
+        enough = np.ceil(10 * over * legs[-1].until) / 10
+        raise OutOfReachError(f"it would have to move {over:.3g} times as fast as it can", f"give it some {enough:g} s")
     fingers = np.array(widths)[:, None] / 2
     return np.round(np.concatenate([angles, fingers, fingers], axis=1), DIGITS)
 
 
 @lru_cache(maxsize=256)
 def _angles(arm: Arm, base: bytes, q: bytes, places: bytes) -> Array:
-    """The joint angles (n, 7) for places of the tool, each found from the one before."""
+    """The joint angles (n, 7) for places of the tool, each found from the one before, up to one out of reach."""
     near, solved = np.frombuffer(q), []
     for place in np.frombuffer(places).reshape(-1, 4, 4):
         angles = solve(arm, place, np.frombuffer(base).reshape(4, 4), near)
         if angles is None:
-            x, y, z = place[:3, 3] * 100
-            raise OutOfReachError(f"({x:.0f}, {y:.0f}, {z:.0f}) cm is out of its reach")
+            break
         near = angles
         solved.append(angles)
-    return np.array(solved)
+    return np.array(solved).reshape(len(solved), len(near))
 
 
 def spun(vector: Array) -> Array:

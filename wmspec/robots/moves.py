@@ -11,11 +11,10 @@ from wmspec.check.ir import Thing
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.motion import angle as heading
 from wmspec.robots.arm import Array, down, shift
-from wmspec.robots.clear import together
-from wmspec.robots.goods import Goods
+from wmspec.robots.goods import Goods, together
 from wmspec.robots.grasps import FIRM, LEEWAY, PALM, sides_of, taken
-from wmspec.robots.legs import Leg, spun, stay, straight
-from wmspec.robots.planning import ABOVE, Plan, only
+from wmspec.robots.legs import Leg, smooth, spun, stay, straight
+from wmspec.robots.planning import ABOVE, PUSHES, Plan, Unable, only
 
 NARROW = 0.036  # m: how far apart the fingers are that push
 SLIM = 0.046  # m: what is less wide is pushed by fingers that are closed
@@ -50,6 +49,7 @@ def push(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
 def carry(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     """Move the hand level, and what it holds with it."""
     action = only(acts)
+    made.wields(action)
     arm = made.arms[action.of]
     way = made.number(action, "distance") * level(made.values.property(action.name, "direction"))
     made.go(action, [Leg(made.lasts(action), straight(arm.tool, shift(*way) @ arm.tool), arm.width)])
@@ -115,8 +115,8 @@ def _pushed(made: Plan, action: Thing, thing: Goods, way: Array, aside: Array, m
         Leg(0.28 * lasts, straight(arm.tool, above @ first), apart),
         Leg(0.36 * lasts, straight(above @ first, first), apart),
         Leg(0.41 * lasts, straight(first, near), apart),
-        Leg(0.43 * lasts, straight(near, touch), apart),
-        Leg(0.63 * lasts, lambda s: np.asarray(move(s) @ touch), apart),
+        Leg(PUSHES[0] * lasts, straight(near, touch), apart),
+        Leg(PUSHES[1] * lasts, lambda s: np.asarray(move(s) @ touch), apart),
         Leg(0.65 * lasts, stay(there), apart),  # or the spline would swing .1 mm beyond it
         Leg(0.695 * lasts, straight(there, back), apart),
         Leg(0.762 * lasts, straight(back, above @ back), apart),
@@ -161,7 +161,15 @@ def _turn_hand(made: Plan, action: Thing, thing: Goods, axis: Array) -> Goods:
     here = arm.tool
     point = here[:3, 3]
     way = lambda s: np.asarray(around(point, axis, s * angle) @ here)  # noqa: E731
-    made.go(action, [Leg(made.lasts(action), way, arm.width)])
+    made.wields(action)
+    try:
+        made.go(action, [Leg(made.lasts(action), way, arm.width)])
+    except Unable as unable:
+        if unable.after is None:
+            raise
+        turned = abs(np.degrees(angle)) * smooth(unable.after / made.lasts(action))
+        reason = f"its joints stop after some {turned:.0f} of {abs(np.degrees(angle)):.0f} deg"
+        raise Unable(action, reason, f"{action.verb} it less far, or the other way", unable.after) from None
     return thing.put(around(point, axis, angle)) if arm.held == thing.name else thing
 
 

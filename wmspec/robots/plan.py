@@ -9,20 +9,17 @@ from collections.abc import Callable, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from wmspec.check.ir import Thing
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.parse.load import located
 from wmspec.robots import grasps, moves
-from wmspec.robots.arm import Arm, Array
+from wmspec.robots.arm import Arm
 from wmspec.robots.clear import collision
 from wmspec.robots.franka import PANDA
 from wmspec.robots.goods import Goods
-from wmspec.robots.planning import Plan, Reach, State, Unable
+from wmspec.robots.planning import Plan, Reach, State, Unable, matrix
 from wmspec.robots.schedule import in_turn
 from wmspec.robots.stand import base
-from wmspec.space import Pose
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
@@ -95,16 +92,7 @@ def _tried(values: Values, choice: int) -> dict[str, Reach]:
         thing = made.thing(every[0])
         after = _VERBS[every[0].verb](made, every, thing)
         for action in every:
-            if touched := collision(made, action):
+            if touched := collision(made, action, thing):
                 raise Unable(action, *touched)
         made.things[thing.name] = after
     return made.reaches
-
-
-def matrix(pose: Pose) -> Array:
-    """A pose as a matrix (4, 4)."""
-    transform = np.eye(4)
-    transform[:3, 3] = pose.position
-    for i, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
-        transform[:3, i] = np.array(pose.apply(axis)) - transform[:3, 3]
-    return transform

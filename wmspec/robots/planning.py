@@ -9,16 +9,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmspec.check.ir import Thing
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.diagnostics import Diagnostic, ImpossibleValue, Note
 from wmspec.robots.arm import Arm, Array
 from wmspec.robots.goods import Goods, goods
 from wmspec.robots.legs import Leg, OutOfReachError, joints, times
 from wmspec.robots.schedule import lasts
+from wmspec.space import Pose
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values
 
 ABOVE = 0.12  # m: so high above where it takes or touches something the hand comes and goes
+TAKES = ("pick", "grasp", "lift", "open", "close")
+"""The verbs that take a thing."""
+PUSHES = (0.43, 0.63)
+"""From when to when a hand that pushes moves what it pushes, in shares of the time that it takes."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +48,10 @@ class Reach:
 
 @dataclass
 class State:
-    """How an arm is while a plan is made: its joints, how wide it is open, and what it holds since which action."""
+    """How an arm is while a plan is made: its joints, how wide it is open, and what it holds since which action.
+
+    `wanted` is what it took last, or tried to take, and has not let go since.
+    """
 
     arm: Arm
     base: Array
@@ -51,6 +59,7 @@ class State:
     width: float
     held: str = ""
     since: str = ""
+    wanted: str = ""
 
     @property
     def tool(self) -> Array:
@@ -65,10 +74,10 @@ class State:
 
 
 class Unable(Exception):
-    """One try at a plan fails at an action."""
+    """One try at a plan fails at an action, if known after so much (s) of it."""
 
-    def __init__(self, action: Thing, reason: str, help: str = "") -> None:
-        self.action, self.reason, self.help = action, reason, help
+    def __init__(self, action: Thing, reason: str, help: str = "", after: float | None = None) -> None:
+        self.action, self.reason, self.help, self.after = action, reason, help, after
 
 
 @dataclass
@@ -89,7 +98,10 @@ class Plan:
         """What an action is done to, as it is by then."""
         name = self.values.property(action.name, "object")
         if name not in self.things:
-            self.things[name] = goods(self.values, name)
+            try:
+                self.things[name] = goods(self.values, name)
+            except ImpossibleValue as error:
+                raise ImpossibleValue.of(_used(d, action) for d in error.diagnostics) from None
         return self.things[name]
 
     def number(self, action: Thing, name: str) -> float:
@@ -106,7 +118,7 @@ class Plan:
         try:
             angles = joints(arm.arm, arm.base, arm.q, arm.width, legs)
         except OutOfReachError as error:
-            raise Unable(action, str(error)) from None
+            raise Unable(action, str(error), error.help, error.after) from None
         self.reaches[action.name] = Reach(action.of, times(legs[-1].until), angles, None)
         arm.q, arm.width = angles[-1, : len(arm.q)], legs[-1].width
 
@@ -124,7 +136,7 @@ class Plan:
         reach = self.reaches.get(arm.since)
         if reach and reach.hold:
             self.reaches[arm.since] = replace(reach, hold=replace(reach.hold, stop=moment))
-        arm.held = arm.since = ""
+        arm.held = arm.since = arm.wanted = ""
 
     def free(self, action: Thing) -> None:
         """Complain if the arm holds something."""
@@ -134,6 +146,24 @@ class Plan:
                 action.place,
                 "let it `place` or `drop` that first",
             )
+
+    def wields(self, action: Thing) -> None:
+        """Complain if the arm never took the thing that it is to move with its hand, or another one holds it, too."""
+        name, arm = self.values.property(action.name, "object"), self.arms[action.of]
+        left_out = (t for t in self.values.spec.things if t.of == action.of and not self.values.there(t.name))
+        if arm.wanted != name and not any(t.verb in TAKES for t in left_out):
+            raise ImpossibleValue(
+                f"`{action.of}` does not hold `{name}`, so it cannot {action.verb} it",
+                action.place,
+                "let it `pick` it first",
+            )
+        for robot, other in self.arms.items():
+            if robot != action.of and name == other.held == arm.held and action.verb != "drop":
+                raise ImpossibleValue(
+                    f"`{robot}` holds `{name}`, too, so `{action.of}` cannot {action.verb} it",
+                    action.place,
+                    f"let `{robot}` `drop` it first",
+                )
 
     def nearest(self, robot: str, yaws: Sequence[float]) -> float:
         """The heading for a tool, of these or their opposites, that it has to turn least for; or another `choice`."""
@@ -153,6 +183,22 @@ def only(acts: Sequence[Thing]) -> Thing:
     return acts[0]
 
 
+def _used(diagnostic: Diagnostic, action: Thing) -> Diagnostic:
+    """The same, told where something is done to what cannot be handled."""
+    if diagnostic.place is None:
+        return replace(diagnostic, place=action.place)
+    return replace(diagnostic, place=action.place, notes=(Note("this one", diagnostic.place), *diagnostic.notes))
+
+
 def _wrapped(angle: float) -> float:
     """The angle within half a turn."""
     return float((angle + np.pi) % (2 * np.pi) - np.pi)
+
+
+def matrix(pose: Pose) -> Array:
+    """A pose as a matrix (4, 4)."""
+    transform = np.eye(4)
+    transform[:3, 3] = pose.position
+    for i, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
+        transform[:3, i] = np.array(pose.apply(axis)) - transform[:3, 3]
+    return transform

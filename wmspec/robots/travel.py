@@ -34,6 +34,8 @@ SIDLES = 0.005  # m: so far it goes at a time where it nearly touches something 
 WALKERS = (0.1, 1.7)  # m above the ground: what reaches between these stops a walker
 BUMPERS = (0.2, 1.5)  # m above the ground: the same of a car
 LOOKS = 0.2  # m: so often along its way a car is held against what stands there
+FASTEST = {"car": 50.0, "walker": 8.0}  # m/s: a car on a motorway, a sprinter
+SPINS = 4 * math.pi  # rad/s: nobody turns about faster
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,7 @@ def _travels(values: Values) -> dict[str, Travel]:
         planned = _PLANS[values.spec.thing(robot).model](values, stands.position[2], first, acts)
         paces = [0.0, *(_passing(one, other) for one, other in pairwise(planned)), 0.0]
         for stretch, enters, leaves in zip(planned, paces, paces[1:], strict=False):
+            _keeps_pace(values.spec.thing(robot).model, stretch, enters, leaves)
             found[stretch.action.name] = _written(stretch, stands.position[2], enters, leaves)
     return found
 
@@ -94,6 +97,23 @@ def _stretch(
     if lasts(values, action) <= 0:
         raise ImpossibleValue(f"`{action.name}` takes no time", action.place, "give it a time above 0: `for 2 s`")
     return _Stretch(action, start, lasts(values, action), length, at, flows)
+
+
+def _keeps_pace(model: str, stretch: _Stretch, enters: float, leaves: float) -> None:
+    """Complain if somebody would have to be faster than such a thing is."""
+    moments = [stretch.lasts * i / 16 for i in range(17)]
+    ways = [gone(stretch.length, stretch.lasts, enters, leaves, moment) for moment in moments]
+    fastest = max(b - a for a, b in pairwise(ways)) * 16 / stretch.lasts
+    spins = stretch.action.verb in ("turn", "look") and model == "walker"
+    most = SPINS if spins else FASTEST[model]
+    if fastest > most:
+        unit, scale = ("deg/s", 180 / math.pi) if spins else ("m/s", 1.0)
+        raise ImpossibleValue(
+            f"`{stretch.action.of}` would have to {'turn' if spins else 'go'} at {fastest * scale:.0f} {unit}, and "
+            f"{model}s here do at most {most * scale:.0f}",
+            stretch.action.place,
+            f"give it some {math.ceil(10 * stretch.lasts * fastest / most) / 10:g} s",
+        )
 
 
 def _written(stretch: _Stretch, level: float, enters: float, leaves: float) -> Travel:

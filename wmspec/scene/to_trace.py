@@ -8,12 +8,14 @@ from wmspec.diagnostics import EngineError
 from wmspec.scene.contact import intervals
 from wmspec.scene.episode import Episode, Recording
 from wmspec.scene.model import Scene, Trace
+from wmspec.scene.pressed import pressed
 
+AROUND = "move what is in the way of it by then, or carry it around or above that"
 LOST = 1e6  # m, m/s or rad/s: beyond this, or not finite, an engine has diverged
 
 
 def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> Trace:
-    """The trace of an episode. Raises EngineError, with prim and time, if an engine diverged."""
+    """The trace of an episode. Raises EngineError, with what and when, if an engine diverged or what is held stuck."""
     states = recording.states
     lost = ~(np.abs(states).max(axis=-1) < LOST)
     if lost.any():
@@ -26,10 +28,11 @@ def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> 
         grip = episode.grips[number]
         raise EngineError(
             f"{scene.bodies[grip.hand].path} loses hold of {scene.bodies[grip.body].path} at {time:.3f} s: in {engine} "
-            f"they part by {1e3 * length:.1f} mm; something is in the way"
+            f"they part by {1e3 * length:.1f} mm",
+            help=AROUND,
         )
     names = tuple(body.name for body in scene.bodies)
-    return Trace(
+    made = Trace(
         engine=engine,
         bodies=names,
         time=np.arange(episode.samples) / scene.rate,
@@ -39,3 +42,10 @@ def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> 
         angular_velocity=states[..., 10:],
         contacts=intervals(recording.touching, names, episode.step, gap=1 / scene.rate),
     )
+    if press := pressed(scene, made):
+        time, one, other, depth = press
+        raise EngineError(
+            f"{one} is pressed {1e3 * depth:.1f} mm deep into {other} at {time:.3f} s in {engine} by what a hand holds",
+            help=AROUND,
+        )
+    return made

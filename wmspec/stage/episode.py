@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.design.design import Instance
-from wmspec.diagnostics import ImpossibleValue, Report
+from wmspec.diagnostics import ImpossibleValue, Note, Report, WmsError
 from wmspec.layout.motion import carrier_sources, carriers
 from wmspec.layout.values import Values
 from wmspec.stage.actions import add_action
@@ -29,6 +31,16 @@ def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None =
 
 def built(values: Values) -> Document:
     """The same from the values of an instance."""
+    try:
+        return _built(values)
+    except WmsError as error:
+        if values.change is None:
+            raise
+        note = Note(f"under this counterfactual, `{values.change.name}`", values.change.place)
+        raise error.of(replace(d, notes=(*d.notes, note)) for d in error.diagnostics) from None
+
+
+def _built(values: Values) -> Document:
     spec = values.spec
     doc = Document({})
     doc.add("/World", "Xform")
