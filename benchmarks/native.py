@@ -1,0 +1,124 @@
+"""What an instance of each task costs, next to loops in bare MuJoCo that share nothing.
+
+    python -m benchmarks.native specs/perception specs/prediction [--tried 8] [--size 384]
+
+The loop executes the same episodes (the truth, the counterfactuals, the nudges) of the same models, of every instance
+for itself: MuJoCo's own `mj_step` at the same rate, with the same checks of what touches, by the loop that native
+scripts have; and draws as many pictures of each, by MuJoCo's `Renderer`, one renderer an episode, encoded as wmspec
+does. What is drawn is the state at the end, which costs what any other does. It makes no stages, no questions, no
+contact shadows and no masks, measures nothing and checks nothing. Models are compiled once an episode, but for nudges,
+which have that of the truth. wmspec makes whole units, as `generate` does. All times are of the processor, in turns.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from pathlib import Path
+
+os.environ.setdefault("LP_NUM_THREADS", "0")
+os.environ.setdefault("MUJOCO_GL", "egl")
+
+import mujoco
+from wmspec.backends.mujoco.mjcf import mjcf
+from wmspec.backends.mujoco.physics import prepare
+from wmspec.backends.mujoco.world import World
+
+from benchmarks.cost import cost
+from wmspec.api.making import planned
+from wmspec.ask.ask import ask
+from wmspec.ask.runs import EnginePair
+from wmspec.design.design import Design
+from wmspec.execute.keys import look_key, physics_key, shot_key
+from wmspec.execute.pool import Effort
+from wmspec.execute.render_cache import RenderCache
+from wmspec.execute.trace_cache import TraceCache
+from wmspec.scene.episode import play, told
+from wmspec.scene.model import Frame, Scene, Shot, Trace
+from wmspec.write.generate import job_of
+from wmspec.write.rows import encoded
+
+
+class Traces(TraceCache):
+    """Executes, and notes what it was asked for: each physics once for an instance, as a loop by hand would."""
+
+    def __init__(self) -> None:
+        super().__init__("mujoco")
+        self.noted: dict[bytes, Scene] = {}
+
+    def trace(self, scene: Scene) -> Trace:
+        """The trace of a scene."""
+        self.noted.setdefault(physics_key(scene), scene)
+        return super().trace(scene)
+
+
+class Pictures(RenderCache):
+    """Draws, and notes which pictures were drawn of which physics."""
+
+    def __init__(self, size: int) -> None:
+        super().__init__("mujoco", size, size)
+        self.noted: dict[bytes, set[tuple[bytes, bytes]]] = {}
+
+    def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
+        """The picture of a scene from a camera."""
+        self.noted.setdefault(physics_key(scene), set()).add((look_key(scene), shot_key(shot)))
+        return super().draw(scene, shot, depth=depth)
+
+
+def episodes(design: Design, index: int, size: int) -> list[tuple[Scene, int]]:
+    """The episodes of an instance, each with how many pictures are drawn of it."""
+    traces, pictures = Traces(), Pictures(size)
+    ask(design, index, EnginePair(traces, pictures))
+    pictures.close()
+    return [(scene, len(pictures.noted.get(key, ()))) for key, scene in traces.noted.items()]
+
+
+def native(every: list[tuple[Scene, int]], size: int) -> None:
+    """Execute episodes and draw their pictures as one would by hand."""
+    last: mujoco.MjModel | None = None
+    for scene, pictures in every:
+        whole, timeline = prepare(scene)
+        if pictures or last is None:
+            last = mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole))
+        world = World(last, whole)
+        if told(timeline) is None:
+            play(world, timeline)
+        if pictures:
+            data = mujoco.MjData(last)
+            mujoco.mj_forward(last, data)
+            with mujoco.Renderer(last, size, size) as renderer:
+                for number in range(pictures):
+                    renderer.update_scene(data, camera=scene.cameras[number % len(scene.cameras)].name)
+                    encoded(renderer.render())
+
+
+def main() -> None:
+    """Print, of each task, both times and their ratio."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("specs", nargs="+", type=Path)
+    parser.add_argument("--tried", type=int, default=8, help="instances of each task, at least")
+    parser.add_argument("--native", type=int, default=3, help="of these by the loop")
+    parser.add_argument("--size", type=int, default=384)
+    options = parser.parse_args()
+    plan = planned(options.specs, lambda _: None, backend="mujoco", size=options.size)
+    job = job_of(plan, Effort(1, 300))
+    for task in plan.tasks:
+        seconds, made, _ = cost(job, task, plan.seed, options.tried)
+        design, bare, drawn = Design(task.spec, plan.seed), 0.0, 0
+        for index in task.indices[:: max(1, len(task.indices) // options.native)][: options.native]:
+            every = episodes(design, index, options.size)
+            began = time.process_time()
+            native(every, options.size)
+            bare += time.process_time() - began
+            drawn += sum(pictures for _, pictures in every)
+        ours, loop = 1e3 * seconds / made, 1e3 * bare / options.native
+        print(
+            f"{task.spec.name:26} {ours:6.0f} ms, the loop {loop:6.0f} ms: {loop / ours:5.2f} times as fast; "
+            f"{drawn / options.native:.1f} pictures",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
