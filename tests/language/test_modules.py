@@ -9,16 +9,19 @@ from wmspec.check import ir
 from wmspec.check.task import check
 from wmspec.design.design import Design
 from wmspec.diagnostics import Report
+from wmspec.layout.values import Values
 
 LIBRARY = '''
 """A shop."""
 use rooms
 parameter tone = sand
 parameter trim = tone
+parameter open in ["day", "night"]
+let shade = if open == "day" then white else black
 light sun { diffuse: 0.8  ambient: 0.4 }
 object ground { shape: box  size: (4 m, 4 m, 10 cm)  color: tone  at: (0, 0, -5 cm)  fixed: true }
 object walls : bare_room { wall: tone  trim: trim  at: (0, 0, 0)  fixed: true  solid: false }
-object crate { shape: cube  size: 10 cm  on: ground at (30 cm, 0)  fixed: true }
+object crate { shape: cube  size: 10 cm  color: shade  on: ground at (30 cm, 0)  fixed: true }
 camera front { at: (0, -180 cm, 90 cm)  look_at: (0, 0, 0) }
 '''
 TASK = "object ball {{ shape: sphere  size: 10 cm  on: {0}ground }}  observe {0}front at [0 s]"
@@ -47,6 +50,18 @@ def test_a_parameter_may_be_a_factor_of_the_task(tmp_path: Path) -> None:
     assert not errors
     assert color(found["a"], "ground") == color(found["a"], "walls.left") == ir.Ref(name="t")
     assert len(Design(found["a"])) == 2
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [("", "white"), ('(open: "day")', "white"), ('(open: "night")', "black"), ("(open: when)", "black")],
+)
+def test_a_parameter_is_the_first_of_its_list_or_what_is_said(tmp_path: Path, given: str, wanted: str) -> None:
+    when = 'factor when in ["night", "day"]'
+    found, errors = tasks(tmp_path, f"use shop{given}\ntask a : custom {{ {when} {TASK.format('')} }}")
+    assert not errors
+    design = Design(found["a"])
+    assert Values(design.spec, design[0].values, None, design[0].key).property("crate", "color") == wanted
 
 
 def test_a_value_stands_for_no_name(tmp_path: Path) -> None:
@@ -100,7 +115,13 @@ def test_each_variant_is_a_task_with_what_is_common(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("use shop(tint: red)", "1:10: `shop` has no parameter `tint`; known here: tone, trim"),
+        ("use shop(tint: red)", "1:10: `shop` has no parameter `tint`; known here: open, tone, trim"),
+        ('use shop(open: "nigt")', '1:16: `shop` has no open "nigt"; did you mean `"night"`?'),
+        (
+            'factor when in ["day", "noon"]  use shop(open: when)',
+            '`shop` has no open "noon"; known here: "day", "night"',
+        ),
+        ('use shop(open: if 1 < 2 then "day" else "noon")', '1:41: `shop` has no open "noon"'),
         ("use shop(tone: red, tone: blue)", "1:21: `tone` is given twice; give it once"),
         ("use shop only [ground, frnt]", "1:24: there is no `frnt` in `shop`; did you mean `front`?"),
         ("use shop(tone: red)  use shop(tone: blue)", "1:22: `shop` is used twice"),

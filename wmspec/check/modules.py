@@ -36,7 +36,9 @@ class Modules:
         self._report = report
         self._used: dict[tuple[Path, str], s.Use] = {}
         self._prefixes: Prefixes = {}
+        self._wrong: set[Span] = set()
         files = (program.file, *program.libraries.values())
+        self._factors = {item.name.id: item for file in files for item in _factors(file.items)}
         self._taken = _WORDS.intersection(name for file in files for name in _declared(file.items))
 
     @property
@@ -144,7 +146,24 @@ class Modules:
             if p.at is not None:
                 self._report.add("WMS101", "`at` has no meaning here", p.at.span, "write one value")
             given.setdefault(p.name.id, p)
+        for parameter in parameters:
+            if parameter.domain is not None:
+                self._among(use, parameter, given.get(parameter.name.id))
         return _values({name: p.value for name, p in given.items()}, parameters)
+
+    def _among(self, use: s.Use, parameter: s.Parameter, given: s.Property | None) -> None:
+        """Complain unless what is given for a parameter, as far as that is written out, is in its list."""
+        domain, name = parameter.domain, parameter.name.id
+        if not isinstance(domain, s.Items) or domain.kind != "list" or not domain.items:
+            what = f"`{name}` is one of a list, and this is none"
+            self._report.add("WMS205", what, domain.span if domain else parameter.span, "write `in [...]`, or `= ...`")
+            return
+        known = [item.span.text for item in domain.items]
+        for value in _written(given.value, self._factors) if given else ():
+            if value.span not in self._wrong and not any(_same(value, item) for item in domain.items):
+                self._wrong.add(value.span)
+                what = f"`{use.name.id}` has no {name} {value.span.text}"
+                self._report.add("WMS205", what, value.span, suggestion(value.span.text, known))
 
     def _chosen(self, use: s.Use, only: s.Expr, statements: list[s.Statement]) -> list[s.Statement]:
         """What `only` names, and what that needs."""
@@ -181,6 +200,39 @@ def _declared(items: Iterable[Item]) -> Iterator[str]:
             yield from _declared(item.body)
         elif isinstance(item, Declared):
             yield item.name.id
+
+
+def _factors(items: Iterable[Item]) -> Iterator[s.Factor]:
+    """The factors of a file, of its tasks and of their variants."""
+    for item in items:
+        if isinstance(item, s.Task | s.Variant):
+            yield from _factors(item.body)
+        elif isinstance(item, s.Factor):
+            yield item
+
+
+def _written(value: s.Expr, factors: Mapping[str, s.Factor]) -> Iterator[s.Expr]:
+    """What a value may be, as far as it is written out: itself, either side of a condition, the levels of a factor."""
+    match value:
+        case s.Text() | s.Number():
+            yield value
+        case s.Operation(operator="if", operands=(_, *branches)):
+            for branch in branches:
+                yield from _written(branch, factors)
+        case s.Called():
+            yield from _written(value.value, factors)
+        case s.Name(id=name) if name in factors and isinstance(factors[name].domain, s.Items):
+            domain = factors[name].domain
+            assert isinstance(domain, s.Items)
+            for level in domain.items:
+                yield from _written(level, factors)
+
+
+def _same(one: s.Expr, other: s.Expr) -> bool:
+    """Whether two values that are written out are written alike."""
+    if isinstance(one, s.Number) and isinstance(other, s.Number):
+        return (one.value, one.unit) == (other.value, other.unit)
+    return isinstance(one, s.Text) and isinstance(other, s.Text) and one.value == other.value
 
 
 def _world(statement: s.Statement) -> str:

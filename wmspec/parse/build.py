@@ -61,6 +61,11 @@ class _Builder:
     def parameter(self, c: Any, span: Span) -> s.Parameter:
         return s.Parameter(self(c[0]), self(c[1]), span)
 
+    def choice(self, c: Any, span: Span) -> s.Parameter:
+        name, domain = self(c[0]), self(c[1])
+        value = domain.items[0] if isinstance(domain, s.Items) and domain.items else domain
+        return s.Parameter(name, value, span, domain)
+
     def dotted(self, c: Any, span: Span) -> s.Name:
         return s.Name(".".join(self(n).id for n in c if n is not None), span)
 

@@ -164,11 +164,15 @@ class Let(Node):
 
 
 class Parameter(Node):
-    """`parameter style = warm`: what those who use a library may say otherwise."""
+    """`parameter style = warm`: what those who use a library may say otherwise.
+
+    One `in` a list, the `domain`, is one of its items, and the first if nothing is said.
+    """
 
     name: Name
     value: Expr
     span: Span
+    domain: Expr | None = None
 
 
 class Require(Node):
