@@ -56,7 +56,9 @@ class Scope:
         if (first := self.names.get(name)) is not None:
             notes = (Note("declared here first", first.name.span),)
             remedy = "give one of them another name"
-            if first.name.span.source is not statement.name.span.source:
+            if name == "world":
+                remedy = "there is one world: leave one out, of a library by naming in `only [...]` what you need"
+            elif first.name.span.source is not statement.name.span.source:
                 remedy += ", or the library a name of its own: `use LIBRARY as NAME`"
             self._report.add("WMS202", f"`{name}` is declared twice", statement.name.span, remedy, notes)
             self.doubled = True
