@@ -139,6 +139,11 @@ class Renderer:
         """The scene's body behind every id colour (0 is the background, n + 1 the n-th drawn geometry)."""
         red, green, blue = (marks[..., i].astype(np.int32) for i in range(3))
         number = red + (green << 8) + (blue << 16)
+        if int(number.max()) > self._view.ngeom:
+            raise GraphicsError(
+                "MuJoCo can't tell things apart with this OpenGL, which mixes the numbers that it draws; draw in "
+                "software: set __EGL_VENDOR_LIBRARY_FILENAMES to Mesa's file, see 'wmspec doctor'"
+            )
         table = np.full(self._view.ngeom + 1, -1, np.int16)
         for geom in self._view.geoms[: self._view.ngeom]:
             if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:

@@ -81,6 +81,14 @@ def test_an_extruded_outline_weighs_what_its_triangles_hold(outline: Outline, de
     assert_weighs(Extrude(outline, depth), meshed(Extrude(outline, depth)), 1e-9)
 
 
+def test_things_lie_on_the_floor_of_what_is_turned() -> None:
+    mug = Lathe(((0.0, 0.0), (0.04, 0.0), (0.04, 0.1), (0.03, 0.1), (0.03, 0.02), (0.0, 0.01)))
+    assert mug.floor(0.0, 0.0) == pytest.approx(0.01)
+    assert mug.floor(0.0, 0.015) == pytest.approx(0.015)
+    assert mug.floor(0.02, 0.029) == pytest.approx(0.1), "on its rim"
+    assert mug.floor(0.03, 0.03) is None, "beside it"
+
+
 @given(lengths, lengths)
 def test_a_lathe_makes_cylinders_and_cones(r: float, h: float) -> None:
     for shape, profile in (

@@ -84,7 +84,8 @@ def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
         check.fail("WMS204", "only a robot does something itself, and this is an object", function.span, remedy)
     who = check.value(function.value, (ROBOT,), "whoever acts")
     if not isinstance(who.expr, ir.Value):
-        check.fail("WMS302", "which robot acts is a constant", function.value.span)
+        remedy = "write an action for each robot; what it does, and when, may depend on factors"
+        check.fail("WMS302", "which robot acts is a constant", function.value.span, remedy)
     robot = check.scope.names[str(who.expr.value)]
     assert isinstance(robot, s.Block)
     if robot.model is None or robot.model.id not in ROBOTS:  # which was reported

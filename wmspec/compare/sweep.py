@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 from itertools import combinations
 
 from wmspec.check.ir import TaskSpec
@@ -27,6 +27,11 @@ class Job:
     engines: tuple[str, ...]
     tolerances: tuple[tuple[str, Tolerances], ...]
 
+    def of(self, task: str) -> Job:
+        """The same for one task alone: what is sent with every piece of work."""
+        tasks = tuple(pair for pair in self.tasks if pair[0] == task)
+        return replace(self, tasks=tasks, tolerances=tuple(pair for pair in self.tolerances if pair[0] == task))
+
 
 def pairs(engines: Sequence[str]) -> list[Pair]:
     """Every pair of engines, in order."""
@@ -46,8 +51,8 @@ def sweep(
     """
     designs = {spec.name: Design(spec, job.seed) for spec in specs}
     todo = [(name, index) for name, design in designs.items() for index in sorted(design.sample(sample))]
-    checked = []
-    with closing(in_order(work, ((job, name, index) for name, index in todo), effort)) as outcomes:
+    checked, own = [], {name: job.of(name) for name in designs}
+    with closing(in_order(work, ((own[name], name, index) for name, index in todo), effort)) as outcomes:
         for (name, index), outcome in zip(todo, outcomes, strict=True):
             checked.append(_lost(designs[name], index, outcome) if isinstance(outcome, Lost) else outcome)
             progress(name, 1)
@@ -59,7 +64,7 @@ def work(job: Job, task: str, index: int) -> Checked:
     return check(_design(job, task), index, _executors(job.engines), dict(job.tolerances)[task])
 
 
-@cache
+@lru_cache(maxsize=4)
 def _design(job: Job, task: str) -> Design:
     return Design(from_json(dict(job.tasks)[task]), job.seed)
 

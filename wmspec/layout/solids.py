@@ -91,8 +91,12 @@ def upward(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
 def surface(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:
     """The upward face of a placed solid at a place, or None if the solid is not below or above the place.
 
-    What has other than flat faces counts as the upright box around it.
+    What has other than flat faces counts as the upright box around it, unless it is hollow and upright.
     """
+    if solid.hollow and rotate(pose.orientation, UP)[2] > 1 - 1e-9:
+        own = pose.seen((x, y, pose.position[2]))
+        height = solid.floor(own[0], own[1])
+        return None if height is None else Face((x, y, pose.position[2] + height))
     if not solid.flats:
         low, high = bounds((Piece(solid, HERE),), pose)
         held = low[0] <= x <= high[0] and low[1] <= y <= high[1]

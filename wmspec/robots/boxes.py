@@ -13,7 +13,6 @@ from wmspec.layout.solids import Piece
 from wmspec.layout.values import Values
 from wmspec.robots.arm import Array
 from wmspec.robots.planning import matrix
-from wmspec.space import Pose
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 
@@ -51,12 +50,13 @@ def between(frames: Array, corners: Array) -> Box:
     return Box(middle, frames[:, :3, :3], (corners[1] - corners[0]) / 2)
 
 
-def boxes(values: Values, name: str, pose: Pose, gone: Array) -> Iterator[Box]:
-    """The boxes around the solids of an object, which has gone so far (3,) from its first pose."""
+def boxes(values: Values, name: str, moved: Array) -> Iterator[Box]:
+    """The boxes around the solids of an object, which has moved so (4, 4) since the start."""
+    stood = moved @ matrix(values.pose(name))
     for piece in pieces(values, name):
-        placed, (low, high) = matrix(pose.then(piece.pose)), ends(piece)
+        placed, (low, high) = stood @ matrix(piece.pose), ends(piece)
         middle = placed[:3, :3] @ ((low + high) / 2) + placed[:3, 3]
-        yield Box(middle[None] + gone, placed[None, :3, :3], (high - low) / 2)
+        yield Box(middle[None], placed[None, :3, :3], (high - low) / 2)
 
 
 def ends(piece: Piece) -> tuple[Array, Array]:

@@ -13,18 +13,27 @@ from wmspec.layout.geometry import pieces, touchable
 from wmspec.layout.values import Values
 from wmspec.robots.arm import Arm, Array, about, shift
 from wmspec.robots.boxes import Box, between, boxes, ends
-from wmspec.robots.goods import Goods, goods, together
+from wmspec.robots.goods import Goods, together
 from wmspec.robots.grasps import CLOSED, FIRM
 from wmspec.robots.limbs import limbs
-from wmspec.robots.planning import PUSHES, TAKES, Plan, Reach, State, matrix
+from wmspec.robots.planning import OPENS, PUSHES, TAKES, Plan, Reach, State, matrix, moving
+from wmspec.robots.riders import gang, riders
 from wmspec.shapes.shape import Shape
 
 SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
 ROUND = 0.006  # m: the same of two hands, whose corners are round
 HAND = 0.25  # m: no part of a hand is further from its frame
-ASIDE = "let the hand come from elsewhere, or move that out of its way"
-SHORT = "push it less far or another way, or move that out of its way"
-AROUND = "carry it around or above that, or move that out of its way"
+STILL = np.eye(4)
+ASIDE = "let the hand take it elsewhere (`at:`), or move that out of its way"
+AROUND = "raise it higher before, or let it go another way, or move that out of its way"
+HELPS = {
+    "push": "push it less far or another way, or move that out of its way",
+    "open": "open it less far, or move that out of its way",
+    "close": "close it less far, or move that out of its way",
+    **dict.fromkeys(("carry", "place", "rotate", "tilt"), AROUND),
+}
+LEADS = {"pick": CLOSED, "grasp": CLOSED, "lift": CLOSED, "push": PUSHES[0], "open": OPENS[0], "close": OPENS[0]}
+"""From which share of its time a verb leads what it is done to."""
 
 
 def collision(made: Plan, action: Thing, before: Goods) -> tuple[str, str] | None:
@@ -45,16 +54,19 @@ def collision(made: Plan, action: Thing, before: Goods) -> tuple[str, str] | Non
 def _with_things(made: Plan, action: Thing, before: Goods, links: Array, hand: list[Box]) -> tuple[str, str] | None:
     """What the hand, a link or what is held or pushed goes through, of all that the arm does not handle."""
     reach, arm, frames = made.reaches[action.name], made.arms[action.of].arm, links[:, -1]
-    led = _led(made, action, before, frames)
+    led, carried = _led(made, action, before, frames), riders(made, gang(made, action))
+    leads = LEADS.get(action.verb, 0.0) * made.lasts(action)  # what lies on it or in it comes along from then on
     for name, box in _obstacles(made, action):
-        if _near(frames, box) and (when := _first(hand, [box], reach, SLACK)) is not None:
-            return f"its hand would go through `{name}`, {when:.2f} s after it starts", ASIDE
-        if (when := _through(arm, links, box, reach)) is not None:
-            return f"a link of it would go through `{name}`, {when:.2f} s after it starts", ASIDE
-        stays = made.values.property(name, "fixed") or action.verb == "place"
-        if stays and (when := _meets(led, box, reach)) is not None:
-            what = f"`{before.name}` would go through `{name}`, {when:.2f} s after it starts"
-            return what, SHORT if action.verb == "push" else AROUND
+        when = _first(hand, [box], reach, SLACK) if _near(frames, box) else None
+        what = "its hand"
+        if when is None:
+            when, what = _through(arm, links, box, reach), "a link of it"
+        if name in carried:
+            when = when if when is not None and when < leads else None
+        elif when is None and (made.values.property(name, "fixed") or action.verb == "place"):
+            when, what = _meets(led, box, reach), f"`{before.name}`"
+        if when is not None:
+            return f"{what} would go through `{name}`, {when:.2f} s after it starts", HELPS.get(action.verb, ASIDE)
     return None
 
 
@@ -139,7 +151,7 @@ def _led(made: Plan, action: Thing, before: Goods, frames: Array) -> list[_Led]:
     if not len(times):
         return []
     values = made.values
-    stood = before.frame @ np.linalg.inv(goods(values, before.name).frame) @ matrix(values.pose(before.name))
+    stood = made.moved.get(before.name, STILL) @ matrix(values.pose(before.name))
     rigid = frames[times] @ np.linalg.inv(frames[times[0]]) @ stood
     found = []
     for piece in pieces(values, before.name):
@@ -210,23 +222,15 @@ def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Bo
 def _obstacles(made: Plan, action: Thing) -> Iterator[tuple[str, Box]]:
     """All that an arm does not handle; what it pushes may push what can move, and it may put things on another."""
     values, handled = made.values, together(made.values, made.values.property(action.name, "object"))
-    others = {values.property(t.name, "object") for t in values.spec.things if _moves_object(t, values)}
+    others = {values.property(t.name, "object") for t in moving(values)}
     for thing in values.spec.things:
         name = thing.name
         if thing.kind != "object" or name in handled or name in others or not values.there(name):
             continue
         if not _solid(values, name) or (action.verb == "push" and not values.property(name, "fixed")):
             continue
-        pose = values.pose(name)
-        known = made.things.get(name)
-        gone = known.frame[:3, 3] - known.start if known else np.zeros(3)
-        for box in boxes(values, name, pose, gone):
+        for box in boxes(values, name, made.moved.get(name, STILL)):
             yield name, box
-
-
-def _moves_object(thing: Thing, values: Values) -> bool:
-    """Whether something is an action of no robot that moves an object."""
-    return thing.kind == "action" and not thing.of and "object" in thing.properties and values.there(thing.name)
 
 
 def _solid(values: Values, name: str) -> bool:

@@ -11,25 +11,24 @@ from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.geometry import mass, pieces
 from wmspec.layout.solids import bounds
 from wmspec.robots.arm import Array, about, shift
+from wmspec.shapes.sphere import Sphere
 from wmspec.space import HERE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wmspec.layout.values import Values
-    from wmspec.shapes.shape import Shape
 
 INSIDE = 0.25
-"""So deep in what is round, in halves of its width, fingers find hold: nearer to its rim they squeeze it out."""
+"""So deep in a ball, in radii, fingers find hold: nearer to its rim they squeeze it out."""
 
 
 @dataclass(frozen=True, eq=False)
 class Goods:
     """A thing that stands upright: its box has half the edges `half` (3,) m in the frame `frame` (4, 4) of its middle.
 
-    `start` (3,) is where its middle was before anything happened. `slipped`: it was too heavy or too smooth for the
-    hand that wanted to raise it, or the hand closed beside it. `round`: the solid that it is, if that has no flat sides
-    alone, about its middle.
+    `slipped`: it was too heavy or too smooth for the hand that wanted to raise it, or the hand closed beside it.
+    `ball`: the sphere that it is, if it is one.
     """
 
     name: str
@@ -37,9 +36,8 @@ class Goods:
     half: tuple[float, float, float]
     mass: float
     friction: float
-    start: Array
     slipped: bool = False
-    round: Shape | None = None
+    ball: Sphere | None = None
 
     @property
     def middle(self) -> Array:
@@ -65,10 +63,10 @@ class Goods:
         return self if self.slipped else replace(self, frame=move @ self.frame)
 
     def has(self, point: Array) -> bool:
-        """Whether a hand at a point (3,), seen from above, is where it is: of what is round, well within it."""
+        """Whether a hand at a point (3,), seen from above, is where it is: of a ball, well within it."""
         own = np.abs(self.seen(point))
         within = bool(own[0] <= self.half[0] and own[1] <= self.half[1])
-        return within and (self.round is None or self.round.depth_at(own * (1, 1, 0))[0] > INSIDE * min(self.half[:2]))
+        return within and (self.ball is None or self.ball.depth_at(own * (1, 1, 0))[0] > INSIDE * self.half[0])
 
     def seen(self, point: Array) -> Array:
         """A point (3,) in its own frame."""
@@ -97,21 +95,20 @@ def goods(values: Values, name: str) -> Goods:
     low, high = (np.array(corner) for corner in bounds(made, HERE))
     frame = shift(*pose.position) @ about(2, float(values.property(name, "yaw"))) @ shift(*((low + high) / 2).tolist())
     half = ((high - low) / 2).tolist()
-    lone = made[0].solid if len(made) == 1 and not made[0].solid.flats and made[0].pose == HERE else None
+    lone = made[0].solid if len(made) == 1 and isinstance(made[0].solid, Sphere) else None
     return Goods(
         name,
         frame,
         (half[0], half[1], half[2]),
         mass(values, name),
         float(values.property(name, "friction")),
-        frame[:3, 3],
-        round=lone,
+        ball=lone,
     )
 
 
-def together(values: Values, name: str) -> set[str]:
-    """An object and all that joints join to it."""
-    joined, left = {name}, [t for t in values.spec.things if t.kind == "joint"]
+def together(values: Values, name: str, but: str = "") -> set[str]:
+    """An object and all that joints, `but` for one, join to it."""
+    joined, left = {name}, [t for t in values.spec.things if t.kind == "joint" and t.name != but]
     ends = [{values.property(t.name, end) for end in ("of", "to") if values.has(t.name, end)} for t in left]
     for _ in ends:
         for pair in ends:

@@ -65,7 +65,7 @@ def lift(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
         ):
             heights[side] = height
     if len(heights) == 2 and abs(heights[1] - heights[-1]) > 0.6 * sum(lengths.values()):
-        raise Unable(acts[0], "the two ends would be too far apart in height")
+        raise Unable(acts[0], "the two ends would be too far apart in height", "let their heights differ less")
     for side, action in sides.items():
         start = thing.frame @ shift(side * lengths[side], 0.0, 0.0) @ hands[side]
         way = straight(start, shift(0.0, 0.0, made.number(action, "height")) @ start)
@@ -84,8 +84,8 @@ def place(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
         raise ImpossibleValue(f"`{thing.name}` cannot be put on itself", action.place, "name what it is to stand on")
     made.wields(action)
     face = np.array(surfaces.top(values, onto, values.property(action.name, "at")).middle)
-    if onto in made.things:
-        face += made.things[onto].frame[:3, 3] - np.array(values.pose(onto).position)
+    if onto in made.moved:
+        face = (made.moved[onto] @ [*face, 1.0])[:3]
     way = np.array([*face[:2], face[2] + SOFTLY]) - np.array([*thing.middle[:2], thing.middle[2] - thing.half[2]])
     here = arm.tool
     there = shift(*way) @ here
@@ -173,7 +173,9 @@ def taken(made: Plan, action: Thing, thing: Goods) -> Array:
     if not sides:
         wide = 200 * min(thing.half[:2])
         raise ImpossibleValue(
-            f"`{thing.name}` is {wide:.3g} cm wide, and `{action.of}` opens {100 * arm.opening:g} cm", action.place
+            f"`{thing.name}` is {wide:.3g} cm wide, and `{action.of}` takes what is less than {100 * arm.opening:g} cm",
+            action.place,
+            "make it narrower, or take a handle: an object of its own that a joint holds to it",
         )
     ends = float(arm.finger + arm.tip[1, 2] - arm.reach)
     low = max(thing.top - arm.palm + PALM, thing.middle[2] - thing.half[2] + ends + TOUCH)

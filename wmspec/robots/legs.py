@@ -84,7 +84,9 @@ def joints(arm: Arm, base: Array, q: Array, width: float, legs: Sequence[Leg]) -
     speed = np.abs(np.diff(angles, axis=0)) / np.diff(times(legs[-1].until))[:, None]
     if (over := float((speed / arm.speed).max()) / FAST) > 1:
         enough = np.ceil(10 * over * legs[-1].until) / 10
-        raise OutOfReachError(f"it would have to move {over:.3g} times as fast as it can", f"give it some {enough:g} s")
+        raise OutOfReachError(
+            f"it would have to move {max(over, 1.01):.3g} times as fast as it can", f"give it some {enough:g} s"
+        )
     fingers = np.array(widths)[:, None] / 2
     return np.round(np.concatenate([angles, fingers, fingers], axis=1), DIGITS)
 

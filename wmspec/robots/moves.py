@@ -14,7 +14,7 @@ from wmspec.robots.arm import Array, down, shift
 from wmspec.robots.goods import Goods, together
 from wmspec.robots.grasps import FIRM, LEEWAY, PALM, sides_of, taken
 from wmspec.robots.legs import Leg, smooth, spun, stay, straight
-from wmspec.robots.planning import ABOVE, PUSHES, Plan, Unable, only
+from wmspec.robots.planning import ABOVE, OPENS, PUSHES, Plan, Unable, only
 
 NARROW = 0.036  # m: how far apart the fingers are that push
 SLIM = 0.046  # m: what is less wide is pushed by fingers that are closed
@@ -185,16 +185,16 @@ def _along_joint(made: Plan, action: Thing, handle: Goods, sign: float) -> Goods
     legs = [
         Leg(0.24 * lasts, straight(arm.tool, above @ at), opened),
         Leg(0.32 * lasts, straight(above @ at, at), opened),
-        Leg(0.37 * lasts, stay(at), closed),
-        Leg(0.66 * lasts, lambda s: np.asarray(move(s) @ at), closed),
+        Leg(OPENS[0] * lasts, stay(at), closed),
+        Leg(OPENS[1] * lasts, lambda s: np.asarray(move(s) @ at), closed),
         Leg(0.70 * lasts, stay(there), opened),
         Leg(0.77 * lasts, straight(there, above @ there), opened),
         Leg(lasts, straight(above @ there, arm.drawn_back(there)), opened),
     ]
     made.go(action, legs)
     start = made.number(action, "start")
-    made.hold(action, handle.name, start + 0.37 * lasts, FIRM)
-    made.let_go(action, start + 0.66 * lasts)
+    made.hold(action, handle.name, start + OPENS[0] * lasts, FIRM)
+    made.let_go(action, start + OPENS[1] * lasts)
     made.opened[joint] = made.opened.get(joint, 0.0) + by
     return handle.put(move(1.0))
 

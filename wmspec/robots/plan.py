@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wmspec.check.ir import Thing
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.parse.load import located
@@ -17,7 +19,8 @@ from wmspec.robots.arm import Arm
 from wmspec.robots.clear import collision
 from wmspec.robots.franka import PANDA
 from wmspec.robots.goods import Goods
-from wmspec.robots.planning import Plan, Reach, State, Unable, matrix
+from wmspec.robots.planning import Blocked, Plan, Reach, State, Unable, matrix
+from wmspec.robots.riders import move
 from wmspec.robots.schedule import in_turn
 from wmspec.robots.stand import base
 
@@ -65,16 +68,16 @@ def plan(values: Values) -> dict[str, Reach]:
 
 def _plan(values: Values) -> dict[str, Reach]:
     """The first plan that succeeds: a hand can take a thing in several ways."""
-    problem: ImpossibleValue | None = None
+    problems: list[Unable] = []
     for choice in range(4):
         try:
             return _tried(values, choice)
         except Unable as unable:
-            action = unable.action
-            message = f"`{action.of}` cannot {action.verb} so: {unable.reason}"
-            problem = problem or ImpossibleValue(message, action.place, unable.help)
-    assert problem is not None
-    raise problem
+            problems.append(unable)
+    # that something is in the way tells more than that another hand's turn would be out of reach
+    told = min(problems, key=lambda unable: not isinstance(unable, Blocked))
+    action = told.action
+    raise ImpossibleValue(f"`{action.of}` cannot {action.verb} so: {told.reason}", action.place, told.help)
 
 
 def _tried(values: Values, choice: int) -> dict[str, Reach]:
@@ -93,6 +96,8 @@ def _tried(values: Values, choice: int) -> dict[str, Reach]:
         after = _VERBS[every[0].verb](made, every, thing)
         for action in every:
             if touched := collision(made, action, thing):
-                raise Unable(action, *touched)
+                raise Blocked(action, *touched)
         made.things[thing.name] = after
+        if after.frame is not thing.frame:
+            move(made, every[0], after.frame @ np.linalg.inv(thing.frame))
     return made.reaches

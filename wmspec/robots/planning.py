@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -23,7 +23,8 @@ ABOVE = 0.12  # m: so high above where it takes or touches something the hand co
 TAKES = ("pick", "grasp", "lift", "open", "close")
 """The verbs that take a thing."""
 PUSHES = (0.43, 0.63)
-"""From when to when a hand that pushes moves what it pushes, in shares of the time that it takes."""
+OPENS = (0.37, 0.66)
+"""From when to when a hand that pushes, or opens, moves what it does so to, in shares of the time that it takes."""
 
 
 @dataclass(frozen=True)
@@ -80,11 +81,16 @@ class Unable(Exception):
         self.action, self.reason, self.help, self.after = action, reason, help, after
 
 
+class Blocked(Unable):
+    """Something is in the way."""
+
+
 @dataclass
 class Plan:
     """A plan in the making. `choice` is which of the ways to take things is tried.
 
-    `opened` is how far (rad or m) joints have been moved from where they began.
+    `opened` is how far (rad or m) joints have been moved from where they began, and `moved` by which motion (4, 4)
+    things are elsewhere than at the start.
     """
 
     values: Values
@@ -93,16 +99,30 @@ class Plan:
     things: dict[str, Goods] = field(default_factory=dict)
     reaches: dict[str, Reach] = field(default_factory=dict)
     opened: dict[str, float] = field(default_factory=dict)
+    moved: dict[str, Array] = field(default_factory=dict)
 
     def thing(self, action: Thing) -> Goods:
         """What an action is done to, as it is by then."""
         name = self.values.property(action.name, "object")
+        self._stays(action, name)
         if name not in self.things:
             try:
-                self.things[name] = goods(self.values, name)
+                self.things[name] = goods(self.values, name).put(self.moved.get(name, np.eye(4)))
             except ImpossibleValue as error:
                 raise ImpossibleValue.of(_used(d, action) for d in error.diagnostics) from None
         return self.things[name]
+
+    def _stays(self, action: Thing, name: str) -> None:
+        """Complain if something else than a robot moves a thing before an arm has done with it."""
+        ends = self.number(action, "start") + self.lasts(action)
+        for other in moving(self.values):
+            if self.values.property(other.name, "object") == name and self.number(other, "start") < ends:
+                raise ImpossibleValue(
+                    f"`{other.name}` moves `{name}`, and a plan does not know where to",
+                    action.place,
+                    f"let `{action.of}` handle what no other action moves, or do it before that",
+                    notes=(Note(f"`{other.name}` is here", other.place),),
+                )
 
     def number(self, action: Thing, name: str) -> float:
         """An argument of an action."""
@@ -181,6 +201,12 @@ def only(acts: Sequence[Thing]) -> Thing:
             f"two arms cannot {acts[1].verb} one thing together", acts[1].place, "let them push or lift it"
         )
     return acts[0]
+
+
+def moving(values: Values) -> Iterator[Thing]:
+    """The actions of no robot that move an object."""
+    acts = (t for t in values.spec.things if t.kind == "action" and not t.of and t.verb != "paint")
+    return (t for t in acts if "object" in t.properties and values.there(t.name))
 
 
 def _used(diagnostic: Diagnostic, action: Thing) -> Diagnostic:

@@ -1,37 +1,50 @@
-"""Whether what a hand holds, or what that pushes on, is pressed into something else: not every engine's ties give."""
+"""Whether what an arm holds or pushes, or what that pushes on, is pressed into something else.
+
+Arms go where they are told whatever is in the way, and not every engine's ties give.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
 
 from wmspec.scene.contact import colliders
-from wmspec.scene.model import Contact, Grip, Pose, Scene, Trace
+from wmspec.scene.model import Contact, Follow, Grip, Pose, Scene, Trace
 from wmspec.scene.overlap import overlap
 from wmspec.scene.transform import compose
 
 DEEP = 0.002  # m: engines let things sink into one another by less
 LOOKS = 30  # Hz
+LINKS = 3  # so many bodies are led by one action where that is an arm's
 
 
 def pressed(scene: Scene, trace: Trace) -> tuple[float, str, str, float] | None:
-    """When (s) which two bodies are first more than `DEEP` in one another, and how deep (m), while a hand leads one."""
-    found = [press for grip in scene.actions if isinstance(grip, Grip) for press in _presses(scene, trace, grip)]
+    """When (s) which two bodies are first more than `DEEP` in one another, and how deep (m), while an arm leads one."""
+    ways = [action for action in scene.actions if isinstance(action, Follow)]
+    links = Counter(way.name for way in ways)
+    arms = {way.body for way in ways if links[way.name] >= LINKS}
+    led = [(grip.body, grip.start, grip.stop) for grip in scene.actions if isinstance(grip, Grip)]
+    for contact in trace.contacts:
+        for one, other in ((contact.first, contact.second), (contact.second, contact.first)):
+            if one in arms:
+                led.append((other, contact.start, contact.stop))
+    found = [press for one in led for press in _presses(scene, trace, *one)]
     return min(found, default=None)
 
 
-def _presses(scene: Scene, trace: Trace, grip: Grip) -> Iterator[tuple[float, str, str, float]]:
-    """For each contact that what is held makes, or what touches that in turn, when it is first too deep."""
-    bodies = {body.name: body for body in scene.bodies}
-    touched = [c for c in trace.contacts if c.start < grip.stop and c.stop > grip.start]
-    led, left = {grip.body}, [c for c in touched if grip.hand not in (c.first, c.second)]
+def _presses(
+    scene: Scene, trace: Trace, body: str, since: float, until: float
+) -> Iterator[tuple[float, str, str, float]]:
+    """For each contact that a led body makes meanwhile, or what touches that in turn, when it is first too deep."""
+    free = {b.name for b in scene.bodies if b.motion == "dynamic"}
+    led, left = {body}, [c for c in trace.contacts if c.start < until and c.stop > since]
     while near := [c for c in left if led & {c.first, c.second}]:
         left = [c for c in left if c not in near]
-        led |= {name for c in near for name in (c.first, c.second) if bodies[name].motion == "dynamic"}
+        led |= {name for c in near for name in (c.first, c.second) if name in free}
         for contact in near:
-            start, stop = max(contact.start, grip.start), min(contact.stop, grip.stop)
-            if press := _first(scene, trace, contact, start, stop):
+            if press := _first(scene, trace, contact, max(contact.start, since), min(contact.stop, until)):
                 yield press
 
 

@@ -10,7 +10,7 @@ from wmspec.scene.episode import Episode, Recording
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.pressed import pressed
 
-AROUND = "move what is in the way of it by then, or carry it around or above that"
+AROUND = "let the arm go less far or another way, or move what is in its way by then"
 LOST = 1e6  # m, m/s or rad/s: beyond this, or not finite, an engine has diverged
 
 
@@ -45,7 +45,7 @@ def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> 
     if press := pressed(scene, made):
         time, one, other, depth = press
         raise EngineError(
-            f"{one} is pressed {1e3 * depth:.1f} mm deep into {other} at {time:.3f} s in {engine} by what a hand holds",
+            f"an arm presses {one} and {other} {1e3 * depth:.1f} mm into one another at {time:.3f} s in {engine}",
             help=AROUND,
         )
     return made

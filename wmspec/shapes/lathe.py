@@ -36,6 +36,7 @@ class Lathe(Shape):
     symmetry = "axis"
     rim = True
     convex = False
+    hollow = True
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
@@ -67,6 +68,14 @@ class Lathe(Shape):
         """To the furthest circle."""
         out = math.hypot(direction[0], direction[1])
         return max(out * r + direction[2] * z for r, z in self.profile)
+
+    def floor(self, x: float, y: float) -> float | None:
+        """Where the profile is left first, from below."""
+        r = max(math.hypot(x, y), 1e-9)
+        ends = zip(self.profile, (*self.profile[1:], self.profile[0]), strict=True)
+        crossed = [(a, b) for a, b in ends if min(a[0], b[0]) <= r < max(a[0], b[0])]
+        heights = sorted(low + (r - near) / (far - near) * (high - low) for (near, low), (far, high) in crossed)
+        return heights[1] if heights else None
 
     @property
     def sizes(self) -> tuple[float, ...]:

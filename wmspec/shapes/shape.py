@@ -123,6 +123,9 @@ class Shape:
     rim: ClassVar[bool] = False
     """Whether it has a round edge, on which engines differ."""
 
+    hollow: ClassVar[bool] = False
+    """Whether things can lie in it: then it has a `floor`."""
+
     # ------------------------------------------------------------ the language
 
     @classmethod
@@ -162,6 +165,10 @@ class Shape:
 
     def reach(self, direction: Vector) -> float:
         """How far (m) it goes from its origin along a unit vector: its support function."""
+        raise NotImplementedError
+
+    def floor(self, x: float, y: float) -> float | None:
+        """How high (m) the lowest part of it is that is above or below a place of its own, or None if none is."""
         raise NotImplementedError
 
     @property

@@ -64,7 +64,11 @@ class _Trial:
 def estimate(plan: Plan, effort: Effort, count: int, progress: Callable[[str, int], None]) -> tuple[Cost, ...]:
     """Make at least `count` instances of every task, in whole units from all over it, with all workers busy."""
     job = job_of(plan, effort)
-    pieces = [(job, task.spec.name, *trial) for task in plan.tasks for trial in _spread(task, plan.seed, count)]
+    pieces = [
+        (job.of(task.spec.name), task.spec.name, *trial)
+        for task in plan.tasks
+        for trial in _spread(task, plan.seed, count)
+    ]
     trials: dict[str, list[tuple[list[Piece], _Trial | Lost]]] = {task.spec.name: [] for task in plan.tasks}
     specs = {task.spec.name: task.spec for task in plan.tasks}
     with closing(in_order(timed, pieces, effort, lambda p: sum(weight(specs[p[1]], x) for x in p[-1]))) as outcomes:

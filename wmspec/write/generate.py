@@ -94,8 +94,9 @@ def _units(job: Job, plan: Plan, making: Iterable[_Making]) -> Iterator[list[tup
         of_task = list(shards)
         wanted = [index for one in of_task for index in one.shard.indices if index in one.missing]
         if wanted:
+            own = job.of(task)
             for unit in units(of_task[0].shard.task.spec, plan.seed, wanted):
-                yield [(job, task, piece) for piece in unit]
+                yield [(own, task, piece) for piece in unit]
 
 
 def job_of(plan: Plan, effort: Effort) -> Job:

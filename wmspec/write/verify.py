@@ -69,8 +69,9 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
     job, differences, questions = job_of(plan, effort), list[Difference](), 0
     tasks = {task.spec.name: task for task in plan.tasks}
     every = (
-        [(job, name, piece) for piece in unit]
+        [(own, name, piece) for piece in unit]
         for name, task in tasks.items()
+        for own in [job.of(name)]
         for unit in units(task.spec, plan.seed, task.indices)
     )
     with closing(by_units(work, every, effort, lambda p: weight(tasks[p[1]].spec, p[2]))) as outcomes:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass, field
-from functools import cache, partial
+from dataclasses import astuple, dataclass, field, replace
+from functools import cache, lru_cache, partial
 
 from wmspec.ask.ask import ask
 from wmspec.ask.balance import balanced
@@ -23,7 +23,7 @@ from wmspec.write.rows import Row, encode
 
 @dataclass(frozen=True)
 class Job:
-    """How every instance is made: `tasks` are `TaskSpec`s as JSON, by name."""
+    """How every instance is made: `tasks` are `TaskSpec`s as JSON, by name; some are megabytes."""
 
     tasks: tuple[tuple[str, str], ...]
     seed: int
@@ -33,6 +33,10 @@ class Job:
     look: Look = "parity"
     samples: int | None = None
     renderer: str = ""
+
+    def of(self, task: str) -> Job:
+        """The same for one task alone: what is sent with every piece of work."""
+        return replace(self, tasks=tuple(pair for pair in self.tasks if pair[0] == task))
 
 
 @dataclass(frozen=True)
@@ -133,17 +137,21 @@ def _outcome(answers: Answers) -> Outcome:
     return Outcome(tuple(encode(answer) for answer in answers if not isinstance(answer, Rejected)), rejected)
 
 
-@cache
+@lru_cache(maxsize=4)
 def _design(job: Job, task: str) -> Design:
     return Design(from_json(dict(job.tasks)[task]), job.seed)
 
 
-@cache
 def _pairs(job: Job) -> dict[str, EnginePair]:
+    return _engines(job.engines, job.renderer, job.size, job.look, job.samples)
+
+
+@cache
+def _engines(
+    engines: tuple[str, ...], renderer: str, size: tuple[int, int], look: Look, samples: int | None
+) -> dict[str, EnginePair]:
     scenes = SceneCache()
     return {
-        engine: EnginePair(
-            TraceCache(engine), RenderCache(job.renderer or engine, *job.size, job.look, job.samples), scenes
-        )
-        for engine in job.engines
+        engine: EnginePair(TraceCache(engine), RenderCache(renderer or engine, *size, look, samples), scenes)
+        for engine in engines
     }
