@@ -76,7 +76,17 @@ def hidden_at_most(observed: Observed, index: int, view: View) -> float:
 
 
 def outstanding(frame: Frame, index: int) -> float:
-    """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen."""
+    """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen.
+
+    Kept with the picture, which never changes: instances that share it ask for the same.
+    """
+    known: dict[int, float] = frame.__dict__.setdefault("_outstanding", {})
+    if index not in known:
+        known[index] = _outstanding(frame, index)
+    return known[index]
+
+
+def _outstanding(frame: Frame, index: int) -> float:
     mask = frame.ids == index
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if not len(rows):
