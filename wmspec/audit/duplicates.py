@@ -21,6 +21,8 @@ ALIKE = 100 / 256**2
 #: Two pixels of pictures at their own size differ if a channel differs by more than this (of 255), and pictures that
 #: look alike when small are told apart if so many do: as many as show what can be asked about.
 FAINT_STEP, FAINT = 3, 36 / 256**2
+#: So many pairs are in memory at once at their own size.
+AT_ONCE = 16
 #: Candidates for a comparison differ by at most this in the mean of a channel over a ninth of a picture (of 255).
 COARSE = 4.0
 #: The most examples that a finding names.
@@ -56,10 +58,10 @@ def enlarged(unit: Unit, pairs: Sequence[Pair], pictures: Enlarged) -> list[Pair
     """The pairs, of which the contrary ones that can be told apart at their own size are marked as faint."""
     index = {case.row["id"]: case.row["index"] for case in unit.cases}
     near = [p for p in pairs if p.contrary and not p.exact]
-    if not near:
-        return list(pairs)
-    shown = pictures({index[name] for p in near for name in (p.first, p.second)})
-    faint = {p for p in near if any(map(_parted, shown[p.first], shown[p.second]))}
+    faint = set[Pair]()
+    for some in (near[i : i + AT_ONCE] for i in range(0, len(near), AT_ONCE)):
+        shown = pictures({index[name] for p in some for name in (p.first, p.second)})
+        faint |= {p for p in some if any(map(_parted, shown[p.first], shown[p.second]))}
     return [replace(p, faint=p in faint) for p in pairs]
 
 
