@@ -156,8 +156,8 @@ def test_a_favoured_place_fails_and_the_deciding_factor_is_told(audited: Make) -
 # ---------------------------------------------------------------- duplicates and options
 
 
-def copied(contrary: bool, noise: int = 0) -> Ask:
-    """The question of instance 40 is asked again as one other instance."""
+def copied(contrary: bool, noise: int = 0, darker: int = 0) -> Ask:
+    """The question of instance 40 is asked again as one other instance, two rows of its pixels so much `darker`."""
     from tests.audit.made import blank, spec
     from wmspec.design.design import Design
 
@@ -168,6 +168,8 @@ def copied(contrary: bool, noise: int = 0) -> Ask:
         context = tuple(
             replace(p, rgb=p.rgb ^ random.integers(0, noise + 1, p.rgb.shape, np.uint8)) for p in source.context
         )
+        for p in context:
+            p.rgb[:2] -= np.uint8(darker)
         options = tuple(replace(o, kind="label" if o.kind == "truth" else "truth") for o in source.options)
         if contrary:
             return replace(
@@ -190,6 +192,14 @@ def test_the_same_question_with_another_answer_fails(noise: int, audited: Make) 
     (finding,) = failing(found, "duplicates")
     assert "race/000040/q0/mujoco and race/000041/q0/mujoco" in finding.what
     assert "different answers" in finding.what
+
+
+def test_what_only_who_enlarges_can_tell_apart_is_told(audited: Make) -> None:
+    found = audited("race", copied(True, darker=5), 320)
+    assert not failing(found, "duplicates")
+    (finding,) = [f for f in found.findings if f.check == "duplicates"]
+    assert finding.verdict == "told"
+    assert "1 pair of questions can be told apart by who enlarges" in finding.what
 
 
 @pytest.mark.parametrize(("noise", "exact"), [(0, "1 to the byte"), (3, "0 to the byte")])

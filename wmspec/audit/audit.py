@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from wmspec.audit import balance, groups, probes
-from wmspec.audit.cases import Unit, task_of, units
+from wmspec.audit.cases import Enlarging, Unit, task_of, units
 from wmspec.audit.counts import accounted, counts, whole
-from wmspec.audit.duplicates import duplicates, judged
+from wmspec.audit.duplicates import duplicates, enlarged, judged
 from wmspec.audit.likeness import QUANTILES, judge, likeness
 from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
 from wmspec.audit.stability import stability
@@ -72,11 +72,11 @@ def _task(dataset: DatasetReader, counted: Counts, most: int, gathered: _Gathere
     finding, gathered.stable[counted.task] = stability(dataset, counted.task, parts)
     gathered.findings.append(finding)
     for unit in parts:
-        _unit(unit, gathered)
+        _unit(unit, Enlarging(dataset, counted.task), gathered)
 
 
-def _unit(unit: Unit, gathered: _Gathered) -> None:
-    pairs = duplicates(unit)
+def _unit(unit: Unit, pictures: Enlarging, gathered: _Gathered) -> None:
+    pairs = enlarged(unit, duplicates(unit), pictures)
     gathered.findings += judged(unit, pairs)
     gathered.groups[unit.name] = groups.effective(unit, pairs)
     gathered.findings.append(groups.judge(unit, gathered.groups[unit.name]))

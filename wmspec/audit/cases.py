@@ -95,6 +95,19 @@ class Unit:
         return tuple(c for c in self.cases if c.row["engine"] == self.engines[0] and (c.seen_context or c.seen_options))
 
 
+@dataclass(frozen=True)
+class Enlarging:
+    """The pictures of a task at their own size, read once more."""
+
+    dataset: DatasetReader
+    task: str
+
+    def __call__(self, indices: set[int]) -> dict[str, list[Small]]:
+        """What is shown in the rows of some instances, by their names."""
+        rows = self.dataset.rows(self.task, only=indices)
+        return {row["id"]: [np.asarray(opened(p["bytes"])) for p in row["context"]] for row in rows}
+
+
 def units(dataset: DatasetReader, task: str, most: int) -> Iterator[Unit]:
     """The questions of a task. Pictures of at most `most` instances are looked at, the same ones every time."""
     indices = {row["index"] for row in dataset.rows(task, ["index"])}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -18,6 +18,11 @@ from wmspec.audit.model import Finding
 LEAST_STEP = 8
 #: Pictures in which fewer pixels than this share differ look alike: as many as a question's own options must differ in.
 ALIKE = 100 / 256**2
+#: Two pixels of pictures at their own size differ if a channel differs by more than this (of 255), and pictures that
+#: look alike when small are told apart if so many do: as many as show what can be asked about.
+FAINT_STEP, FAINT = 3, 36 / 256**2
+#: So many pairs are in memory at once at their own size.
+AT_ONCE = 16
 #: Candidates for a comparison differ by at most this in the mean of a channel over a ninth of a picture (of 255).
 COARSE = 4.0
 #: The most examples that a finding names.
@@ -26,12 +31,20 @@ MOST_NAMED = 3
 
 @dataclass(frozen=True)
 class Pair:
-    """Two questions that ask the same: exactly, or to the eye; `contrary` if they do not have the same answer."""
+    """Two questions that ask the same: exactly, or to the eye; `contrary` if they do not have the same answer.
+
+    Contrary ones that only look so when small are `faint`: at their own size their pictures can be told apart.
+    """
 
     first: str
     second: str
     exact: bool
     contrary: bool
+    faint: bool = False
+
+
+#: The pictures shown of some instances at their own size, by the row's name.
+Enlarged = Callable[[set[int]], Mapping[str, Sequence[Small]]]
 
 
 def duplicates(unit: Unit) -> list[Pair]:
@@ -41,10 +54,28 @@ def duplicates(unit: Unit) -> list[Pair]:
     return pairs + [p for p in _near(unit.first_engine) if (p.first, p.second) not in known]
 
 
+def enlarged(unit: Unit, pairs: Sequence[Pair], pictures: Enlarged) -> list[Pair]:
+    """The pairs, of which the contrary ones that can be told apart at their own size are marked as faint."""
+    index = {case.row["id"]: case.row["index"] for case in unit.cases}
+    near = [p for p in pairs if p.contrary and not p.exact]
+    faint = set[Pair]()
+    for some in (near[i : i + AT_ONCE] for i in range(0, len(near), AT_ONCE)):
+        shown = pictures({index[name] for p in some for name in (p.first, p.second)})
+        faint |= {p for p in some if any(map(_parted, shown[p.first], shown[p.second]))}
+    return [replace(p, faint=p in faint) for p in pairs]
+
+
+def _parted(a: Small, b: Small) -> bool:
+    return float((abs(a.astype(np.int16) - b) > FAINT_STEP).any(-1).mean()) >= FAINT
+
+
 def judged(unit: Unit, pairs: Sequence[Pair]) -> list[Finding]:
-    """What there is to say about them: contrary pairs fail, others are told."""
-    contrary, same = [p for p in pairs if p.contrary], [p for p in pairs if not p.contrary]
+    """What there is to say about them: contrary pairs fail, unless they are faint; others are told."""
+    contrary, same = [p for p in pairs if p.contrary and not p.faint], [p for p in pairs if not p.contrary]
     findings = []
+    if faint := [p for p in pairs if p.faint]:
+        what = f"{_count(faint)} can be told apart by who enlarges their pictures alone, such as {_named(faint)}"
+        findings.append(Finding("duplicates", unit.name, "told", what))
     if contrary:
         what = f"{_count(contrary)} ask the same and have different answers, such as {_named(contrary)}"
         findings.append(Finding("duplicates", unit.name, "fails", what))
