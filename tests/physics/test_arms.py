@@ -183,6 +183,14 @@ def test_what_lies_on_a_thing_or_in_it_comes_along_in_the_plan() -> None:
     assert run["rider"].position[-1][2] - run["plank"].position[-1][2] == pytest.approx(0.03 + 0.09, abs=3 * NEAR)
 
 
+def test_what_is_no_longer_there_is_not_held_from_afar() -> None:
+    more = """object ball { shape: sphere  size: 5 cm  on: table at (-16 cm, -3 cm) }
+      action shove = arm.push(cup, direction: left, distance: 9 cm) for 5 s
+      action grab = arm.pick(ball, height: 9 cm) for 4 s after shove"""
+    with pytest.raises(EngineError, match=r"ball is not between the fingers of hand that are to hold it at \d"):
+        one(more)[0].run("mujoco")
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_glass_is_held_by_its_wall_with_what_is_in_it(engine: str) -> None:
     more = """object glass : tumbler { radius: 32 mm  on: table at (-4 cm, 12 cm) }
@@ -406,6 +414,11 @@ def test_only_what_can_be_touched_is_driven_step_by_step(engine: str, monkeypatc
             r"its joints stop after some \d+ of 500",
         ),
         ("action grab = arm.place(cup, on: mat) for 4 s", "`arm` does not hold `cup`, so it cannot place it"),
+        (
+            """object two { shape: cube  size: 5 cm  on: cup }
+            action a = arm.push(cup, direction: left, distance: 9 cm) for 6 s""",
+            "its hand would go through `two`",
+        ),
         (f"{PICK} action more = arm.place(cup, on: cup) for 4 s after grab", "`cup` cannot be put on itself"),
         (
             f"{BLOCK} {PICK} action more = arm.place(cup, on: table, at: (14 cm, 9 cm)) for 5 s after grab",

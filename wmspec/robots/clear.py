@@ -56,7 +56,7 @@ def _with_things(made: Plan, action: Thing, before: Goods, links: Array, hand: l
     reach, arm, frames = made.reaches[action.name], made.arms[action.of].arm, links[:, -1]
     led, carried = _led(made, action, before, frames), riders(made, gang(made, action))
     leads = LEADS.get(action.verb, 0.0) * made.lasts(action)  # what lies on it or in it comes along from then on
-    for name, box in _obstacles(made, action):
+    for name, box in _obstacles(made, action, carried):
         when = _first(hand, [box], reach, SLACK) if _near(frames, box) else None
         what = "its hand"
         if when is None:
@@ -219,15 +219,17 @@ def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Bo
     yield from _hand(arm.arm, frames, rows[:, -1])
 
 
-def _obstacles(made: Plan, action: Thing) -> Iterator[tuple[str, Box]]:
-    """All that an arm does not handle; what it pushes may push what can move, and it may put things on another."""
+def _obstacles(made: Plan, action: Thing, carried: set[str]) -> Iterator[tuple[str, Box]]:
+    """All that an arm does not handle; what it pushes may push what can move, but for what is `carried` along."""
     values, handled = made.values, together(made.values, made.values.property(action.name, "object"))
     others = {values.property(t.name, "object") for t in moving(values)}
     for thing in values.spec.things:
         name = thing.name
         if thing.kind != "object" or name in handled or name in others or not values.there(name):
             continue
-        if not _solid(values, name) or (action.verb == "push" and not values.property(name, "fixed")):
+        if not _solid(values, name) or (
+            action.verb == "push" and name not in carried and not values.property(name, "fixed")
+        ):
             continue
         for box in boxes(values, name, made.moved.get(name, STILL)):
             yield name, box

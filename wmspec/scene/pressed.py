@@ -10,12 +10,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from wmspec.scene.bounds import upright
 from wmspec.scene.contact import colliders
 from wmspec.scene.model import Contact, Follow, Grip, Pose, Scene, Trace
 from wmspec.scene.overlap import overlap
-from wmspec.scene.transform import compose
+from wmspec.scene.transform import compose, rotate
 
 DEEP = 0.002  # m: engines let things sink into one another by less
+AWAY = 0.01  # m: so far beside the box around a thing fingers do not have it
 LOOKS = 30  # Hz
 LINKS = 3  # so many bodies are led by one action where that is an arm's
 
@@ -32,6 +34,19 @@ def pressed(scene: Scene, trace: Trace) -> tuple[float, str, str, float] | None:
                 led.append((other, contact.start, contact.stop))
     found = [press for one in led for press in _presses(scene, trace, *one)]
     return min(found, default=None)
+
+
+def missed(scene: Scene, trace: Trace) -> tuple[float, str, str] | None:
+    """When (s) which hand closes on nothing of which thing that it is to hold, since something has moved that."""
+    bodies = {body.name: (i, body) for i, body in enumerate(scene.bodies)}
+    for grip in sorted((a for a in scene.actions if isinstance(a, Grip)), key=lambda grip: grip.start):
+        i = trace.sample(grip.start)
+        (hand, _), (held, body) = bodies[grip.hand], bodies[grip.body]
+        tool = trace.position[i, hand] + rotate(trace.orientation[i, hand], grip.points.mean(axis=0))
+        low, high = upright(body.geoms, Pose(trace.position[i, held], trace.orientation[i, held]))
+        if ((tool < low - AWAY) | (high + AWAY < tool)).any():
+            return float(trace.time[i]), grip.hand, grip.body
+    return None
 
 
 def _presses(

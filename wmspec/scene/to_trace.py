@@ -8,7 +8,7 @@ from wmspec.diagnostics import EngineError
 from wmspec.scene.contact import intervals
 from wmspec.scene.episode import Episode, Recording
 from wmspec.scene.model import Scene, Trace
-from wmspec.scene.pressed import pressed
+from wmspec.scene.pressed import missed, pressed
 
 AROUND = "let the arm go less far or another way, or move what is in its way by then"
 LOST = 1e6  # m, m/s or rad/s: beyond this, or not finite, an engine has diverged
@@ -24,13 +24,6 @@ def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> 
             f"{engine} lost {scene.bodies[body].path} at {sample / scene.rate:.3f} s, at {states[sample, body, :3]} m; "
             "look for bodies that overlap at the start, extreme masses or extreme velocities"
         )
-    for time, number, length in recording.torn:
-        grip = episode.grips[number]
-        raise EngineError(
-            f"{scene.bodies[grip.hand].path} loses hold of {scene.bodies[grip.body].path} at {time:.3f} s: in {engine} "
-            f"they part by {1e3 * length:.1f} mm",
-            help=AROUND,
-        )
     names = tuple(body.name for body in scene.bodies)
     made = Trace(
         engine=engine,
@@ -42,6 +35,19 @@ def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> 
         angular_velocity=states[..., 10:],
         contacts=intervals(recording.touching, names, episode.step, gap=1 / scene.rate),
     )
+    if miss := missed(scene, made):
+        time, hand, held = miss
+        raise EngineError(
+            f"{held} is not between the fingers of {hand} that are to hold it at {time:.3f} s in {engine}",
+            help="something moved it before: let nothing touch it until then",
+        )
+    for time, number, length in recording.torn:
+        grip = episode.grips[number]
+        raise EngineError(
+            f"{scene.bodies[grip.hand].path} loses hold of {scene.bodies[grip.body].path} at {time:.3f} s: in {engine} "
+            f"they part by {1e3 * length:.1f} mm",
+            help=AROUND,
+        )
     if press := pressed(scene, made):
         time, one, other, depth = press
         raise EngineError(
