@@ -228,7 +228,7 @@ def test_a_drive_is_in_radians_and_an_action_changes_its_target() -> None:
         ((a := robot("car", "car"), BALL, action("g", "forward", by=a, distance=1, duration=1)),
          "`car` cannot forward so: it has no roads"),
         ((a := robot("arm", "panda"), BALL, action("g", "pick", by=a, object="ball", height=0.1, duration=1)),
-         "`ball` is 10 cm wide, and `arm` opens 8 cm"),
+         "`ball` is 10 cm wide, and `arm` takes what is less than 8 cm"),
         ((a := robot("arm", "panda"), action("g", "pick", by=a, object="table", height=0.1, duration=1)),
          "`table` is fixed, so no robot can move it"),
         ((BALL, action("a", "glide", object="ball", direction=0, speed=1, duration=1),

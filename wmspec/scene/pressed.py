@@ -39,7 +39,8 @@ def pressed(scene: Scene, trace: Trace) -> tuple[float, str, str, float] | None:
 def missed(scene: Scene, trace: Trace) -> tuple[float, str, str] | None:
     """When (s) which hand closes on nothing of which thing that it is to hold, since something has moved that."""
     bodies = {body.name: (i, body) for i, body in enumerate(scene.bodies)}
-    for grip in sorted((a for a in scene.actions if isinstance(a, Grip)), key=lambda grip: grip.start):
+    grips = (a for a in scene.actions if isinstance(a, Grip) and a.start <= trace.time[-1])
+    for grip in sorted(grips, key=lambda grip: grip.start):
         i = trace.sample(grip.start)
         (hand, _), (held, body) = bodies[grip.hand], bodies[grip.body]
         tool = trace.position[i, hand] + rotate(trace.orientation[i, hand], grip.points.mean(axis=0))
