@@ -50,11 +50,10 @@ def between(frames: Array, corners: Array) -> Box:
     return Box(middle, frames[:, :3, :3], (corners[1] - corners[0]) / 2)
 
 
-def boxes(values: Values, name: str, moved: Array) -> Iterator[Box]:
-    """The boxes around the solids of an object, which has moved so (4, 4) since the start."""
-    stood = moved @ matrix(values.pose(name))
+def boxes(values: Values, name: str, frame: Array) -> Iterator[Box]:
+    """The boxes around the solids of an object whose frame is there (4, 4)."""
     for piece in pieces(values, name):
-        placed, (low, high) = stood @ matrix(piece.pose), ends(piece)
+        placed, (low, high) = frame @ matrix(piece.pose), ends(piece)
         middle = placed[:3, :3] @ ((low + high) / 2) + placed[:3, 3]
         yield Box(middle[None], placed[None, :3, :3], (high - low) / 2)
 

@@ -23,7 +23,6 @@ from wmspec.shapes.shape import Shape
 SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
 ROUND = 0.006  # m: the same of two hands, whose corners are round
 HAND = 0.25  # m: no part of a hand is further from its frame
-STILL = np.eye(4)
 ASIDE = "let the hand take it elsewhere (`at:`), or move that out of its way"
 AROUND = "raise it higher before, or let it go another way, or move that out of its way"
 HELPS = {
@@ -151,8 +150,7 @@ def _led(made: Plan, action: Thing, before: Goods, frames: Array) -> list[_Led]:
     if not len(times):
         return []
     values = made.values
-    stood = made.moved.get(before.name, STILL) @ matrix(values.pose(before.name))
-    rigid = frames[times] @ np.linalg.inv(frames[times[0]]) @ stood
+    rigid = frames[times] @ np.linalg.inv(frames[times[0]]) @ made.frame(before.name)
     found = []
     for piece in pieces(values, before.name):
         placed = rigid @ matrix(piece.pose)
@@ -231,7 +229,7 @@ def _obstacles(made: Plan, action: Thing, carried: set[str]) -> Iterator[tuple[s
             action.verb == "push" and name not in carried and not values.property(name, "fixed")
         ):
             continue
-        for box in boxes(values, name, made.moved.get(name, STILL)):
+        for box in boxes(values, name, made.frame(name)):
             yield name, box
 
 

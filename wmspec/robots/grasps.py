@@ -84,8 +84,7 @@ def place(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
         raise ImpossibleValue(f"`{thing.name}` cannot be put on itself", action.place, "name what it is to stand on")
     made.wields(action)
     face = np.array(surfaces.top(values, onto, values.property(action.name, "at")).middle)
-    if onto in made.moved:
-        face = (made.moved[onto] @ [*face, 1.0])[:3]
+    face = (made.motion(onto) @ [*face, 1.0])[:3]
     way = np.array([*face[:2], face[2] + SOFTLY]) - np.array([*thing.middle[:2], thing.middle[2] - thing.half[2]])
     here = arm.tool
     there = shift(*way) @ here

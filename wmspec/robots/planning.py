@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wmspec.layout.values import Values
 
 ABOVE = 0.12  # m: so high above where it takes or touches something the hand comes and goes
+STILL = np.eye(4)
 TAKES = ("pick", "grasp", "lift", "open", "close")
 """The verbs that take a thing."""
 PUSHES = (0.43, 0.63)
@@ -107,10 +108,18 @@ class Plan:
         self._stays(action, name)
         if name not in self.things:
             try:
-                self.things[name] = goods(self.values, name).put(self.moved.get(name, np.eye(4)))
+                self.things[name] = goods(self.values, name).put(self.motion(name))
             except ImpossibleValue as error:
                 raise ImpossibleValue.of(_used(d, action) for d in error.diagnostics) from None
         return self.things[name]
+
+    def motion(self, name: str) -> Array:
+        """How a thing has moved since the start (4, 4)."""
+        return self.moved.get(name, STILL)
+
+    def frame(self, name: str) -> Array:
+        """Where a thing is by then (4, 4)."""
+        return np.asarray(self.motion(name) @ matrix(self.values.pose(name)))
 
     def _stays(self, action: Thing, name: str) -> None:
         """Complain if something else than a robot moves a thing before an arm has done with it."""

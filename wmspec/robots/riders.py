@@ -9,7 +9,7 @@ from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import bounds
 from wmspec.robots.arm import Array
 from wmspec.robots.goods import together
-from wmspec.robots.planning import Plan, matrix
+from wmspec.robots.planning import Plan
 from wmspec.space import HERE
 
 BELOW, ABOVE = 0.002, 0.005  # m: what lies on or in something begins no lower than it, and no higher than so above it
@@ -40,13 +40,13 @@ def move(made: Plan, action: Thing, motion: Array) -> None:
     for name in carriers | riders(made, carriers):
         if name in made.things and name != made.values.property(action.name, "object"):
             made.things[name] = made.things[name].put(motion)
-        made.moved[name] = motion @ made.moved.get(name, np.eye(4))
+        made.moved[name] = motion @ made.motion(name)
 
 
 def _lies(made: Plan, name: str, carrier: str) -> bool:
     """Whether the middle of a thing is above the box of another, or in it, and its lower end no higher."""
     middle, half = _box(made, name)
-    frame, (low, high) = _frame(made, carrier), np.array(bounds(pieces(made.values, carrier), HERE))
+    frame, (low, high) = made.frame(carrier), np.array(bounds(pieces(made.values, carrier), HERE))
     own = frame[:3, :3].T @ (middle - frame[:3, 3])
     across = ((low[:2] <= own[:2]) & (own[:2] <= high[:2])).all()
     return bool(across and low[2] - BELOW <= own[2] - half <= high[2] + ABOVE)
@@ -55,10 +55,5 @@ def _lies(made: Plan, name: str, carrier: str) -> bool:
 def _box(made: Plan, name: str) -> tuple[Array, float]:
     """The middle (3,) of a thing as it is by then, and half of how high it was at the start, m."""
     low, high = np.array(bounds(pieces(made.values, name), made.values.pose(name)))
-    middle = made.moved.get(name, np.eye(4)) @ [*(low + high) / 2, 1.0]
+    middle = made.motion(name) @ [*(low + high) / 2, 1.0]
     return middle[:3], float((high - low)[2] / 2)
-
-
-def _frame(made: Plan, name: str) -> Array:
-    """Where a thing is by then (4, 4)."""
-    return np.asarray(made.moved.get(name, np.eye(4)) @ matrix(made.values.pose(name)))

@@ -64,8 +64,9 @@ class _Trial:
 def estimate(plan: Plan, effort: Effort, count: int, progress: Callable[[str, int], None]) -> tuple[Cost, ...]:
     """Make at least `count` instances of every task, in whole units from all over it, with all workers busy."""
     job = job_of(plan, effort)
+    own = {task.spec.name: job.of(task.spec.name) for task in plan.tasks}
     pieces = [
-        (job.of(task.spec.name), task.spec.name, *trial)
+        (own[task.spec.name], task.spec.name, *trial)
         for task in plan.tasks
         for trial in _spread(task, plan.seed, count)
     ]
