@@ -69,13 +69,12 @@ class Run:
         if not self.values.during(time):
             label = f"{self.values.change.name}: " if self.values.change else ""
             raise WmsError(f"{label}{time:g} s is outside the episode, which lasts {self.scene.duration:g} s")
-        i, index = self.trace.sample(time), {name: k for k, name in enumerate(self.trace.bodies)}
+        here, index = self.trace.poses(time), {name: k for k, name in enumerate(self.trace.bodies)}
         rows, gone = np.full((len(names), 7), np.nan), vanished(self.scene, time)
         for row, name in zip(rows, names, strict=True):
             if name in index and name not in gone:
                 k = index[name]
-                here = Pose(self.trace.position[i, k], self.trace.orientation[i, k])
-                row[:3], row[3:] = middle(self.scene.bodies[k], here), here.orientation
+                row[:3], row[3:] = middle(self.scene.bodies[k], here[k]), here[k].orientation
         return rows
 
     def observed(self, views: Sequence[View], pair: EnginePair) -> Observed:

@@ -12,6 +12,8 @@ from wmspec.scene.model.bodies import Body, Joint
 from wmspec.scene.model.cameras import Camera, Light, Observation
 from wmspec.scene.model.geometry import Array, Pose
 
+INSTANT = 1e-6  # s
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -69,6 +71,17 @@ class Trace:
         return int(np.abs(self.time - time).argmin())
 
     def poses(self, time: float) -> tuple[Pose, ...]:
-        """The pose of every body at the sample nearest to `time` (s)."""
+        """The pose of every body at `time` (s), in a straight line between the samples before and after it.
+
+        A sample stands for what is within a millionth of a second of it. What is 1/240 s from one sample to the next
+        leaves the line by 0.02 mm where it falls freely.
+        """
         i = self.sample(time)
-        return tuple(Pose(p, q) for p, q in zip(self.position[i], self.orientation[i], strict=True))
+        position, orientation = self.position[i], self.orientation[i]
+        if abs(late := time - self.time[i]) > INSTANT and 0 <= (j := i + (1 if late > 0 else -1)) < len(self.time):
+            share = late / (self.time[j] - self.time[i])
+            position = position + share * (self.position[j] - position)
+            same = np.sign((self.orientation[j] * orientation).sum(axis=1, keepdims=True))  # q and -q are one turn
+            orientation = (1 - share) * orientation + share * same * self.orientation[j]
+            orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
+        return tuple(Pose(p, q) for p, q in zip(position, orientation, strict=True))
