@@ -9,7 +9,7 @@ import pytest
 import wmspec
 from tests.engines import installed
 from tests.language.specs import task_of
-from wmspec.check.ir import Choices
+from wmspec.check.ir import Choices, Ref
 from wmspec.parse.load import catalogue_folders
 
 FOLDER = next(folder for folder in catalogue_folders() if folder.name == "prediction")
@@ -31,7 +31,10 @@ def test_groups_tiers_and_questions(path: Path) -> None:
     foreseen, *seen = task.questions
     assert [question.name for question in seen] == ["moves", "color", "shape"], "after the task's own"
     assert len(foreseen.orbit) == 2, "a state and an action"
-    tiers = next(factor for factor in task.factors if Name(factor.name) == foreseen.difference)
+    assert foreseen.difference is not None
+    told = foreseen.difference.value
+    assert isinstance(told, Ref)
+    tiers = next(factor for factor in task.factors if factor.name == told.name)
     assert isinstance(tiers.domain, Choices)
     assert len(tiers.domain.values) == 4
 

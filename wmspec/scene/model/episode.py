@@ -74,8 +74,8 @@ class Trace:
     def poses(self, time: float) -> tuple[Pose, ...]:
         """The pose of every body at `time` (s): on a straight line between the samples before and after it.
 
-        A sample stands for what is within a microsecond of it, and for what leaps: a body that comes much further than
-        it is fast has been put elsewhere, and is on no way between. The line is off by 0.02 mm where a body falls freely.
+        A sample stands for what is within a microsecond of it, and for what leaps: a body that comes further than it is
+        fast has been put elsewhere, and is on no way between. Where a body falls freely the line is off by 0.02 mm.
         """
         i = self.sample(time)
         position, orientation = self.position[i], self.orientation[i]
@@ -96,4 +96,7 @@ class Trace:
         both = [i, j]
         speed = np.linalg.norm(self.linear_velocity[both], axis=2) + np.linalg.norm(self.angular_velocity[both], axis=2)
         lasts, far = abs(self.time[j] - self.time[i]), np.linalg.norm(self.position[j] - self.position[i], axis=1)
-        return far > 2 * lasts * speed.max(axis=0) + 1e-3  # the frame of what turns is at most 1 m from its mass
+        leaps: NDArray[np.bool_] = (
+            far > 2 * lasts * speed.max(axis=0) + 1e-3
+        )  # a frame is some 1 m from the mass at most
+        return leaps
