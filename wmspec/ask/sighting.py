@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Collection
 
 from wmspec.ask.model import Sighting
+from wmspec.ask.patch import patch
 from wmspec.ask.runs import Run
 from wmspec.layout.values import Values
 from wmspec.scene.model import Frame
@@ -21,25 +19,12 @@ def sightings(run: Run, frame: Frame, time: float, asked: Collection[str]) -> tu
     things = {thing.name for thing in run.values.spec.things if thing.kind == "object"}
     shown = {b.name: i for i, b in enumerate(run.scene.bodies) if b.name in things}
     names = [name for name, i in shown.items() if run.scene.bodies[i].motion != "static" or name in asked]
-    return tuple(
-        _sighting(frame.ids == shown[name], frame, (name, _words(run.values, name), name in asked), pose.tolist())
-        for name, pose in zip(names, run.poses(names, time), strict=True)
-    )
-
-
-def _sighting(
-    mask: NDArray[np.bool_], frame: Frame, what: tuple[str, tuple[str, ...], bool], pose: Sequence[float]
-) -> Sighting:
-    """An object that a picture shows where `mask` (h, w) is, in a pose (7,)."""
-    position, orientation = tuple(pose[:3]), tuple(pose[3:])
-    pixels = int(mask.sum())
-    if not pixels:
-        return Sighting(*what, position, orientation, 0.0, None, None, None)
-    down, across = (
-        float((mask.sum(axis=1 - axis) @ np.arange(side) / pixels + 0.5) / side) for axis, side in enumerate(mask.shape)
-    )
-    color = tuple(frame.rgb[mask].mean(axis=0) / 255.0)
-    return Sighting(*what, position, orientation, float(mask.mean()), across, down, tuple(map(float, color)))
+    found = []
+    for name, pose in zip(names, run.poses(names, time).tolist(), strict=True):
+        own, words = patch(frame, shown[name]), _words(run.values, name)
+        place = tuple(pose[:3]), tuple(pose[3:])
+        found.append(Sighting(name, words, name in asked, *place, own.share, own.across, own.down, own.color))
+    return tuple(found)
 
 
 def _words(values: Values, name: str) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wmspec.ask.difference import ciede2000, lab
 from wmspec.ask.observed import Observed
+from wmspec.ask.patch import known, patch
 from wmspec.ask.silhouette import Silhouette, box, silhouette
 from wmspec.ask.views import View
 from wmspec.scene.model import Frame
@@ -45,13 +46,13 @@ def _over_views(
 
 def share(observed: Observed, index: int, view: View) -> float:
     """The share of a picture that shows a body, 0..1."""
-    return float((observed.picture(*view).ids == index).mean())
+    return patch(observed.picture(*view), index).share
 
 
 def hidden(observed: Observed, index: int, view: View) -> float:
     """The share of a body within the picture that others hide, 0..1; 1 if it is outside the picture."""
     whole = outline(observed, index, view).inside
-    seen = int((observed.picture(*view).ids == index).sum())
+    seen = patch(observed.picture(*view), index).pixels
     return min(max(1 - seen / whole, 0.0), 1.0) if whole > 0 else 1.0
 
 
@@ -68,22 +69,17 @@ def hidden_at_most(observed: Observed, index: int, view: View) -> float:
     Other than `hidden` it draws no silhouette, and is enough where plenty is seen.
     """
     camera, time = view
-    ids = observed.picture(camera, time).ids
-    around = box(observed.scene, index, (camera, observed.trace.poses(time)), (ids.shape[1], ids.shape[0]))
-    if around is None or (around < 1).any() or (around > np.array(ids.shape[::-1]) - 1).any():
+    frame = observed.picture(camera, time)
+    height, width = frame.ids.shape
+    around = box(observed.scene, index, (camera, observed.trace.poses(time)), (width, height))
+    if around is None or (around < 1).any() or (around > np.array([width, height]) - 1).any():
         return 1.0
-    return 1 - float((ids == index).sum()) / float(np.prod(np.ptp(around, axis=0) + 2))
+    return 1 - patch(frame, index).pixels / float(np.prod(np.ptp(around, axis=0) + 2))
 
 
 def outstanding(frame: Frame, index: int) -> float:
-    """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen.
-
-    Kept with the picture, which never changes: instances that share it ask for the same.
-    """
-    known: dict[int, float] = frame.__dict__.setdefault("_outstanding", {})
-    if index not in known:
-        known[index] = _outstanding(frame, index)
-    return known[index]
+    """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen."""
+    return known(frame, index, _outstanding)
 
 
 def _outstanding(frame: Frame, index: int) -> float:

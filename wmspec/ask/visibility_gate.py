@@ -9,6 +9,7 @@ import numpy as np
 from wmspec.ask import visibility
 from wmspec.ask.model import Reject
 from wmspec.ask.observed import Observed
+from wmspec.ask.patch import patch
 from wmspec.ask.views import View
 from wmspec.layout.values import Values
 from wmspec.scene.appearance import vanished
@@ -92,7 +93,7 @@ def unseen(observed: Observed, name: str, view: View) -> str:
     """Why a body is not well seen in a view; empty if it is."""
     index = observed.index(name)
     frame = observed.picture(*view)
-    pixels = int((frame.ids == index).sum())
+    pixels = patch(frame, index).pixels
     if pixels < LEAST_VISIBLE * frame.ids.size:
         return f"{pixels} of {frame.ids.size} pixels"
     can_move = observed.scene.bodies[index].motion != "static"
