@@ -280,3 +280,11 @@ def test_the_example_runs_as_it_stands(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet", "sapien"):
         installed(engine)
     run_example(example("docs/api.md"), tmp_path)
+
+
+def test_a_seed_that_its_tasks_were_not_loaded_with_is_refused(tmp_path: Path) -> None:
+    task, told = wmspec.load(COLLIDE, seed=3), "were loaded with the seed 3, not 4; load them with `seed=4`"
+    with pytest.raises(wmspec.WmsError, match=told):
+        wmspec.generate(task, tmp_path / "out", backend="mujoco", per_task=4, seed=4)
+    with pytest.raises(wmspec.WmsError, match=told):
+        wmspec.crosscheck(task, seed=4)

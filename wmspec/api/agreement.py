@@ -92,7 +92,7 @@ def crosscheck(
     *,
     sample: int = 20,
     backend: str = "all",
-    seed: int = 0,
+    seed: int | None = None,
     tolerance: Iterable[str] = (),
     strict: bool = False,
     workers: int | None = None,
@@ -106,7 +106,7 @@ def crosscheck(
         tasks: a task, the path of a spec or of a folder of them, or several.
         sample: how many instances of each task.
         backend: two or more engines, joined by commas, or "all" that are installed.
-        seed: what the draws depend on, of tasks that are given by their path; a task has its own.
+        seed: what the draws depend on, of tasks that are given by their path, 0 if it is left out; a task has its own.
         tolerance: settings such as "drift=1cm/s" in place of a task's own tolerances.
         strict: whether trajectories must be within tolerance for an instance to pass.
         workers: processes, 0 to have none; one for each core if it is left out.
@@ -128,19 +128,21 @@ def crosscheck(
         return Agreement(job, sweep(specs, sample, job, effort(workers, timeout, engines), advance), strict)
 
 
-def gathered(tasks: Tasks, seed: int, tell: Tell, dimensions: Sequence[str] = ()) -> tuple[Task, ...]:
+def gathered(tasks: Tasks, seed: int | None, tell: Tell, dimensions: Sequence[str] = ()) -> tuple[Task, ...]:
     """The tasks meant, of these dimensions.
 
-    Raises WmsError if they have different seeds, or if there is none.
+    Raises WmsError if they have different seeds, or another than the `seed` that is asked for, or if there is none.
     """
     given = [tasks] if isinstance(tasks, Task | str | PathLike) else list(tasks)
     paths = [Path(spec) for spec in given if not isinstance(spec, Task)]
     loaded = [spec for spec in given if isinstance(spec, Task)]
     if paths:
-        loaded += load_all(*paths, seed=seed, tell=tell)
+        loaded += load_all(*paths, seed=seed or 0, tell=tell)
     seeds = {task.seed for task in loaded}
     if len(seeds) > 1:
         raise WmsError(f"these tasks have different seeds, {sorted(seeds)}; load them with one")
+    if seed is not None and seeds - {seed}:
+        raise WmsError(f"these tasks were loaded with the seed {seeds.pop()}, not {seed}; load them with `seed={seed}`")
     return of_dimensions(loaded, dimensions)
 
 

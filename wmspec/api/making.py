@@ -135,7 +135,7 @@ def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan
         raise WmsError("`full` makes all instances and `per_task` some of them; give one of the two")
     if not -(1 << 63) <= choices.get("seed", 0) < 1 << 63:
         raise WmsError(f"a seed is a number from {-(1 << 63)} to {(1 << 63) - 1}, which a column of a dataset can hold")
-    chosen_tasks = gathered(tasks, choices.get("seed", 0), tell, choices.get("dimensions", ()))
+    chosen_tasks = gathered(tasks, choices.get("seed"), tell, choices.get("dimensions", ()))
     engines = chosen(backend) if renderer else drawing(chosen(backend), look)
     drawers = drawing(chosen(renderer), look) if renderer else engines
     if renderer and len(drawers) > 1:
