@@ -186,14 +186,12 @@ def scored(keys: Mapping[str, Mapping[str, Any]], answers: Sequence[Mapping[str,
     yield from table(("task", "question", "right", "95 %", "by tier"), lines)
 
 
-def _in_order(item: tuple[str, list[bool]]) -> tuple[int, float, str]:
-    names, name = ("easy", "middle", "hard"), item[0]
-    if name in names:
-        return 0, names.index(name), name
+def _in_order(item: tuple[str, list[bool]]) -> tuple[bool, float, str]:
+    """Tiers that are numbers from the largest on, then those that have names."""
     try:
-        return 1, -float(name), name
+        return False, -float(item[0]), ""
     except ValueError:
-        return 2, 0.0, name
+        return True, 0.0, item[0]
 
 
 def main() -> None:
