@@ -83,20 +83,20 @@ class Trace:
         if abs(time - self.time[i]) > INSTANT and 0 <= j < len(self.time):
             part = (time - self.time[i]) / (self.time[j] - self.time[i])
             share = np.where(self._leaps(i, j), 0.0, part)[:, None]
-            same = np.where((orientation * self.orientation[j]).sum(axis=1) < 0, -1.0, 1.0)[
-                :, None
-            ]  # q turns as -q does
+            other = self.orientation[j]
+            alike = (orientation * other).sum(axis=1, keepdims=True) >= 0  # else -q, which is the same turn, is nearer
             position = position + share * (self.position[j] - position)
-            orientation = orientation + share * (same * self.orientation[j] - orientation)
+            orientation = orientation + share * (np.where(alike, other, -other) - orientation)
             orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
         return tuple(Pose(p, q) for p, q in zip(position, orientation, strict=True))
 
     def _leaps(self, i: int, j: int) -> NDArray[np.bool_]:
-        """Which bodies (N,) come twice as far from one sample to the next as their speeds at both could take them."""
+        """Which bodies (N,) come twice as far from one sample to the next as their speeds at both could take them.
+
+        The frame of a body is taken to be a metre from its centre of mass at most.
+        """
         both = [i, j]
         speed = np.linalg.norm(self.linear_velocity[both], axis=2) + np.linalg.norm(self.angular_velocity[both], axis=2)
-        lasts, far = abs(self.time[j] - self.time[i]), np.linalg.norm(self.position[j] - self.position[i], axis=1)
-        leaps: NDArray[np.bool_] = (
-            far > 2 * lasts * speed.max(axis=0) + 1e-3
-        )  # a frame is some 1 m from the mass at most
+        reach = 2 * abs(self.time[j] - self.time[i]) * speed.max(axis=0) + 1e-3
+        leaps: NDArray[np.bool_] = np.linalg.norm(self.position[j] - self.position[i], axis=1) > reach
         return leaps
