@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-import numpy as np
-
 from wmspec.ask import visibility
 from wmspec.ask.model import Reject
 from wmspec.ask.observed import Observed
@@ -84,9 +82,10 @@ def _unseen(observed: Observed, group: tuple[str, ...], view: View) -> str:
         return ""
     if len(group) == 1:
         return unseen(observed, group[0], view)
-    ids = observed.picture(*view).ids
-    pixels = int(np.isin(ids, [observed.index(name) for name in group]).sum())
-    return f"{pixels} of {ids.size} pixels of all {len(group)}" if pixels < LEAST_VISIBLE * ids.size else ""
+    frame = observed.picture(*view)
+    pixels = sum(patch(frame, observed.index(name)).pixels for name in group)
+    size = frame.ids.size
+    return f"{pixels} of {size} pixels of all {len(group)}" if pixels < LEAST_VISIBLE * size else ""
 
 
 def unseen(observed: Observed, name: str, view: View) -> str:
