@@ -34,6 +34,8 @@ with a whole texel flat tops have speckles.
 """
 SAMPLES = 4
 
+GL_RGBA = 0x1908
+
 
 class Renderer:
     """Draws one scene: every body is a mocap body, so a shot is a matter of setting poses.
@@ -50,6 +52,8 @@ class Renderer:
         self._owner = np.append(self._model.body_mocapid[self._model.geom_bodyid], -1)
         self._view: Any = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 100)
         self._gl, self._context = _graphics(self._model, width, height)
+        self._open = False
+        """Whether the background was seen in a picture; it takes a sixth of the time, and is left out until then."""
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
@@ -59,8 +63,8 @@ class Renderer:
         self._place(shot)
         camera = seeing(self._scene, shot)
         self._aim(self._near.before(camera, shot), shot)
-        rgb = self._render(ids=False)
-        ids = self._bodies(self._render(ids=True))
+        rgb = self._colors()
+        ids = self._bodies()
         if not (depth or self._contact.any):
             return Frame(rgb, ids)
         distance = np.where(ids >= 0, self._distance(), np.float32(0))
@@ -113,14 +117,23 @@ class Renderer:
             if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and not thrown[geom.objid]:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
 
+    def _colors(self) -> NDArray[np.uint8]:
+        """Bytes (h, w, 3), the first row on top."""
+        rgba = self._render(ids=False)
+        if not self._open and (rgba[..., 3] < 255).any():  # a sample, of the four of a pixel, that nothing covers
+            self._open = True
+            rgba = self._render(ids=False)
+        return np.ascontiguousarray(rgba[..., :3])
+
     def _render(self, ids: bool) -> NDArray[np.uint8]:
-        """Bytes (h, w, 3), the first row on top: colours, or what numbers the geometries."""
+        """Bytes (h, w, 4), the first row on top: colours and what is covered, or what numbers the geometries."""
+        self._view.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = self._open
         self._view.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = ids
         self._view.flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = ids
-        rgb = np.empty((self._rect.height, self._rect.width, 3), np.uint8)
+        rgba = np.empty((self._rect.height, self._rect.width, 4), np.uint8)
         mujoco.mjr_render(self._rect, self._view, self._context)
-        mujoco.mjr_readPixels(rgb, None, self._rect, self._context)
-        return np.ascontiguousarray(rgb[::-1])
+        mujoco.mjr_readPixels(rgba, None, self._rect, self._context)
+        return rgba[::-1]
 
     def _distance(self) -> NDArray[np.float32]:
         """Metres (h, w) along the view axis in what was rendered last.
@@ -135,10 +148,9 @@ class Renderer:
         away += near
         return np.asarray(far * near / away, np.float32)
 
-    def _bodies(self, marks: NDArray[np.uint8]) -> NDArray[np.int16]:
-        """The scene's body behind every id colour (0 is the background, n + 1 the n-th drawn geometry)."""
-        red, green, blue = (marks[..., i].astype(np.int32) for i in range(3))
-        number = red + (green << 8) + (blue << 16)
+    def _bodies(self) -> NDArray[np.int16]:
+        """The scene's body in every pixel (h, w), by its colour: 0 is the background, n + 1 the n-th drawn geometry."""
+        number = self._render(ids=True).view("<u4")[..., 0] & 0xFFFFFF
         if int(number.max()) > self._view.ngeom:
             raise GraphicsError(
                 "MuJoCo can't tell things apart with this OpenGL, which mixes the numbers that it draws; draw in "
@@ -164,7 +176,7 @@ def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
             f"MuJoCo can't draw: no OpenGL ({error}); set MUJOCO_GL=egl and install Mesa's EGL "
             "(Debian: libegl1 libgl1-mesa-dri), see 'wmspec doctor'"
         ) from error
-    context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
+    context.readDepthMap, context.readPixelFormat = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR, GL_RGBA
     return gl, context
 
 
