@@ -6,7 +6,7 @@ import numpy as np
 
 from wmspec.scene.bounds import bounds
 from wmspec.scene.model import Array, Pose
-from wmspec.scene.transform import conjugate, rotate
+from wmspec.scene.transform import compose, conjugate, inverse, rotate
 from wmspec.shapes import Shape
 
 #: The answer is exact to this (m).
@@ -21,9 +21,8 @@ def overlap(a: Shape, at_a: Pose, b: Shape, at_b: Pose, least: float) -> float:
     """
     from scipy.optimize import linprog
 
-    boxes = np.stack([bounds(a, at_a), bounds(b, at_b)])
-    low, high = boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)
-    if (high - low).min() < least:
+    low, high = _common(a, at_a, b, at_b)
+    if (high - low).min() < least or any(_flat(a, at_a, b, at_b, axes, least) for axes in (at_a, at_b)):
         return 0.0
     limits = [*zip(low, high, strict=True), (None, None)]
     here, slopes, offsets = (low + high) / 2, [], []
@@ -41,6 +40,18 @@ def overlap(a: Shape, at_a: Pose, b: Shape, at_b: Pose, least: float) -> float:
         if most - deepest < PRECISION / 2:
             break
     return 2 * float(deepest) if 2 * deepest >= least else 0.0
+
+
+def _common(a: Shape, at_a: Pose, b: Shape, at_b: Pose) -> tuple[Array, Array]:
+    """The lowest and the highest corner (3,) of what the boxes around two shapes have in common, if anything."""
+    boxes = np.stack([bounds(a, at_a), bounds(b, at_b)])
+    return boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)
+
+
+def _flat(a: Shape, at_a: Pose, b: Shape, at_b: Pose, axes: Pose, least: float) -> bool:
+    """Whether there is less than `least` of room along one of some `axes`, as where a box lies on another."""
+    low, high = _common(a, compose(inverse(axes), at_a), b, compose(inverse(axes), at_b))
+    return bool((high - low).min() < least)
 
 
 def _depth(shape: Shape, pose: Pose, point: Array) -> tuple[float, Array]:
