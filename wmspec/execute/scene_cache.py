@@ -10,7 +10,6 @@ known together, since the names of their links depend on each other; what they d
 from __future__ import annotations
 
 import hashlib
-import marshal
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -19,11 +18,11 @@ from typing import Any
 from wmspec.check.ir import TaskSpec
 from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
-from wmspec.scene.digest import PLAIN_FORMAT
 from wmspec.scene.model import Body, Camera, Scene
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.episode import built
 from wmspec.stage.layers import bare, compose
+from wmspec.stage.object_cache import ObjectCache
 from wmspec.usd import read
 
 _OBJECTS, _MATERIALS, _CAMERAS = "/World/Objects/", "/World/Materials/", "/World/Cameras/"
@@ -60,6 +59,7 @@ class SceneCache:
     def __init__(self, remembered: int = 2048) -> None:
         self._remembered = remembered
         self._known: OrderedDict[bytes, Any] = OrderedDict()
+        self._objects = ObjectCache()
         self._built: OrderedDict[tuple[object, ...], tuple[TaskSpec, Scene]] = OrderedDict()
 
     def of(self, values: Values) -> Scene:
@@ -69,10 +69,10 @@ class SceneCache:
         with all that is wrong.
         """
         if values.change is not None and values.change.change != "levels":
-            return self.scene(built(values))
+            return self.scene(built(values, self._objects))
         key = (id(values.spec), values.key, *sorted(values.assignment.items()))
         if key not in self._built:
-            self._built[key] = values.spec, self.scene(built(values))  # the spec stays, and so its `id`
+            self._built[key] = values.spec, self.scene(built(values, self._objects))  # the spec stays, and so its `id`
             if len(self._built) > SIBLINGS:
                 self._built.popitem(last=False)
         self._built.move_to_end(key)
@@ -120,11 +120,12 @@ class SceneCache:
 
     def _read(self, document: Document, parts: _Parts, missing: list[str], keys: dict[str, bytes]) -> None:
         """Read the parts that are missing, from a stage of these and what they point to."""
-        wanted = {_FRAME, *missing, *(near for part in missing for near in _reached(document, parts, part))}
+        robots = _robots(document)
+        wanted = {_FRAME, *missing, *(near for part in missing for near in _reached(document, parts, part, robots))}
         paths = {path for part in wanted for path in parts.get(part, ())}.union(_ABOVE)
         small = Document({path: prim for path, prim in document.prims.items() if path in paths})
         try:
-            scene = read(bare(compose(small), [part for part in _robots(document) if part not in missing]))
+            scene = read(bare(compose(small), [part for part in robots if part not in missing]))
         except WmsError:
             raise _Whole from None  # where all that is wrong is told
         _alone(scene.bodies, scene.cameras, document)
@@ -186,31 +187,27 @@ def _keys(document: Document, parts: _Parts) -> dict[str, bytes]:
     """The keys of all parts but the materials, which are read with what they are bound to."""
     own = {part: _bytes_of(document, paths) for part, paths in parts.items()}
     above = _bytes_of(document, [path for path in _ABOVE if path in document.prims])
+    robots = _robots(document)
     keys = {}
     for part in parts:
         if not part.startswith(_MATERIALS):
-            content = [above, part.encode(), own[part], *(own[near] for near in _reached(document, parts, part))]
+            near = _reached(document, parts, part, robots)
+            content = [above, part.encode(), own[part], *(own[other] for other in near)]
             keys[part] = hashlib.blake2b(b"\0".join(content), digest_size=16).digest()
     return keys
 
 
 def _bytes_of(document: Document, paths: Iterable[str]) -> bytes:
     """What prims say, without whence it comes."""
-    content = []
-    for path in paths:
-        prim = document.prims[path]
-        attributes = [(n, a.type, a.value, a.uniform, a.connection, a.varies) for n, a in prim.attributes.items()]
-        relations = [(name, relation.targets) for name, relation in prim.relations.items()]
-        content.append((path, prim.type, prim.schemas, prim.reference, attributes, relations))
     try:
-        return marshal.dumps(content, PLAIN_FORMAT)
+        return b"".join(path.encode() + b"\0" + document.prims[path].content for path in paths)
     except ValueError:  # a value that is no number, text or list of them
         raise _Whole from None
 
 
-def _reached(document: Document, parts: _Parts, part: str) -> list[str]:
-    """The other parts that a part points to, directly or not, in order; robots made of files point to each other."""
-    reached, waiting, robots = [part], [part], _robots(document)
+def _reached(document: Document, parts: _Parts, part: str, robots: Sequence[str]) -> list[str]:
+    """The other parts that a part points to, directly or not, in order. `robots` made of files point to each other."""
+    reached, waiting = [part], [part]
     while waiting:
         for path in parts[waiting.pop()]:
             for target in _targets(document.prims[path], robots):

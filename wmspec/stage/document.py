@@ -5,9 +5,13 @@ Two documents can be compared and written without opening a stage, and the law o
 
 from __future__ import annotations
 
+import marshal
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
+
+from wmspec.scene.digest import PLAIN_FORMAT
 
 
 class Attribute(NamedTuple):
@@ -44,6 +48,16 @@ class Prim:
     relations: dict[str, Relation] = field(default_factory=dict)
     sources: frozenset[str] = frozenset()
     reference: str = ""
+
+    @cached_property
+    def content(self) -> bytes:
+        """What it says, without whence that comes: the same bytes for the same. Once asked for, it is finished.
+
+        Raises ValueError for a value that is no number, text or list of them.
+        """
+        attributes = [(n, a.type, a.value, a.uniform, a.connection, a.varies) for n, a in self.attributes.items()]
+        relations = [(name, relation.targets) for name, relation in self.relations.items()]
+        return marshal.dumps((self.type, self.schemas, self.reference, attributes, relations), PLAIN_FORMAT)
 
     def set(self, name: str, type: str, value: Any, *sources: str, uniform: bool = False, varies: str = "") -> Prim:
         """Give the prim an attribute; returns the prim."""

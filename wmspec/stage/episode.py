@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from wmspec.check.evaluate import evaluate
@@ -14,6 +15,7 @@ from wmspec.stage.actions import add_action
 from wmspec.stage.cameras import add_camera, add_light, camera_path
 from wmspec.stage.document import Document
 from wmspec.stage.joints import add_joint, no_loops
+from wmspec.stage.object_cache import ObjectCache
 from wmspec.stage.objects import add_object
 from wmspec.usd.version import FORMAT_VERSION
 
@@ -29,10 +31,10 @@ def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None =
     return built(Values(spec, instance.values, change, instance.key))
 
 
-def built(values: Values) -> Document:
-    """The same from the values of an instance."""
+def built(values: Values, objects: ObjectCache | None = None) -> Document:
+    """The same from the values of an instance, with `objects` that were made before."""
     try:
-        return _built(values)
+        return _built(values, objects.add if objects else add_object)
     except WmsError as error:
         if values.change is None:
             raise
@@ -40,7 +42,7 @@ def built(values: Values) -> Document:
         raise error.of(replace(d, notes=(*d.notes, note)) for d in error.diagnostics) from None
 
 
-def _built(values: Values) -> Document:
+def _built(values: Values, make: Callable[[Document, str, Values, frozenset[str], bool], None]) -> Document:
     spec = values.spec
     doc = Document({})
     doc.add("/World", "Xform")
@@ -52,7 +54,7 @@ def _built(values: Values) -> Document:
     for thing in (thing for thing in spec.things if thing.kind == "object"):
         with report.gathered():
             if values.there(thing.name):
-                add_object(doc, thing.name, values, deciding, thing.name in carried)
+                make(doc, thing.name, values, deciding, thing.name in carried)
     for thing in (thing for thing in spec.things if thing.kind in ("joint", "camera", "light", "robot")):
         with report.gathered():
             match thing.kind:
