@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from wmspec.scene.bounds import bounds
 from wmspec.scene.model import Pose
 from wmspec.scene.overlap import overlap
-from wmspec.scene.transform import apply
+from wmspec.scene.transform import apply, compose
 from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
 from wmspec.shapes.facets import tessellate
 
@@ -48,6 +48,19 @@ def test_what_lies_on_a_floor_touches_it_and_no_more(shape: Shape, turn: tuple[f
     assert overlap(FLOOR, at(0, 0, -0.1), shape, at(0.1, 0.2, -lowest, turn), LEAST) == 0
     sunk = overlap(FLOOR, at(0, 0, -0.1), shape, at(0.1, 0.2, -lowest - depth, turn), 1e-6)
     assert 0 < sunk <= depth + 2e-5
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
+@settings(max_examples=20)
+@given(turn=turns, both=turns, sunk=st.floats(-0.002, 0.008))
+def test_it_is_the_same_however_both_are_turned(
+    shape: Shape, turn: tuple[float, ...], both: tuple[float, ...], sunk: float
+) -> None:
+    lowest = bounds(shape, at(0, 0, 0, turn))[0, 2]
+    floor, thing, all_of_it = at(0, 0, -0.1), at(0.1, 0.2, -lowest - sunk, turn), at(0.3, -0.2, 0.1, both)
+    upright = overlap(FLOOR, floor, shape, thing, 1e-6)
+    turned = overlap(FLOOR, compose(all_of_it, floor), shape, compose(all_of_it, thing), 1e-6)
+    assert turned == pytest.approx(upright, abs=3e-5)
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)

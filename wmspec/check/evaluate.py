@@ -52,23 +52,19 @@ _OPERATORS: dict[str, Callable[..., Any]] = {
 
 def evaluate(expr: Expr, env: Environment) -> Any:
     """The value: a float (SI), bool, str (words and names), or a tuple of values. Raises WmsError if there is none."""
-    match expr:
-        case Value():
-            return expr.value
-        case Ref():
-            return env.ref(expr.name)
-        case Property():
-            return env.property(evaluate(expr.owner, env), expr.name)
-        case Items():
-            return tuple(evaluate(e, env) for e in expr.items)
-        case Call():
-            return _call(expr, env)
-        case Operation(each=int(i)):
-            values = [evaluate(e, env) for e in expr.operands]
-            rows = ([*values[:i], item, *values[i + 1 :]] for item in values[i])
-            return tuple(_operate(expr.operator, tuple(Value(value=v) for v in row), env) for row in rows)
-        case Operation():
-            return _operate(expr.operator, expr.operands, env)
+    return _KINDS[type(expr)](expr, env)
+
+
+def _items(expr: Items, env: Environment) -> tuple[Any, ...]:
+    return tuple([evaluate(e, env) for e in expr.items])
+
+
+def _operation(expr: Operation, env: Environment) -> Any:
+    if expr.each is None:
+        return _operate(expr.operator, expr.operands, env)
+    values = [evaluate(e, env) for e in expr.operands]
+    rows = ([*values[: expr.each], item, *values[expr.each + 1 :]] for item in values[expr.each])
+    return tuple(_operate(expr.operator, tuple(Value(value=v) for v in row), env) for row in rows)
 
 
 def _call(expr: Call, env: Environment) -> Any:
@@ -92,7 +88,18 @@ def _operate(operator: str, operands: tuple[Expr, ...], env: Environment) -> Any
             values = [evaluate(e, env) for e in operands]
             return -values[0] if len(values) == 1 else values[0] - values[1]
         case _:
-            return _OPERATORS[operator](*(evaluate(e, env) for e in operands))
+            return _OPERATORS[operator](*[evaluate(e, env) for e in operands])
+
+
+#: How an expression of each kind is worked out.
+_KINDS: dict[type, Callable[[Any, Environment], Any]] = {
+    Value: lambda expr, _: expr.value,
+    Ref: lambda expr, env: env.ref(expr.name),
+    Property: lambda expr, env: env.property(evaluate(expr.owner, env), expr.name),
+    Items: _items,
+    Call: _call,
+    Operation: _operation,
+}
 
 
 def parts(expr: Expr) -> Iterator[Expr]:

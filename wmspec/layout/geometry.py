@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import marshal
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from wmspec.check.types import article, either
 from wmspec.check.vocabulary import MEASURES
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.solids import Piece
+from wmspec.scene.digest import PLAIN_FORMAT
 from wmspec.shapes import SHAPES, Shape
 from wmspec.shapes.shape import UnfitError
 from wmspec.space import HERE, Pose, turn
@@ -87,7 +90,13 @@ def _shape(values: Values, owner: str) -> Shape:
         many = f"only {having} has {'two' if edges == 2 else 'three'} edges"
         raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.place(owner, "size"))
     try:
-        return kind.from_words(words)
+        return _formed(word, marshal.dumps(words, PLAIN_FORMAT))
     except UnfitError as error:
         place = values.place(owner, error.name) if error.name in words else values.place(owner)
         raise ImpossibleValue(f"the {word} `{owner}` {error}", place) from None
+
+
+@lru_cache(maxsize=1024)
+def _formed(word: str, words: bytes) -> Shape:
+    """A shape, of which many things may be, by its name and its measures in `marshal`'s words. Raises UnfitError."""
+    return SHAPES[word].from_words(marshal.loads(words))  # noqa: S302  what `_shape` dumped

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from wmspec.scene.kept import kept
 from wmspec.scene.model import Array, Body, Geom, Pose
 from wmspec.scene.transform import compose, identity, rotate, rotation
 from wmspec.shapes import Shape
@@ -31,9 +32,10 @@ def middle(body: Body, frames: Pose) -> Array:
 
 
 def own_middle(body: Body) -> Array:
-    """Where the middle (3,) of a body's own box is in its frame. Kept with the body, which never changes."""
-    if "_middle" not in body.__dict__:
-        own = upright(body.geoms, identity()).mean(axis=0) if body.geoms else np.zeros(3)
-        body.__dict__["_middle"] = np.where(np.abs(own) < _ROUNDING, 0.0, own)
-    kept: Array = body.__dict__["_middle"]
-    return kept
+    """Where the middle (3,) of a body's own box is in its frame."""
+    return kept(body, _own_middle)
+
+
+def _own_middle(body: Body) -> Array:
+    own = upright(body.geoms, identity()).mean(axis=0) if body.geoms else np.zeros(3)
+    return np.where(np.abs(own) < _ROUNDING, 0.0, own)

@@ -50,11 +50,22 @@ def intervals(touching: Sequence[Iterable[Pair]], names: Sequence[str], step: fl
     first: dict[Pair, int] = {}
     last: dict[Pair, int] = {}
     ended: list[tuple[int, Pair, int]] = []
-    for i, pairs in enumerate(touching):
-        for pair in pairs:
-            if pair in last and (i - last[pair] - 1) * step > gap:
+    for start, stop in _same(touching):
+        for pair in touching[start]:
+            if pair in last and (start - last[pair] - 1) * step > gap:
                 ended.append((first.pop(pair), pair, last[pair]))
-            first.setdefault(pair, i)
-            last[pair] = i
+            first.setdefault(pair, start)
+            last[pair] = stop - 1
     ended += [(start, pair, last[pair]) for pair, start in first.items()]
     return tuple(Contact(names[a], names[b], start * step, (stop + 1) * step) for start, (a, b), stop in sorted(ended))
+
+
+def _same(touching: Sequence[Iterable[Pair]]) -> Iterator[tuple[int, int]]:
+    """The stretches of steps, as first and end, that have the very same pairs: engines say the same for long."""
+    start = 0
+    for i, pairs in enumerate(touching):
+        if pairs is not touching[start]:
+            yield start, i
+            start = i
+    if touching:
+        yield start, len(touching)

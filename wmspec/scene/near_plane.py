@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmspec.scene.model import Array, Camera, Geom, Scene, Shot
+from wmspec.scene.kept import kept
+from wmspec.scene.model import Array, Body, Camera, Scene, Shot
 from wmspec.scene.transform import rotation
 from wmspec.shapes.facets import tessellate
 
@@ -24,11 +25,9 @@ class NearPlane:
 
     def __init__(self, scene: Scene, aspect: float) -> None:
         """`aspect` is the width of the pictures divided by their height."""
-        shown = [[geom for geom in body.geoms if geom.visible] for body in scene.bodies]
-        self._body = [i for i, geoms in enumerate(shown) for _ in geoms]
-        points = [_points(geom) for geoms in shown for geom in geoms]
-        low: Array = np.array([one.min(axis=0) for one in points]).reshape(-1, 3)
-        high: Array = np.array([one.max(axis=0) for one in points]).reshape(-1, 3)
+        shown = [kept(body, _boxes) for body in scene.bodies]
+        self._body = [i for i, own in enumerate(shown) for _ in own]
+        low, high = np.concatenate([np.empty((0, 2, 3)), *shown]).swapaxes(0, 1)
         self._middle, self._half = (low + high) / 2, (high - low) / 2
         self._aspect = aspect
 
@@ -61,7 +60,11 @@ class NearPlane:
         return planes @ rotation(camera.pose.orientation).T, 1 / math.sqrt(1 + up * up + right * right)
 
 
-def _points(geom: Geom) -> Array:
-    """The corners (n, 3) m of a geometry's triangles, in its body's frame."""
-    corners: Array = geom.pose.position + tessellate(geom.shape).points @ rotation(geom.pose.orientation).T
-    return corners
+def _boxes(body: Body) -> Array:
+    """The boxes (n, 2, 3) m around a body's visible triangles, geometry by geometry, in its frame."""
+    points = [
+        geom.pose.position + tessellate(geom.shape).points @ rotation(geom.pose.orientation).T
+        for geom in body.geoms
+        if geom.visible
+    ]
+    return np.array([(one.min(axis=0), one.max(axis=0)) for one in points]).reshape(-1, 2, 3)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.scene.camera import look_at
+from wmspec.scene.kept import kept
 from wmspec.scene.model import Array, Body, Camera, Scene, Shot
 from wmspec.scene.transform import rotation
 from wmspec.shapes.facets import tessellate
@@ -40,7 +41,7 @@ class Casters:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._radius = np.array([0.0 if _is_mark(body) else _radius(body) for body in scene.bodies])
+        self._radius = np.array([kept(body, _radius) for body in scene.bodies])
         self._axes = rotation(look_at(-scene.light.direction, np.zeros(3)).orientation)
 
         self._moves = np.array([body.motion != "static" for body in scene.bodies], dtype=bool)
@@ -77,7 +78,9 @@ def _is_mark(body: Body) -> bool:
 
 
 def _radius(body: Body) -> float:
-    """The radius of the sphere around the body's origin that holds all that's visible of it (m)."""
+    """The radius of the sphere around the body's origin that holds all that's visible of it (m), 0 for a mark."""
+    if _is_mark(body):
+        return 0.0
     placed = [
         geom.pose.position + tessellate(geom.shape).points @ rotation(geom.pose.orientation).T
         for geom in body.geoms

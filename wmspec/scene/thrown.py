@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.scene.bounds import upright
-from wmspec.scene.model import Array, Camera, Scene, Shot
+from wmspec.scene.kept import kept
+from wmspec.scene.model import Array, Body, Camera, Scene, Shot
 from wmspec.scene.transform import identity, rotation
 
 #: Shadows are blurred over so many texels of the sun's map, at most.
@@ -28,9 +29,9 @@ class Thrown:
 
     def __init__(self, scene: Scene, aspect: float) -> None:
         """`aspect` is the width of the pictures divided by their height."""
-        shown = [(i, geom) for i, body in enumerate(scene.bodies) for geom in body.geoms if geom.visible]
-        boxes = np.array([upright((geom,), identity()) for _, geom in shown]).reshape(-1, 2, 3)
-        self._body = [i for i, _ in shown]
+        shown = [kept(body, _boxes) for body in scene.bodies]
+        boxes = np.concatenate([np.empty((0, 2, 3)), *shown])
+        self._body = [i for i, own in enumerate(shown) for _ in own]
         self._middle, self._half = boxes.mean(axis=1), (boxes[:, 1] - boxes[:, 0]) / 2
         self._sun = scene.light.direction / np.linalg.norm(scene.light.direction)
         self._aspect = aspect
@@ -66,3 +67,8 @@ class Thrown:
         planes = np.array([[0, 0, -1], [-1, 0, -right], [1, 0, -right], [0, -1, -up], [0, 1, -up]], dtype=np.float64)
         planes /= np.linalg.norm(planes, axis=1, keepdims=True)
         return planes @ rotation(camera.pose.orientation).T
+
+
+def _boxes(body: Body) -> Array:
+    """The boxes (n, 2, 3) m around a body's visible shapes, in its frame."""
+    return np.array([upright((geom,), identity()) for geom in body.geoms if geom.visible]).reshape(-1, 2, 3)

@@ -65,7 +65,8 @@ class _Deciding:
         if name not in self._known:
             sources = self._sources(name, values)
             factors = tuple(sorted(sources & values.assignment.keys()))
-            self._known[name] = sources, factors, any(source.endswith(".scatter") for source in sources)
+            scattering = {f"{thing.name}.scatter" for thing in values.spec.things if "scatter" in thing.properties}
+            self._known[name] = sources, factors, not sources.isdisjoint(scattering)
         sources, factors, scattered = self._known[name]
         change = values.change
         if change is not None and change.change != "levels" and not sources.isdisjoint(changed_by(change)):
