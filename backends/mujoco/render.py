@@ -21,6 +21,7 @@ from wmspec.scene.shadow import SHADE, Casters
 from wmspec.scene.silence import silence
 from wmspec.scene.texcoords import texcoords
 from wmspec.scene.thrown import Thrown
+from wmspec.shapes import Shape
 
 with silence():
     import mujoco
@@ -192,15 +193,16 @@ def _opengl(width: int, height: int) -> Any:
 
 
 def build(scene: Scene, width: int, height: int) -> Any:
-    """The model: body i of the scene is the mocap body `b{i}`, its geometry j the mesh and material `b{i}g{j}`."""
+    """The model: body i of the scene is the mocap body `b{i}`, its geometry j has the material `b{i}g{j}`."""
     spec = mujoco.MjSpec()
     _settings(spec, scene, width, height)
     _lights(spec, scene)
+    assets = _Assets(spec)
     for i, body in enumerate(scene.bodies):
         node = spec.worldbody.add_body(name=f"b{i}", mocap=True, pos=body.pose.position, quat=body.pose.orientation)
         for j, geom in enumerate(body.geoms):
             if geom.visible:
-                _geom(spec, node, geom, f"b{i}g{j}")
+                _geom(assets, node, geom, f"b{i}g{j}")
     for i, camera in enumerate(scene.cameras):
         pose = camera.pose
         spec.worldbody.add_camera(
@@ -234,37 +236,53 @@ def _lights(spec: Any, scene: Scene) -> None:
         )
 
 
-def _geom(spec: Any, node: Any, geom: Geom, name: str) -> None:
-    facets = texcoords(geom)
-    spec.add_mesh(
-        name=name,
-        uservert=facets.points.ravel(),
-        usernormal=facets.normals.ravel(),
-        usertexcoord=(facets.st * [1, -1] + [0, 1]).ravel(),
-        userface=facets.faces.ravel(),
-        userfacenormal=facets.faces.ravel(),
-        userfacetexcoord=facets.faces.ravel(),
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-    )
-    _material(spec, geom, name)
+class _Assets:
+    """The meshes and images of a model: one for all shapes that have it."""
+
+    def __init__(self, spec: Any) -> None:
+        self.spec = spec
+        self._meshes: dict[tuple[Shape, tuple[float, float] | None], str] = {}
+        self._images: set[str] = set()
+
+    def mesh(self, geom: Geom) -> str:
+        """The name of the mesh of a geometry, with the texture coordinates at which it wears its image."""
+        key = geom.shape, geom.surface.repeats if geom.surface.texture else None
+        if key not in self._meshes:
+            self._meshes[key] = name = f"m{len(self._meshes)}"
+            facets = texcoords(geom)
+            self.spec.add_mesh(
+                name=name,
+                uservert=facets.points.ravel(),
+                usernormal=facets.normals.ravel(),
+                usertexcoord=(facets.st * [1, -1] + [0, 1]).ravel(),
+                userface=facets.faces.ravel(),
+                userfacenormal=facets.faces.ravel(),
+                userfacetexcoord=facets.faces.ravel(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            )
+        return self._meshes[key]
+
+    def image(self, path: str) -> str:
+        """The name of the texture of an image file."""
+        if path not in self._images:
+            self._images.add(path)
+            image, kind = texture(path), mujoco.mjtTexture.mjTEXTURE_2D
+            made = self.spec.add_texture(name=path, type=kind, height=image.shape[0], width=image.shape[1], nchannel=3)
+            made.data = image.tobytes()
+        return path
+
+
+def _geom(assets: _Assets, node: Any, geom: Geom, name: str) -> None:
+    material = assets.spec.add_material(name=name, specular=0.0, shininess=0.0, reflectance=0.0)
+    material.rgba = [*geom.surface.color, 1.0]
+    if geom.surface.texture is not None:
+        material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = assets.image(geom.surface.texture)
     node.add_geom(
         type=mujoco.mjtGeom.mjGEOM_MESH,
-        meshname=name,
+        meshname=assets.mesh(geom),
         material=name,
         pos=geom.pose.position,
         quat=geom.pose.orientation,
         contype=0,
         conaffinity=0,
     )
-
-
-def _material(spec: Any, geom: Geom, name: str) -> None:
-    material = spec.add_material(name=name, specular=0.0, shininess=0.0, reflectance=0.0)
-    material.rgba = [*geom.surface.color, 1.0]
-    if geom.surface.texture is None:
-        return
-    image = texture(geom.surface.texture)
-    kind = mujoco.mjtTexture.mjTEXTURE_2D
-    made = spec.add_texture(name=name, type=kind, height=image.shape[0], width=image.shape[1], nchannel=3)
-    made.data = image.tobytes()
-    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
