@@ -10,6 +10,7 @@ from PIL import Image, ImageDraw
 
 from wmspec.scene.bounds import upright
 from wmspec.scene.camera import find, project
+from wmspec.scene.kept import kept
 from wmspec.scene.model import Array, Body, Camera, Pose, Scene
 from wmspec.scene.transform import apply, compose, identity
 from wmspec.shapes import Shape
@@ -62,10 +63,14 @@ def box(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tupl
     None where a part of it may be behind the camera.
     """
     camera, pose = placed(scene, *look), look[1][index]
-    low, high = upright([geom for geom in scene.bodies[index].geoms if geom.visible], identity())
-    corners = np.array(list(product(*zip(low.tolist(), high.tolist(), strict=True))))
-    points, depth = project(camera, apply(pose, corners), *size)
+    points, depth = project(camera, apply(pose, kept(scene.bodies[index], _corners)), *size)
     return np.stack([points.min(axis=0), points.max(axis=0)]) if (depth > camera.near).all() else None
+
+
+def _corners(body: Body) -> Array:
+    """The corners (8, 3) m of the box around all that is visible of a body, in its frame."""
+    low, high = upright([geom for geom in body.geoms if geom.visible], identity())
+    return np.array(list(product(*zip(low.tolist(), high.tolist(), strict=True))))
 
 
 def placed(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from wmspec.ask.difference import ciede2000, lab
@@ -98,7 +97,10 @@ def _outstanding(frame: Frame, index: int) -> float:
 
 def _grown(mask: NDArray[np.bool_], wide: int) -> NDArray[np.bool_]:
     """Every pixel at most so many columns and so many rows away from one of the mask."""
-    for axis in (0, 1):
-        padded = np.pad(mask, [(wide, wide) if axis == side else (0, 0) for side in (0, 1)])
-        mask = np.asarray(sliding_window_view(padded, 2 * wide + 1, axis).any(axis=-1))
-    return mask
+    grown = mask.copy()
+    for side in (grown, grown.T):
+        near = side.copy()
+        for step in range(1, wide + 1):
+            side[step:] |= near[:-step]
+            side[:-step] |= near[step:]
+    return grown
