@@ -31,12 +31,14 @@ class World:
         joints = model.body_jntadr[self.ids]
         self.qpos = np.where(joints < 0, -1, model.jnt_qposadr[joints] if model.njnt else -1)
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
-        self.warned, self.calm = self.data.warning.number, self.data.warning.number.tobytes()  # the first is a view
+        self.warned, self.calm = self.data.warning.number, self.data.warning.number.tobytes()  # the first is a view,
+        self.contacts, self.sleep = self.data.contact, self.data.tree_asleep  # and so are these
         self.pairs: dict[bytes, tuple[list[tuple[int, int]], set[tuple[int, int]]]] = {}
         self.close: dict[tuple[bytes, bytes], set[tuple[int, int]]] = {}
         self.met: set[tuple[int, int]] = set()
         self.resting: set[tuple[int, int]] = set()
-        self.asleep = self.data.tree_asleep.tobytes()
+        self.asleep = self.sleep.tobytes()
+        self.settled: tuple[bytes, bytes] | None = None
         self.held: set[int] = set()
         self.pushed, self.current = False, False
         self.start = self.data.qpos.copy()
@@ -71,9 +73,11 @@ class World:
         both = zip(paths.values(), spins, strict=True)
         speeds = np.concatenate([part for (_, _, path), spin in both for part in (path[:, :3], spin)], axis=1)
 
+        every_pose, every_speed = self.data.qpos, self.data.qvel
+
         def drive(i: int) -> None:
-            self.data.qpos[places] = poses[i]
-            self.data.qvel[rates] = speeds[i]
+            every_pose[places] = poses[i]
+            every_speed[rates] = speeds[i]
 
         return drive
 
@@ -185,8 +189,10 @@ class World:
 
         Of what sleeps MuJoCo tells no contacts: it touches what it touched.
         """
-        geoms, asleep = self.data.contact.geom, self.data.tree_asleep.tobytes()
+        geoms, asleep = self.contacts.geom, self.sleep.tobytes()
         key = geoms.tobytes()
+        if (key, asleep) == self.settled:
+            return self.met
         if key not in self.pairs:
             bodies = np.sort(self.number[self.model.geom_bodyid[geoms]], axis=1)
             each = list(map(tuple, bodies.tolist()))
@@ -195,8 +201,11 @@ class World:
         if self.asleep != asleep:
             self.asleep = asleep
             self.resting = {pair for pair in self.met if self.sleeps(*pair)}
-        if near | self.resting != self.met:
-            close = (self.data.contact.dist < MEET).tobytes()
+        if near | self.resting == self.met:
+            self.settled = key, asleep
+        else:
+            self.settled = None
+            close = (self.contacts.dist < MEET).tobytes()
             if (key, close) not in self.close:
                 self.close[key, close] = {pair for pair, meets in zip(each, close, strict=True) if meets}
             self.met = self.close[key, close] | (near & self.met) | self.resting
@@ -205,7 +214,7 @@ class World:
     def sleeps(self, first: int, second: int) -> bool:
         """Whether MuJoCo leaves two bodies out, at least one of which can move."""
         trees = self.model.body_treeid[self.ids[[first, second]]]
-        return all(tree < 0 or self.data.tree_asleep[tree] >= 0 for tree in trees.tolist())
+        return all(tree < 0 or self.sleep[tree] >= 0 for tree in trees.tolist())
 
 
 def rates(limb: Link, body: Rigid) -> list[float]:
