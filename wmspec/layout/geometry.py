@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import marshal
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,7 @@ from wmspec.check.types import article, either
 from wmspec.check.vocabulary import MEASURES
 from wmspec.diagnostics import ImpossibleValue
 from wmspec.layout.solids import Piece
-from wmspec.scene.digest import PLAIN_FORMAT
+from wmspec.plain import dumped, loaded
 from wmspec.shapes import SHAPES, Shape
 from wmspec.shapes.shape import UnfitError
 from wmspec.space import HERE, Pose, turn
@@ -90,7 +89,7 @@ def _shape(values: Values, owner: str) -> Shape:
         many = f"only {having} has {'two' if edges == 2 else 'three'} edges"
         raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.place(owner, "size"))
     try:
-        return _formed(word, marshal.dumps(words, PLAIN_FORMAT))
+        return _formed(word, dumped(words))
     except UnfitError as error:
         place = values.place(owner, error.name) if error.name in words else values.place(owner)
         raise ImpossibleValue(f"the {word} `{owner}` {error}", place) from None
@@ -98,5 +97,5 @@ def _shape(values: Values, owner: str) -> Shape:
 
 @lru_cache(maxsize=1024)
 def _formed(word: str, words: bytes) -> Shape:
-    """A shape, of which many things may be, by its name and its measures in `marshal`'s words. Raises UnfitError."""
-    return SHAPES[word].from_words(marshal.loads(words))  # noqa: S302  what `_shape` dumped
+    """A shape, of which many things may be, by its name and its dumped measures. Raises UnfitError."""
+    return SHAPES[word].from_words(loaded(words))

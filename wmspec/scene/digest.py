@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-import marshal
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 
-#: The last version of marshal's format that does not depend on which objects are the same, or on interned strings.
-PLAIN_FORMAT = 2
+from wmspec.plain import dumped
 
 
 def digest(*values: Any) -> bytes:
     """The hash (16 bytes) of dataclasses, sequences, arrays, numbers, strings and None, in this order."""
-    return hashlib.blake2b(marshal.dumps(_plain(values), PLAIN_FORMAT), digest_size=16).digest()
+    return hashlib.blake2b(dumped(_plain(values)), digest_size=16).digest()
 
 
 def _plain(value: Any) -> Any:

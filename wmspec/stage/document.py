@@ -5,13 +5,12 @@ Two documents can be compared and written without opening a stage, and the law o
 
 from __future__ import annotations
 
-import marshal
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from wmspec.scene.digest import PLAIN_FORMAT
+from wmspec.plain import dumped
 
 
 class Attribute(NamedTuple):
@@ -57,7 +56,7 @@ class Prim:
         """
         attributes = [(n, a.type, a.value, a.uniform, a.connection, a.varies) for n, a in self.attributes.items()]
         relations = [(name, relation.targets) for name, relation in self.relations.items()]
-        return marshal.dumps((self.type, self.schemas, self.reference, attributes, relations), PLAIN_FORMAT)
+        return dumped((self.type, self.schemas, self.reference, attributes, relations))
 
     def set(self, name: str, type: str, value: Any, *sources: str, uniform: bool = False, varies: str = "") -> Prim:
         """Give the prim an attribute; returns the prim."""
