@@ -54,7 +54,7 @@ class Renderer:
         self._view: Any = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 100)
         self._gl, self._context = _graphics(self._model, width, height)
         self._open = False
-        """Whether the background was seen in a picture; it takes a sixth of the time, and is left out until then."""
+        """Whether the background was seen in a picture; it takes some 4 % of the time, and is left out until then."""
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
