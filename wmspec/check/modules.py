@@ -103,29 +103,14 @@ class Modules:
         items = self._program.libraries[path].items
         values = self._given(use, [item for item in items if isinstance(item, s.Parameter)])
         statements = self._level([_replaced(item, values) for item in items], outer + prefix, {})
-        if self._taken:
-            statements = self._closed(statements, self._program.libraries[path].span.source)
-        if use.only is not None:
-            statements = self._chosen(use, use.only, statements)
+        chosen = statements if use.only is None else self._chosen(use, use.only, statements)
+        if words := self._taken.difference(_said(statements)):
+            chosen = _closed(chosen, words, self._program.libraries[path].span.source)
         if use.prefix is None:
-            return statements
-        names = frozenset(filter(None, map(_name, statements)))
+            return chosen
+        names = frozenset(filter(None, map(_name, chosen)))
         prefixes[use.prefix.id] = names
-        return [_replaced(statement, {}, {name: prefix + name for name in names}) for statement in statements]
-
-    def _closed(self, statements: list[s.Statement], library: Source) -> list[s.Statement]:
-        """The statements of a library, in which words that it wrote and declares nowhere are the language's own."""
-        inner = (
-            p.name.id for statement in statements if isinstance(statement, s.Template) for p in statement.parameters
-        )
-        words = self._taken.difference(map(_name, statements), inner)
-
-        def closed(node: Any) -> Any:
-            if isinstance(node, s.Name):
-                return replace(node, closed=True) if node.id in words and node.span.source is library else node
-            return _each(node, closed)
-
-        return [closed(statement) for statement in statements]
+        return [_replaced(statement, {}, {name: prefix + name for name in names}) for statement in chosen]
 
     def _again(self, use: s.Use, first: s.Use) -> None:
         if use.given or use.only:
@@ -246,7 +231,26 @@ def _name(statement: s.Statement) -> str:
     return ""
 
 
+def _said(statements: Iterable[s.Statement]) -> Iterator[str]:
+    """What a library declares, and what its templates do."""
+    for statement in statements:
+        yield _name(statement)
+        if isinstance(statement, s.Template):
+            yield from (parameter.name.id for parameter in statement.parameters)
+
+
 # ---------------------------------------------------------------- rewriting
+
+
+def _closed(statements: list[s.Statement], words: frozenset[str], library: Source) -> list[s.Statement]:
+    """The statements of a library, in which words that it wrote and declares nowhere are the language's own."""
+
+    def closed(node: Any) -> Any:
+        if isinstance(node, s.Name):
+            return replace(node, closed=True) if node.id in words and node.span.source is library else node
+        return _each(node, closed)
+
+    return [closed(statement) for statement in statements]
 
 
 def _replaced(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:

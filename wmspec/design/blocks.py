@@ -199,7 +199,7 @@ class _Turn:
 
     def size(self, number: int) -> int:
         """How many members group `number` has."""
-        return prod(len(part.choices(number)) for part in self._parts)
+        return prod(len(part.choices(number)) for part in self._parts) if self.even is None else self.even
 
     def values(self, number: int, place: int) -> dict[str, Level]:
         """The values of all factors; the factors of the last part change fastest."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import count as numbers
+from itertools import zip_longest
 from typing import overload
 
 from wmspec.check.ir import Choices, Items, TaskSpec
@@ -183,15 +183,13 @@ class Design:
 
     def _parts(self) -> Iterator[tuple[int, ...]]:
         """The parts of all groups, a first one of each, then a second: each has one value of what takes turns."""
-        for turn in numbers():
-            more = False
-            for block in map(self._order, range(self.blocks.count)):
-                parts = self._parted(block)
-                if turn < len(parts):
-                    more = True
-                    yield parts[Permutation(len(parts), self.seed, self.spec.name, "part", block)(turn)]
-            if not more:
-                return
+        groups: list[Iterator[tuple[int, ...]]] = []
+        for block in map(self._order, range(self.blocks.count)):
+            parts = self._parted(block)
+            order = map(Permutation(len(parts), self.seed, self.spec.name, "part", block), range(len(parts)))
+            groups.append(map(parts.__getitem__, order))
+            yield next(groups[-1])
+        yield from (part for turn in zip_longest(*groups) for part in turn if part is not None)
 
     def drawn_with(self, index: int) -> tuple[int, int, int]:
         """Of what `sample` draws together with an instance: its turn, the instance's place in it, and how many it is.
