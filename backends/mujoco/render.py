@@ -34,6 +34,8 @@ MuJoCo adds one and a half times what a surface falls away beside a texel. Depth
 with a whole texel flat tops have speckles.
 """
 SAMPLES = 4
+UNSEEN = 5
+"""The group of geometries that MuJoCo is told not to draw."""
 
 GL_RGBA = 0x1908
 
@@ -90,7 +92,7 @@ class Renderer:
             self._data.mocap_pos[i], self._data.mocap_quat[i] = pose.position, pose.orientation
 
     def _aim(self, camera: Camera, shot: Shot) -> None:
-        """Turn camera and shadow map to what's to be seen.
+        """Turn camera and shadow map to what's to be seen, and leave out what is not, nor throws a shadow there.
 
         MuJoCo offsets shadows by four steps of a 24-bit depth map that reaches from the near plane to the far plane
         (`render_gl3.c`), which is too little for a small map: surfaces would shade themselves. So the far plane is
@@ -101,6 +103,8 @@ class Renderer:
         self._model.vis.map.znear, self._model.vis.map.zfar = camera.near, far
         self._context.shadowClip = region.half
         self._model.light_pos[:] = region.center - self._scene.light.direction * region.reach
+        thrown = self._thrown.seen(camera, shot, 2 * region.half / SHADOW_MAP)
+        self._model.geom_group[:] = np.where(thrown, 0, UNSEEN)
         number = [one.name for one in self._scene.cameras].index(camera.name)
         self._model.cam_pos[number], self._model.cam_quat[number] = camera.pose.position, camera.pose.orientation
         mujoco.mj_kinematics(self._model, self._data)
@@ -110,13 +114,6 @@ class Renderer:
         eye.fixedcamid = number
         every = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(self._model, self._data, mujoco.MjvOption(), None, eye, every, self._view)
-        self._spare(self._thrown.seen(camera, shot, 2 * region.half / SHADOW_MAP))
-
-    def _spare(self, thrown: NDArray[np.bool_]) -> None:
-        """Keep out of the shadow map what throws no shadow that is seen: what MuJoCo takes for decoration."""
-        for geom in self._view.geoms[: self._view.ngeom]:
-            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and not thrown[geom.objid]:
-                geom.category = mujoco.mjtCatBit.mjCAT_DECOR
 
     def _colors(self) -> NDArray[np.uint8]:
         """Bytes (h, w, 3), the first row on top."""

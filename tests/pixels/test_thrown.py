@@ -1,4 +1,4 @@
-"""What no camera sees is left out by MuJoCo, shadows and the background, and no pixel tells."""
+"""What no camera sees is left out by MuJoCo, things, shadows and the background, and no pixel tells."""
 
 from dataclasses import replace
 
@@ -26,11 +26,13 @@ def test_no_pixel_tells(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     renderer = Renderer(scene, SIZE, SIZE)
     shots = [Shot(camera.name, tuple(body.pose for body in scene.bodies)) for camera in scene.cameras]
     spared = [renderer.draw(shot) for shot in shots]
-    monkeypatch.setattr(Renderer, "_spare", lambda *_: None)
+    left = renderer._view.ngeom
+    monkeypatch.setattr(Thrown, "seen", lambda self, *_: np.ones(len(self._half), bool))
     for shot, frame in zip(shots, spared, strict=True):
         whole = renderer.draw(shot)
         assert np.array_equal(whole.rgb, frame.rgb)
         assert np.array_equal(whole.ids, frame.ids)
+    assert left < renderer._view.ngeom
     renderer.close()
 
 

@@ -1,4 +1,4 @@
-"""Which shapes throw a shadow that a camera may see: no others need to be drawn into the map that the sun sees.
+"""Which shapes a camera may see, or the shadow that they throw: no others need to be drawn.
 
 Shapes are known by their boxes. What one may shade lies behind its box along the sun, down to the lowest thing that is
 in the picture; if that is wholly outside the picture, so is its shadow.
@@ -37,7 +37,7 @@ class Thrown:
         self._aspect = aspect
 
     def seen(self, camera: Camera, shot: Shot, texel: float) -> NDArray[np.bool_]:
-        """Of every visible shape, in order, whether the `camera`, in the world, may see its shadow.
+        """Of every visible shape, in order, whether the `camera`, in the world, may see it or its shadow.
 
         `texel` is the width (m) of a texel of the sun's map.
         """
