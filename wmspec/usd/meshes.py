@@ -105,9 +105,9 @@ def _triangulate(prim: Usd.Prim, points: Array, vertices: _Indices, faces: _Indi
     wanted = np.setdiff1d(wanted, np.asarray(value(prim, "holeIndices", []), np.int32))
     if not len(wanted) or wanted.min() < 0 or wanted.max() >= len(counts):
         refuse(prim, "it has no faces, or a subset names faces it has not", "author face indices that exist")
-    first = np.cumsum(counts) - counts
-    fan = np.repeat(first[wanted], counts[wanted] - 2)
-    step = np.concatenate([np.arange(1, n - 1) for n in counts[wanted]])
+    first, triangles = np.cumsum(counts) - counts, counts[wanted] - 2
+    fan = np.repeat(first[wanted], triangles)
+    step = 1 + np.arange(len(fan)) - np.repeat(np.cumsum(triangles) - triangles, triangles)
     return np.column_stack([fan, fan + step, fan + step + 1]).astype(np.int32)
 
 
