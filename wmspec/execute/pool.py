@@ -29,7 +29,7 @@ T = TypeVar("T")
 Piece = tuple[Any, ...]
 
 #: A worker is replaced after so many pieces of work, which bounds whatever an engine leaks.
-PIECES_PER_WORKER = 500
+PIECES_PER_WORKER = 1000
 #: So many pieces are with a worker at a time, so that it need not wait for the next.
 AHEAD = 2
 #: The packages that an error is traced to.
