@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.scene.boxes import shown
 from wmspec.scene.camera import look_at
 from wmspec.scene.kept import kept
 from wmspec.scene.model import Array, Body, Camera, Scene, Shot
@@ -72,8 +73,8 @@ class Casters:
 
 def _is_mark(body: Body) -> bool:
     """Whether a body is static decoration of a few millimetres, such as a line on the floor."""
-    shown = [geom for geom in body.geoms if geom.visible]
-    thin = all(np.ptp(tessellate(geom.shape).points, axis=0).min() < 0.005 for geom in shown)
+    visible = (geom for geom in body.geoms if geom.visible)
+    thin = all(np.ptp(tessellate(geom.shape).points, axis=0).min() < 0.005 for geom in visible)
     return body.motion == "static" and thin and not any(geom.collides for geom in body.geoms)
 
 
@@ -81,9 +82,4 @@ def _radius(body: Body) -> float:
     """The radius of the sphere around the body's origin that holds all that's visible of it (m), 0 for a mark."""
     if _is_mark(body):
         return 0.0
-    placed = [
-        geom.pose.position + tessellate(geom.shape).points @ rotation(geom.pose.orientation).T
-        for geom in body.geoms
-        if geom.visible
-    ]
-    return max((float(np.linalg.norm(points, axis=1).max()) for points in placed), default=0.0)
+    return max((float(np.linalg.norm(points, axis=1).max()) for points in shown(body)), default=0.0)
