@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from time import monotonic
+
+#: Where there is no terminal, so many seconds pass at most without a word.
+QUIET = 300.0
 
 #: Told the task and how many more of its instances are finished.
 Advance = Callable[[str, int], None]
@@ -20,18 +24,19 @@ def silent(total: int, doing: str) -> Iterator[Advance]:  # noqa: ARG001  as `Pr
 
 @contextmanager
 def progress_bar(total: int, doing: str, what: str = "instances") -> Iterator[Callable[[str, int], None]]:
-    """A progress bar on a terminal; elsewhere a line every tenth of the way."""
+    """A progress bar on a terminal; elsewhere a line every tenth of the way, and every five minutes."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
-    done = 0
+    done, told = 0, monotonic()
     if not console.is_terminal:
 
         def line(task: str, count: int) -> None:
-            nonlocal done
+            nonlocal done, told
             before, done = done, done + count
-            if total and before * 10 // total != done * 10 // total:
+            if total and (before * 10 // total != done * 10 // total or monotonic() - told > QUIET):
+                told = monotonic()
                 console.print(f"{done} of {total} {what} ({task})", highlight=False)
 
         yield line
