@@ -17,11 +17,13 @@ os.environ.setdefault("LP_NUM_THREADS", "0")
 
 from wmspec.api.making import planned
 from wmspec.execute.pool import Effort
-from wmspec.write.estimate import TRIED
 from wmspec.write.generate import job_of
 from wmspec.write.plan import Plan, Task
 from wmspec.write.units import units
 from wmspec.write.worker import Job, Sharing, work
+
+#: Of a unit so many pieces are made.
+PIECES = 16
 
 
 def cost(job: Job, task: Task, seed: int, tried: int) -> tuple[float, int, Sharing]:
@@ -29,7 +31,7 @@ def cost(job: Job, task: Task, seed: int, tried: int) -> tuple[float, int, Shari
     every, seconds, made, shared = list(units(task.spec, seed, task.indices)), 0.0, 0, Sharing()
     work(job, task.spec.name, every[-1][0])
     for number in range(0, len(every) - 1, max(1, len(every) * 4 // tried)):
-        for piece in every[number][:TRIED]:
+        for piece in every[number][:PIECES]:
             began = time.process_time()
             shared += work(job, task.spec.name, piece).shared
             seconds += time.process_time() - began

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
@@ -16,18 +17,14 @@ if TYPE_CHECKING:
     from wmspec.write.estimate import Cost
     from wmspec.write.plan import Plan
 
-#: How many instances of each task are tried.
-TRIED = 4
-
 
 def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
     """Try some instances of each task and print what all of them would take."""
     from wmspec.write.estimate import estimate
     from wmspec.write.manifest import top_reasons
 
-    total = sum(min(TRIED, len(task.indices)) for task in plan.tasks)
-    with progress_bar(total, "trying") as progress:
-        costs = estimate(plan, effort, TRIED, progress)
+    with progress_bar(len(plan.tasks), "trying", "tasks") as progress:
+        costs = estimate(plan, effort, progress)
     if as_json:
         rows = [asdict(c) | {"hours": c.hours(effort.workers), "bytes": c.bytes} for c in costs]
         click.echo(json.dumps({"workers": effort.workers, "tasks": rows}, indent=2))
@@ -39,6 +36,7 @@ def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
             if cost.balance is not None:
                 click.echo(f"{cost.task}: {cost.balance}")
         click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")
+        click.echo("± is one standard error, by how the units that were tried differ")
 
 
 def _print(costs: Sequence[Cost], workers: int) -> None:
@@ -56,9 +54,11 @@ def _print(costs: Sequence[Cost], workers: int) -> None:
 
 
 def _together(costs: Sequence[Cost], workers: int) -> tuple[str, str, str]:
-    """Instances, time and size."""
+    """Instances, time with its standard error, and size."""
     hours, count = sum(c.hours(workers) for c in costs), sum(c.bytes for c in costs)
-    return f"{sum(c.instances for c in costs):,}", _duration(hours), _size(count)
+    errors = [error for c in costs if (error := c.within(workers)) is not None]
+    within = f" ± {math.hypot(*errors) / hours:.0%}" if len(errors) == len(costs) and hours else ""
+    return f"{sum(c.instances for c in costs):,}", _duration(hours) + within, _size(count)
 
 
 def _duration(hours: float) -> str:
