@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -41,10 +41,17 @@ def spec(name: str) -> TaskSpec:
 
 def make(folder: Path, name: str, ask: Ask, count: int = 400, engines: tuple[str, ...] = ("mujoco",)) -> Path:
     """A finished dataset of `count` instances of a task, asked by `ask` from a blank question."""
-    design = Design(spec(name), 3)
+    return make_all(folder, {name: ask}, count, engines)
+
+
+def make_all(folder: Path, asks: Mapping[str, Ask], count: int, engines: tuple[str, ...] = ("mujoco",)) -> Path:
+    """The same of several tasks."""
+    designs = {name: Design(spec(name), 3) for name in asks}
     plan = Plan(
-        texts={f"{name}.wms": (SPECS / f"{name}.wms").read_text()},
-        tasks=(Task(spec(name), tuple(sorted(design.sample(count + 8)[:count]))),),  # of groups of up to 8
+        texts={f"{name}.wms": (SPECS / f"{name}.wms").read_text() for name in asks},
+        tasks=tuple(  # of groups of up to 8
+            Task(design.spec, tuple(sorted(design.sample(count + 8)[:count]))) for design in designs.values()
+        ),
         engines=engines,
         size=(SIDE, SIDE),
         seed=3,
@@ -53,7 +60,9 @@ def make(folder: Path, name: str, ask: Ask, count: int = 400, engines: tuple[str
     )
     with Dataset.open(folder, plan, force=True) as dataset:
         for shard in dataset.pending():
-            rows = [encode(ask(blank(design, i, e), np.random.default_rng(i))) for i in shard.indices for e in engines]
+            name = next(name for name, design in designs.items() if design.spec.name == shard.task.spec.name)
+            every = [(i, blank(designs[name], i, e)) for i in shard.indices for e in engines]
+            rows = [encode(asks[name](question, np.random.default_rng(i))) for i, question in every]
             dataset.write(shard, rows, ())
         dataset.finish()
     return folder

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from tests.audit.made import Ask, make, picture, race, roll
+from tests.audit.made import Ask, make, make_all, picture, race, roll
 from tests.dataset.made import make as pictured
 from tests.dataset.made import plan
 from wmspec.ask.model import Number, Picture, QuestionRow, Strength
@@ -42,6 +42,15 @@ def failing(found: Audit, check: str = "") -> list[Finding]:
 def share(found: Audit, sees: str) -> float:
     (probe,) = [p for p in found.probes if p.sees == sees]
     return probe.accuracy
+
+
+@pytest.mark.slow
+def test_any_number_of_workers_finds_the_same(tmp_path: Path) -> None:
+    folder, told = make_all(tmp_path / "two", {"race": race(), "roll": roll()}, 40), list[str]()
+    alone, shared = (audit(folder, 24, lambda task, count: told.append(task), workers) for workers in (0, 2))
+    assert asdict(shared) == asdict(alone)
+    assert {p.task for p in alone.probes} == {"race", "roll"}
+    assert told == ["race", "roll"] * 2
 
 
 @pytest.mark.parametrize(("name", "ask"), [("race", race()), pytest.param("roll", roll(), marks=pytest.mark.slow)])

@@ -1,8 +1,9 @@
-"""The audit of a dataset: every check of every task, one task in memory at a time."""
+"""The audit of a dataset: every check of every task, one task in the memory of a process at a time."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,7 +17,12 @@ from wmspec.audit.likeness import QUANTILES, judge, likeness
 from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
 from wmspec.audit.stability import stability
 from wmspec.audit.summary import summary
+from wmspec.diagnostics import WmsError
+from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.write.reader import DatasetReader
+
+#: A task that takes longer (s) than this is given up.
+LONGEST = 24 * 3600.0
 
 #: The order of verdicts: what matters first.
 _ORDER = ("fails", "unclear", "told", "holds")
@@ -33,22 +39,29 @@ class _Gathered:
     groups: dict[str, int] = field(default_factory=dict)
     stable: dict[str, float | None] = field(default_factory=dict)
 
+    def add(self, other: _Gathered) -> None:
+        """Take in what was gathered of another task."""
+        for mine, its in zip(vars(self).values(), vars(other).values(), strict=True):
+            mine.update(its) if isinstance(mine, dict) else mine.extend(its)
 
-def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audit:
+
+def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers: int = 0) -> Audit:
     """Look at everything in a finished dataset, at the pictures of at most `most` instances of each task.
 
-    Of a task that has a damaged file nothing else is looked at. `progress` is told of every task that is done. Raises
+    Tasks are shared among so many `workers`, or done in this process if there are none: what is found is the same. Of a
+    task that has a damaged file nothing else is looked at. `progress` is told of every task that is done. Raises
     WmsError if there is no finished dataset in the folder, or if a file of it may not be read.
     """
     dataset = DatasetReader.open(folder)
     gathered = _Gathered(whole(dataset))
     damaged = {finding.task for finding in gathered.findings if finding.verdict == "fails"}
-    for task in dataset.tasks:
-        counted = counts(dataset, task)
-        gathered.counts.append(counted)
-        if task not in damaged:
-            _task(dataset, counted, most, gathered)
-        progress(task, 1)
+    pieces = [(folder, task, most, task in damaged) for task in dataset.tasks]
+    with closing(_done(pieces, min(workers, len(pieces)))) as done:
+        for task, found in zip(dataset.tasks, done, strict=True):
+            if isinstance(found, Lost):
+                raise WmsError(f"the audit of `{task}` came to nothing: {found.reason}")
+            gathered.add(found)
+            progress(task, 1)
     tests, probed = balance.weighed(gathered.tests), probes.weighed(gathered.probes)
     probed.sort(key=lambda p: p.chance - p.accuracy)
     gathered.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
@@ -66,13 +79,27 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None]) -> Audi
     )
 
 
-def _task(dataset: DatasetReader, counted: Counts, most: int, gathered: _Gathered) -> None:
-    parts = list(units(dataset, counted.task, most))
+def _done(pieces: list[tuple[Path, str, int, bool]], workers: int) -> Generator[_Gathered | Lost, None, None]:
+    """What is found of every task, in order."""
+    if workers > 1:
+        yield from in_order(_task, pieces, Effort(workers, LONGEST))
+    else:
+        yield from (_task(*piece) for piece in pieces)
+
+
+def _task(folder: Path, task: str, most: int, damaged: bool) -> _Gathered:
+    dataset, gathered = DatasetReader.open(folder), _Gathered()
+    counted = counts(dataset, task)
+    gathered.counts.append(counted)
+    if damaged:
+        return gathered
+    parts = list(units(dataset, task, most))
     gathered.findings += accounted(dataset, counted, parts)
-    finding, gathered.stable[counted.task] = stability(dataset, counted.task, parts)
+    finding, gathered.stable[task] = stability(dataset, task, parts)
     gathered.findings.append(finding)
     for unit in parts:
-        _unit(unit, Enlarging(dataset, counted.task), gathered)
+        _unit(unit, Enlarging(dataset, task), gathered)
+    return gathered
 
 
 def _unit(unit: Unit, pictures: Enlarging, gathered: _Gathered) -> None:

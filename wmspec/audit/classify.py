@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from wmspec.diagnostics import WmsError
 
 try:
+    from sklearn import config_context
     from sklearn.ensemble import RandomForestClassifier
     from sklearn.linear_model import RidgeCV, lasso_path
     from sklearn.model_selection import GroupKFold
@@ -147,7 +148,8 @@ def hits(scores: Array, asked: Asked) -> Array:
 
 def _scores(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
     """How true each option `here` seems to a classifier that was `fitted` to those."""
-    return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
+    with config_context(assume_finite=True, skip_parameter_validation=True):
+        return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
 
 
 def _of_options(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
@@ -180,19 +182,23 @@ def _linear(x: Array, y: Array, unseen: Array) -> Array:
     x, unseen = (x - middle) / spread, (unseen - middle) / spread
     if len(x) <= x.shape[1] + 1:
         return np.asarray(RidgeCV(alphas=[r * len(x) for r in RIDGES]).fit(x, y).predict(unseen))
-    each = [_lasso(x, column) for column in (y - y.mean(0)).reshape(len(y), -1).T]
+    columns = (y - y.mean(0)).reshape(len(y), -1)
+    solved, _, rank, _ = np.linalg.lstsq(x, columns, rcond=None)
+    noise = ((columns - x @ solved) ** 2).sum(0) / (len(x) - rank)
+    each = [_lasso(x, *both) for both in zip(columns.T, noise, strict=True)]
     return np.asarray(y.mean(0) + (unseen @ np.stack(each, axis=-1)).reshape(len(unseen), *y.shape[1:]))
 
 
-def _lasso(x: Array, y: Array) -> Array:
-    """The coefficients of a lasso of what is centred, its penalty by Schwarz's criterion (Zou and others 2007)."""
+def _lasso(x: Array, y: Array, noise: float) -> Array:
+    """The coefficients of a lasso of what is centred, its penalty by Schwarz's criterion (Zou and others 2007).
+
+    `noise` is the variance that a regression on all of it leaves.
+    """
     most = max(float(abs(x.T @ y).max()) / len(x), 1e-12)
     paths = lasso_path(x, y, alphas=most * PENALTIES)[1]  # (d, penalties)
     left = ((y[:, None] - x @ paths) ** 2).sum(0)
-    rest = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
-    noise = max(float((rest**2).sum()) / (len(x) - np.linalg.matrix_rank(x)), 1e-12)
     used = (abs(paths) > 1e-9).sum(0)
-    return np.asarray(paths[:, (left / noise + np.log(len(x)) * used).argmin()])
+    return np.asarray(paths[:, (left / max(noise, 1e-12) + np.log(len(x)) * used).argmin()])
 
 
 def _probabilities(x: Array, y: NDArray[np.generic], unseen: Array, trees: int) -> tuple[NDArray[np.generic], Array]:

@@ -31,9 +31,12 @@ MOST = 3
     show_default=True,
     help="Look at the pictures of at most so many instances of each task.",
 )
+@click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @json_option
 @click.pass_context
-def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictures_of: int, as_json: bool) -> None:
+def audit_command(
+    ctx: click.Context, dataset: Path, output: Path | None, pictures_of: int, workers: int | None, as_json: bool
+) -> None:
     """Look for what is wrong with a dataset: missing, unbalanced, duplicated, or answered by a shortcut.
 
     Exit code 1 if anything fails.
@@ -45,7 +48,7 @@ def audit_command(ctx: click.Context, dataset: Path, output: Path | None, pictur
     from wmspec.write.reader import DatasetReader
 
     with progress_bar(len(DatasetReader.open(dataset).tasks), "auditing", "tasks") as progress:
-        result = audit(dataset, pictures_of, progress)
+        result = audit(dataset, pictures_of, progress, workers or os.cpu_count() or 1)
     record = json.dumps({"passed": result.passed, **asdict(result)}, indent=1, ensure_ascii=False) + "\n"
     if output is not None:
         folder = make_folder(output)
