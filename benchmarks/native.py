@@ -77,10 +77,12 @@ def episodes(design: Design, index: int, size: int) -> list[tuple[Scene, int]]:
 def native(every: list[tuple[Scene, int]], size: int) -> None:
     """Execute episodes and draw their pictures as one would by hand."""
     last: mujoco.MjModel | None = None
+    last_kind: object = None  # what moves freely and what will be held is in the model
     for scene, pictures in every:
         whole, timeline = prepare(scene)
-        if pictures or last is None:
-            last = mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole))
+        kind = (len(timeline.grips), [body.motion for body in scene.bodies])
+        if pictures or last is None or kind != last_kind:
+            last_kind, last = kind, mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole))
         world = World(last, whole)
         if told(timeline) is None:
             play(world, timeline)
