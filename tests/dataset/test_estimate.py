@@ -45,9 +45,9 @@ def test_the_rest_of_a_unit_is_like_those_after_its_first() -> None:
     assert _seconds(unit, Lost("error", ""), effort) == 0
 
 
-def test_the_error_is_that_of_a_ratio(task: Task) -> None:
-    rate, error = _rate([(12.0, 12), (36.0, 12), (24.0, 12)], task)
+def test_the_error_is_that_of_a_ratio() -> None:
+    rate, error = _rate([(12.0, 12), (36.0, 12), (24.0, 12)], 600)
     assert rate == 2
     assert error == pytest.approx(1 / math.sqrt(3))  # 1, 3 and 2 s an instance: their deviation is 1
-    assert _rate([(12.0, 12)], task) == (1.0, None)
-    assert _rate([(600.0, 300), (900.0, 300)], task) == (2.5, 0.0), "all its units were tried"
+    assert _rate([(12.0, 12)], 600) == (1.0, None)
+    assert _rate([(600.0, 300), (900.0, 300)], 600) == (2.5, 0.0), "all its units were tried"

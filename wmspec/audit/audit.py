@@ -55,7 +55,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
     dataset = DatasetReader.open(folder)
     gathered = _Gathered(whole(dataset))
     damaged = {finding.task for finding in gathered.findings if finding.verdict == "fails"}
-    pieces = [(folder, task, most, task in damaged) for task in dataset.tasks]
+    pieces = [(dataset, task, most, task in damaged) for task in dataset.tasks]
     with closing(_done(pieces, min(workers, len(pieces)))) as done:
         for task, found in zip(dataset.tasks, done, strict=True):
             if isinstance(found, Lost):
@@ -79,7 +79,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
     )
 
 
-def _done(pieces: list[tuple[Path, str, int, bool]], workers: int) -> Generator[_Gathered | Lost, None, None]:
+def _done(pieces: list[tuple[DatasetReader, str, int, bool]], workers: int) -> Generator[_Gathered | Lost, None, None]:
     """What is found of every task, in order."""
     if workers > 1:
         yield from in_order(_task, pieces, Effort(workers, LONGEST))
@@ -87,9 +87,8 @@ def _done(pieces: list[tuple[Path, str, int, bool]], workers: int) -> Generator[
         yield from (_task(*piece) for piece in pieces)
 
 
-def _task(folder: Path, task: str, most: int, damaged: bool) -> _Gathered:
-    dataset, gathered = DatasetReader.open(folder), _Gathered()
-    counted = counts(dataset, task)
+def _task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> _Gathered:
+    gathered, counted = _Gathered(), counts(dataset, task)
     gathered.counts.append(counted)
     if damaged:
         return gathered

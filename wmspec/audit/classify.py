@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from wmspec.diagnostics import WmsError
 
 try:
-    from sklearn import config_context
     from sklearn.ensemble import RandomForestClassifier
     from sklearn.linear_model import RidgeCV, lasso_path
     from sklearn.model_selection import GroupKFold
@@ -148,8 +147,7 @@ def hits(scores: Array, asked: Asked) -> Array:
 
 def _scores(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
     """How true each option `here` seems to a classifier that was `fitted` to those."""
-    with config_context(assume_finite=True, skip_parameter_validation=True):
-        return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
+    return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
 
 
 def _of_options(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:

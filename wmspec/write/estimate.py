@@ -146,7 +146,9 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
             nothings = (nothing(plan, task.spec, index, trial) for piece in unit.pieces for index in piece)
             rejected += (r for outcome in nothings for r in outcome.rejected)
     reasons, examples = by_reason(rejected)
-    seconds, error = _rate([(_seconds(unit, trial, effort), unit.instances) for unit, trial in trials], task)
+    seconds, error = _rate(
+        [(_seconds(unit, trial, effort), unit.instances) for unit, trial in trials], len(task.indices)
+    )
     return Cost(
         task=task.spec.name,
         instances=len(task.indices),
@@ -171,11 +173,11 @@ def _seconds(unit: _Unit, trial: _Trial | Lost, effort: Effort) -> float:
     return trial.seconds[0] + each * (unit.instances - first)
 
 
-def _rate(costs: list[tuple[float, int]], task: Task) -> tuple[float, float | None]:
-    """Seconds an instance, by what units take and how many instances they are, and the standard error."""
+def _rate(costs: list[tuple[float, int]], instances: int) -> tuple[float, float | None]:
+    """Seconds for each of so many `instances`, by what units take and how many they are, and the standard error."""
     number, made = len(costs), sum(count for _, count in costs)
     rate = sum(seconds for seconds, _ in costs) / made
-    if made == len(task.indices):
+    if made == instances:
         return rate, 0.0
     if number == 1:
         return rate, None
