@@ -80,7 +80,8 @@ def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
     """A robot's verb."""
     who = check.infer(function.value, (ROBOT,))
     if who.type == OBJECT and function.name.id in VERBS:
-        remedy = f"write `{function.name.id}({', '.join(x.span.text for x in (function.value, *call.arguments))})`"
+        known = (x for x in call.arguments if x.name is None or x.name.id in VERBS[function.name.id].arguments)
+        remedy = f"write `{function.name.id}({', '.join(x.span.text for x in (function.value, *known))})`"
         check.fail("WMS204", "only a robot does something itself, and this is an object", function.span, remedy)
     who = check.value(function.value, (ROBOT,), "whoever acts")
     if not isinstance(who.expr, ir.Value):

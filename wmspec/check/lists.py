@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wmspec.check import ir, names, units
 from wmspec.check.typed import Typed, constant, fits, joined
 from wmspec.check.types import A_NUMBER, List, Quantity, Type, Vector
+from wmspec.check.units import Dimension
 from wmspec.parse import syntax as s
 from wmspec.places import Span
 
@@ -28,7 +30,8 @@ def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -
     for item in e.items:
         checked.append(check.infer(item, inner or tuple(first.type for first in checked[:1])))
     if e.unit is not None:
-        checked = [_scaled(check, i, e.unit, written.span) for i, written in zip(checked, e.items, strict=True)]
+        unit = check.unit(e.unit, replace(e.span, start=e.span.end - len(e.unit)))
+        checked = [_scaled(check, i, unit, written.span) for i, written in zip(checked, e.items, strict=True)]
     kind = checked[0].type if checked else None
     for typed, written in zip(checked, e.items, strict=True):
         common = joined(kind, typed.type) if kind else None
@@ -45,9 +48,9 @@ def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -
     return Typed(expr, Vector(kind.dimension, len(checked)))
 
 
-def _scaled(check: Expressions, item: Typed, unit: str, span: Span) -> Typed:
-    """An item of a list that carries the unit of all its items."""
-    scale, dimension = check.unit(unit, span)
+def _scaled(check: Expressions, item: Typed, unit: tuple[float, Dimension], span: Span) -> Typed:
+    """An item of a list that carries the unit of all its items, given by its SI value and dimension."""
+    scale, dimension = unit
     if not fits(item.type, A_NUMBER):
         check.fail("WMS301", "this value has a unit of its own already, beside that of the list", span)
     value = item.expr.value if isinstance(item.expr, ir.Value) else None
