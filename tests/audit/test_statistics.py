@@ -17,7 +17,7 @@ from sklearn.model_selection import cross_val_predict
 from wmspec.audit import power
 from wmspec.audit.classify import LEAF, NUMBERS, SEED, TREES, Asked, Seen, held_out, held_out_twice
 from wmspec.audit.rivals import Rivals
-from wmspec.audit.statistics import clopper_pearson, detectable, goodness, holm, independence
+from wmspec.audit.statistics import clopper_pearson, dependence, detectable, goodness, holm, independence
 
 
 def test_a_large_table_has_the_chi_square_of_scipy() -> None:
@@ -54,6 +54,51 @@ def _every_table(table: np.ndarray) -> float:
 
 def test_what_does_not_vary_goes_with_nothing() -> None:
     assert independence(np.array([[5, 5], [0, 0]])) == (0.0, 1.0, "nothing varies")
+
+
+def _grouped(random: np.random.Generator, tells: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """40 groups of 12 cases: a level for each group, and answers that are mostly the group's own or tell it."""
+    groups = np.repeat(np.arange(40), 12)
+    level, own = random.integers(0, 3, 40), random.integers(0, 3, 40)
+    answers = np.where(random.random(480) < 0.8, own[groups], random.integers(0, 3, 480))
+    return np.where(random.random(480) < tells, level[groups], answers), level[groups], groups
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_cases_of_a_group_are_no_evidence_of_their_own(swapped: bool) -> None:
+    """What is dealt to groups: false alarms are rare, where those of who counts cases are the rule."""
+    random = np.random.default_rng(0)
+    alarms, naive = 0, 0
+    for _ in range(60):
+        answers, levels, groups = _grouped(random, 0.0)
+        told = dependence(levels, answers, groups) if swapped else dependence(answers, levels, groups)
+        assert told[0] == pytest.approx(independence(_crossed(answers, levels))[0])
+        assert 4 < told[3] < 12
+        alarms += told[1] < 0.05
+        naive += independence(_crossed(answers, levels))[1] < 0.05
+    assert alarms <= 8  # 3 are to be expected, more than 8 in 4 of 1000 datasets
+    assert naive > 30
+
+
+def test_what_is_dealt_to_groups_is_found_where_it_tells() -> None:
+    answers, levels, groups = _grouped(np.random.default_rng(1), 0.5)
+    strength, p, method, effect = dependence(answers, levels, groups)
+    assert p < 0.001
+    assert strength > detectable(_crossed(answers, levels), 0.01, effect) > detectable(_crossed(answers, levels), 0.01)
+    assert method == "dealt to 40 groups 19,999 times"
+
+
+def test_cases_without_groups_are_tested_as_ever() -> None:
+    random = np.random.default_rng(2)
+    a, b = random.integers(0, 3, (2, 300))
+    alone, mixed = np.arange(300), np.arange(300) % 30
+    assert dependence(a, b, alone) == dependence(a, b, mixed) == (*independence(_crossed(a, b)), 1.0)
+
+
+def _crossed(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    table = np.zeros((3, 3), np.int64)
+    np.add.at(table, (first, second), 1)
+    return table
 
 
 def test_tests_of_nothing_reject_as_often_as_they_say() -> None:

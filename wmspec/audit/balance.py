@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wmspec.audit.cases import Case, Unit, task_of
 from wmspec.audit.model import Finding, Test
-from wmspec.audit.statistics import detectable, goodness, holm, independence
+from wmspec.audit.statistics import dependence, detectable, goodness, holm
 
 #: Numbers with more different values than this are put into quarters; into halves, if a quarter had fewer cases.
 MOST_VALUES, LEAST_CASES = 8, 20
@@ -64,12 +64,15 @@ def weighed(tested: Sequence[Test]) -> list[Test]:
         if test.judged:
             families.setdefault((task_of(test.task), test.first), []).append(i)
     made = [
-        test if test.judged else replace(test, corrected=test.p, least=detectable(test.counts, SURE)) for test in tested
+        test if test.judged else replace(test, corrected=test.p, least=detectable(test.counts, SURE, test.effect))
+        for test in tested
     ]
     for family in families.values():
         level = SURE / 2 / len(family)
         for i, p in zip(family, holm([tested[i].p for i in family]), strict=True):
-            made[i] = replace(tested[i], corrected=min(1.0, 2 * p), least=detectable(tested[i].counts, level))
+            made[i] = replace(
+                tested[i], corrected=min(1.0, 2 * p), least=detectable(tested[i].counts, level, tested[i].effect)
+            )
     return made
 
 
@@ -101,10 +104,12 @@ def judge(test: Test) -> Finding:
 
 
 def _tested(unit: Unit, first: str, second: str, judged: bool) -> Test:
-    table = table_of(_independent(unit, first, second), second, first)
-    strength, p, method = independence(table.counts)
+    cases = _independent(unit, first, second)
+    table = table_of(cases, second, first)
+    groups = np.unique([case.row["block"] for case in cases], return_inverse=True)[1]
+    strength, p, method, effect = dependence(_coded(cases, first)[1], _coded(cases, second)[1], groups)
     counts = tuple(tuple(map(int, row)) for row in table.counts)
-    return Test(unit.name, first, second, table.rows, table.columns, counts, strength, p, method, judged)
+    return Test(unit.name, first, second, table.rows, table.columns, counts, strength, p, method, judged, effect)
 
 
 def _independent(unit: Unit, *names: str) -> Sequence[Case]:
@@ -137,12 +142,18 @@ def _offered(case: Case, what: str) -> list[str]:
 
 def table_of(cases: Sequence[Case], second: str, first: str = ANSWER) -> Crossed:
     """`first` (a row each) against `second` (a column each): a factor's or nuisance's values, or the answer's."""
-    a, b = (_binned([_value(c, what) for c in cases]) for what in (first, second))
-    rows, columns = (tuple(sorted(set(values), key=_order)) for values in (a, b))
+    (rows, a), (columns, b) = _coded(cases, first), _coded(cases, second)
     counts = np.zeros((len(rows), len(columns)), dtype=np.int64)
-    for x, y in zip(a, b, strict=True):
-        counts[rows.index(x), columns.index(y)] += 1
+    np.add.at(counts, (a, b), 1)
     return Crossed(rows, columns, counts)
+
+
+def _coded(cases: Sequence[Case], what: str) -> tuple[tuple[str, ...], NDArray[np.intp]]:
+    """The values, in order, and the number (n,) of the one that each case has."""
+    binned = _binned([_value(case, what) for case in cases])
+    values = tuple(sorted(set(binned), key=_order))
+    number = {value: i for i, value in enumerate(values)}
+    return values, np.array([number[value] for value in binned], np.intp)
 
 
 def _value(case: Case, what: str) -> Any:

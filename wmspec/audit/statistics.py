@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,34 @@ def independence(table: Table) -> tuple[float, float, str]:
     return strength, _rank(seen, _distance(drawn, expected)), f"{DRAWN:,} random tables"
 
 
+def dependence(
+    first: NDArray[np.intp], second: NDArray[np.intp], groups: NDArray[np.intp]
+) -> tuple[float, float, str, float]:
+    """What `independence` tells of two things, and its design effect; all are numbers (n,) from 0.
+
+    What is the same in all cases of a group is dealt to groups, so each group is one piece of evidence about it, not as
+    many as it has cases. Then the probability is that of it being dealt so among them, and the design effect (Kish
+    1965) tells how many cases are worth one: at least 1.
+    """
+    table = np.zeros((first.max() + 1, second.max() + 1), np.int64)
+    np.add.at(table, (first, second), 1)
+    by_group = np.unique(groups, return_index=True)[1]
+    dealt = next((one for one in (second, first) if np.array_equal(one, one[by_group][groups])), None)
+    if dealt is None or len(by_group) == len(groups) or min(table.shape) < 2:
+        return *independence(table), 1.0
+    other, levels = first if dealt is second else second, dealt[by_group]
+    held = np.zeros((len(by_group), other.max() + 1), np.float32)
+    np.add.at(held, (groups, other), 1)
+    order = _orders(len(by_group))
+    drawn = np.stack([(levels == level)[order].astype(np.float32) @ held for level in range(dealt.max() + 1)], axis=1)
+    chance = _pearson(drawn.astype(np.float64))
+    seen = _pearson(np.asarray(table if dealt is first else table.T, np.float64)[None])[0]
+    narrow = min(table.shape) - 1
+    effect = max(1.0, float(chance.mean()) / narrow / (max(table.shape) - 1))
+    strength = float(np.sqrt(seen / len(groups) / narrow))
+    return strength, _rank(seen, chance), f"dealt to {len(by_group):,} groups {DRAWN:,} times", effect
+
+
 def goodness(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[float, float, str]:
     """Cohen's w of counts against those expected, the probability of such by chance, and how that was found."""
     if len(counts) < 2:
@@ -52,10 +81,11 @@ def goodness(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[
     return strength, _rank(seen, ((drawn - expected) ** 2 / expected).sum(1)), f"{DRAWN:,} random draws"
 
 
-def detectable(counts: Sequence[Sequence[int]], level: float, power: float = 0.8) -> float:
+def detectable(counts: Sequence[Sequence[int]], level: float, effect: float = 1.0, power: float = 0.8) -> float:
     """The strength (Cramér's V, Cohen's w) that a chi-square test at this level finds with this power, at most 1.
 
     By the noncentral chi-square distribution (Cohen 1988); of a table with one row, the test is of goodness of fit.
+    `effect` is the design effect: so many cases are worth one.
     """
     table = np.array(counts)
     rows, columns = (table.sum(1) > 0).sum(), (table.sum(0) > 0).sum()
@@ -65,13 +95,26 @@ def detectable(counts: Sequence[Sequence[int]], level: float, power: float = 0.8
     critical = stats.chi2.isf(level, freedom)
     far = optimize.brentq(lambda x: stats.ncx2.sf(critical, freedom, x) - power, 1e-9, 1e4)
     narrow = 1 if len(table) == 1 else min(rows, columns) - 1
-    return min(1.0, float(np.sqrt(far / table.sum() / narrow)))
+    return min(1.0, float(np.sqrt(far * effect / table.sum() / narrow)))
 
 
 def _distance(table: Table, expected: NDArray[np.float64]) -> NDArray[np.float64]:
     """Pearson's statistic of a table, or of each of many."""
     cells = (table - expected) ** 2 / expected
     return np.asarray(cells.sum(tuple(range(cells.ndim - expected.ndim, cells.ndim))), dtype=np.float64)
+
+
+@lru_cache(maxsize=2)
+def _orders(groups: int) -> NDArray[np.intp]:
+    """Ways to deal to so many groups (DRAWN, groups); always the same ones."""
+    return np.random.default_rng(SEED).random((DRAWN, groups), np.float32).argsort(axis=1)
+
+
+def _pearson(tables: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Pearson's statistic of each of many tables (n, rows, columns), by its own margins; empty ones count nothing."""
+    rows, columns = tables.sum(2, keepdims=True), tables.sum(1, keepdims=True)
+    expected = rows * columns / tables.sum((1, 2), keepdims=True)
+    return np.asarray(((tables - expected) ** 2 / np.where(expected, expected, 1.0)).sum((1, 2)))
 
 
 def _rank(seen: NDArray[np.float64], drawn: NDArray[np.float64]) -> float:
