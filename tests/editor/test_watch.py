@@ -17,7 +17,7 @@ from wmspec.api.loading import diagnose_text
 from wmspec.diagnostics import WmsError
 from wmspec.editor.page import PageServer
 from wmspec.editor.start import first_spec
-from wmspec.editor.watch import Drawing, State, Watch
+from wmspec.editor.watch import Drawing, State, Watch, picture_name
 
 
 @dataclass
@@ -101,6 +101,20 @@ def test_a_text_may_be_gone_before_its_mistakes_are_told(tmp_path: Path, monkeyp
     worker.join()
     assert mistaken.diagnostics[0].code
     assert "UTF-8" in unreadable.diagnostics[0].message
+
+
+@pytest.mark.engine
+@pytest.mark.pixels
+def test_pictures_that_a_page_was_told_of_outlive_the_next_sheet(served: Page) -> None:
+    good = first_spec("marbles", "perception")
+    sheets = []
+    for text in (good, good.replace("in [red, orange, yellow]", "in [purple]")):
+        version = served.watch.state.version
+        served.path.write_text(text + "\n")
+        rows = served.settled(version).rows
+        sheets.append({picture_name(c.png) for row in rows for a in row.asked for c in (*a.shown, *a.options) if c.png})
+    assert sheets[0] - sheets[1]
+    assert all(served.watch.png(name) for name in sheets[0] | sheets[1])
 
 
 def test_only_this_machine_by_its_own_name_is_answered(served: Page) -> None:

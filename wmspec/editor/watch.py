@@ -52,6 +52,7 @@ class Watch:
     drawing: Drawing
     state: State = field(default_factory=State)
     stopped: Event = field(default_factory=Event)
+    _before: tuple[sheet.Row, ...] = ()
     _news: Condition = field(default_factory=Condition)
 
     def run(self) -> None:
@@ -83,8 +84,10 @@ class Watch:
             return self.state if self.state.version > version else None
 
     def png(self, name: str) -> bytes | None:
-        """A picture of the sheet by its name."""
-        return next((c.png for c in _cells(self.state.rows) if c.png and picture_name(c.png) == name), None)
+        """A picture of the sheet by its name, or of the one before, which a page may still be asking for."""
+        return next(
+            (c.png for c in _cells((*self.state.rows, *self._before)) if c.png and picture_name(c.png) == name), None
+        )
 
     def _say(self, state: State) -> None:
         with self._news:
@@ -93,7 +96,7 @@ class Watch:
 
     def _changed(self, helper: Helper, contents: dict[Path, bytes]) -> tuple[Path, ...]:
         """Check the text, then draw it. Returns the libraries that it uses."""
-        last = self.state.rows
+        self._before = last = self.state.rows
         self._say(replace(self.state, phase="checking", stale=bool(last)))
         try:
             text = read_source(self.path).text
