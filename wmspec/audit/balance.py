@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from math import sqrt
 from typing import Any
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wmspec.audit.cases import Case, Unit, task_of
 from wmspec.audit.model import Finding, Test
-from wmspec.audit.statistics import dependence, detectable, goodness, holm
+from wmspec.audit.statistics import Table, crossed, dependence, detectable, goodness, holm
 
 #: Numbers with more different values than this are put into quarters; into halves, if a quarter had fewer cases.
 MOST_VALUES, LEAST_CASES = 8, 20
@@ -27,15 +27,6 @@ SURE, STRONG = 0.01, 0.1
 ROOM = 0.35
 
 PLACE, ANSWER = "place of the truth", "answer"
-
-
-@dataclass(frozen=True)
-class Crossed:
-    """Two things counted together: a row for each value of the first, a column for each of the second."""
-
-    rows: tuple[str, ...]
-    columns: tuple[str, ...]
-    counts: NDArray[np.int64]
 
 
 def tests(unit: Unit) -> list[Test]:
@@ -105,11 +96,11 @@ def judge(test: Test) -> Finding:
 
 def _tested(unit: Unit, first: str, second: str, judged: bool) -> Test:
     cases = _independent(unit, first, second)
-    table = table_of(cases, second, first)
+    (rows, a), (columns, b) = _coded(cases, first), _coded(cases, second)
     groups = np.unique([case.row["block"] for case in cases], return_inverse=True)[1]
-    strength, p, method, effect = dependence(_coded(cases, first)[1], _coded(cases, second)[1], groups)
-    counts = tuple(tuple(map(int, row)) for row in table.counts)
-    return Test(unit.name, first, second, table.rows, table.columns, counts, strength, p, method, judged, effect)
+    counts = tuple(tuple(map(int, row)) for row in crossed(a, b))
+    strength, p, method, effect = dependence(a, b, groups)
+    return Test(unit.name, first, second, rows, columns, counts, strength, p, method, judged, effect)
 
 
 def _independent(unit: Unit, *names: str) -> Sequence[Case]:
@@ -140,12 +131,9 @@ def _offered(case: Case, what: str) -> list[str]:
     return [str(i + 1) for i in range(case.count)] if what == PLACE else list(case.row["option_name"])
 
 
-def table_of(cases: Sequence[Case], second: str, first: str = ANSWER) -> Crossed:
-    """`first` (a row each) against `second` (a column each): a factor's or nuisance's values, or the answer's."""
-    (rows, a), (columns, b) = _coded(cases, first), _coded(cases, second)
-    counts = np.zeros((len(rows), len(columns)), dtype=np.int64)
-    np.add.at(counts, (a, b), 1)
-    return Crossed(rows, columns, counts)
+def answers_by(cases: Sequence[Case], factor: str) -> Table:
+    """How often each answer, a row, comes with each level of a factor."""
+    return crossed(_coded(cases, ANSWER)[1], _coded(cases, factor)[1])
 
 
 def _coded(cases: Sequence[Case], what: str) -> tuple[tuple[str, ...], NDArray[np.intp]]:

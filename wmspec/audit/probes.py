@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.audit import features, likeness, power, state
-from wmspec.audit.balance import table_of
+from wmspec.audit.balance import answers_by
 from wmspec.audit.cases import Case, Unit, task_of
 from wmspec.audit.classify import Array, Asked, Seen, held_out, hits
 from wmspec.audit.model import Finding, Probe
@@ -252,7 +252,7 @@ def _groups(unit: Unit, cases: Sequence[Case]) -> list[str]:
     if unit.draws >= LEAST_GROUPS:
         return [str(c.row["block"]) for c in cases]
     names = list(cases[0].varied("factor")) if not cases[0].pictured else []
-    decides = max(names, key=lambda n: independence(table_of(unit.once, n).counts)[0], default="")
+    decides = max(names, key=lambda n: independence(answers_by(unit.once, n))[0], default="")
     return ["/".join(f"{n}={v}" for n, v in c.varied("factor").items() if n != decides) or c.row["id"] for c in cases]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,14 +29,14 @@ def independence(table: Table) -> tuple[float, float, str]:
     if min(table.shape) < 2:
         return 0.0, 1.0, "nothing varies"
     expected = np.outer(table.sum(1), table.sum(0)) / table.sum()
-    seen = _distance(table, expected)
+    seen = _pearson(table)
     strength = float(np.sqrt(seen / table.sum() / (min(table.shape) - 1)))
     if expected.min() >= LEAST_EXPECTED:
         return strength, float(stats.chi2.sf(seen, (table.shape[0] - 1) * (table.shape[1] - 1))), "chi-square"
     if table.shape == (2, 2):
         return strength, float(stats.fisher_exact(table).pvalue), "Fisher's exact"
     drawn = stats.random_table(table.sum(1), table.sum(0)).rvs(DRAWN, random_state=SEED)
-    return strength, _rank(seen, _distance(drawn, expected)), f"{DRAWN:,} random tables"
+    return strength, _rank(seen, _pearson(drawn)), f"{DRAWN:,} random tables"
 
 
 def dependence(
@@ -47,23 +48,26 @@ def dependence(
     many as it has cases. Then the probability is that of it being dealt so among them, and the design effect (Kish
     1965) tells how many cases are worth one: at least 1.
     """
-    table = np.zeros((first.max() + 1, second.max() + 1), np.int64)
-    np.add.at(table, (first, second), 1)
+    table = crossed(first, second)
     by_group = np.unique(groups, return_index=True)[1]
     dealt = next((one for one in (second, first) if np.array_equal(one, one[by_group][groups])), None)
     if dealt is None or len(by_group) == len(groups) or min(table.shape) < 2:
         return *independence(table), 1.0
     other, levels = first if dealt is second else second, dealt[by_group]
-    held = np.zeros((len(by_group), other.max() + 1), np.float32)
-    np.add.at(held, (groups, other), 1)
-    order = _orders(len(by_group))
-    drawn = np.stack([(levels == level)[order].astype(np.float32) @ held for level in range(dealt.max() + 1)], axis=1)
-    chance = _pearson(drawn.astype(np.float64))
-    seen = _pearson(np.asarray(table if dealt is first else table.T, np.float64)[None])[0]
+    held, order = crossed(groups, other).astype(np.float32), _orders(len(by_group))
+    drawn = np.stack([(levels == level)[order].astype(np.float32) @ held for level in range(dealt.max() + 1)], axis=-2)
+    chance, seen = _pearson(drawn.astype(np.float64)), _pearson(table)
     narrow = min(table.shape) - 1
     effect = max(1.0, float(chance.mean()) / narrow / (max(table.shape) - 1))
     strength = float(np.sqrt(seen / len(groups) / narrow))
     return strength, _rank(seen, chance), f"dealt to {len(by_group):,} groups {DRAWN:,} times", effect
+
+
+def crossed(first: NDArray[np.intp], second: NDArray[np.intp]) -> Table:
+    """How often two things come together: a row for each value of the first, both numbers (n,) from 0."""
+    table = np.zeros((first.max() + 1, second.max() + 1), np.int64)
+    np.add.at(table, (first, second), 1)
+    return table
 
 
 def goodness(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[float, float, str]:
@@ -71,7 +75,7 @@ def goodness(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[
     if len(counts) < 2:
         return 0.0, 1.0, "nothing varies"
     total = int(counts.sum())
-    seen = _distance(counts, expected)
+    seen = ((counts - expected) ** 2 / expected).sum()
     strength = float(np.sqrt(seen / total))
     if expected.min() >= LEAST_EXPECTED:
         return strength, float(stats.chi2.sf(seen, len(counts) - 1)), "chi-square"
@@ -98,23 +102,17 @@ def detectable(counts: Sequence[Sequence[int]], level: float, effect: float = 1.
     return min(1.0, float(np.sqrt(far * effect / table.sum() / narrow)))
 
 
-def _distance(table: Table, expected: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Pearson's statistic of a table, or of each of many."""
-    cells = (table - expected) ** 2 / expected
-    return np.asarray(cells.sum(tuple(range(cells.ndim - expected.ndim, cells.ndim))), dtype=np.float64)
-
-
 @lru_cache(maxsize=2)
 def _orders(groups: int) -> NDArray[np.intp]:
     """Ways to deal to so many groups (DRAWN, groups); always the same ones."""
     return np.random.default_rng(SEED).random((DRAWN, groups), np.float32).argsort(axis=1)
 
 
-def _pearson(tables: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Pearson's statistic of each of many tables (n, rows, columns), by its own margins; empty ones count nothing."""
-    rows, columns = tables.sum(2, keepdims=True), tables.sum(1, keepdims=True)
-    expected = rows * columns / tables.sum((1, 2), keepdims=True)
-    return np.asarray(((tables - expected) ** 2 / np.where(expected, expected, 1.0)).sum((1, 2)))
+def _pearson(tables: NDArray[Any]) -> NDArray[np.float64]:
+    """Pearson's statistic of each table (..., rows, columns), by its own margins; empty ones count nothing."""
+    rows, columns = tables.sum(-1, keepdims=True), tables.sum(-2, keepdims=True)
+    expected = rows * columns / tables.sum((-2, -1), keepdims=True)
+    return np.asarray(((tables - expected) ** 2 / np.where(expected, expected, 1.0)).sum((-2, -1)))
 
 
 def _rank(seen: NDArray[np.float64], drawn: NDArray[np.float64]) -> float:
