@@ -1,13 +1,10 @@
-"""What an instance of each task costs, next to loops in bare MuJoCo that share nothing.
+"""What an instance of each task costs, next to loops in a bare engine that share nothing (`benchmarks.loops`).
 
-    python -m benchmarks.native specs/perception specs/prediction [--tried 8] [--size 384]
+    python -m benchmarks.native specs/perception specs/prediction [--backend mujoco] [--tried 8] [--size 384]
 
-The loop executes the same episodes (the truth, the counterfactuals, the nudges) of the same models, of every instance
-for itself: MuJoCo's own `mj_step` at the same rate, with the same checks of what touches, by the loop that native
-scripts have; and draws as many pictures of each, by MuJoCo's `Renderer`, one renderer an episode, encoded as wmspec
-does. What is drawn is the state at the end, which costs what any other does. It makes no stages, no questions, no
-contact shadows and no masks, measures nothing and checks nothing. Models are compiled once an episode, but for nudges,
-which have that of the truth. wmspec makes whole units, as `generate` does. All times are of the processor, in turns.
+The loop executes the same episodes (the truth, the counterfactuals, the nudges) of every instance for itself, and draws
+as many pictures of each. It makes no stages and no questions, measures nothing and checks nothing. wmspec makes whole
+units, as `generate` does. All times are of the processor, in turns.
 """
 
 from __future__ import annotations
@@ -20,12 +17,9 @@ from pathlib import Path
 os.environ.setdefault("LP_NUM_THREADS", "0")
 os.environ.setdefault("MUJOCO_GL", "egl")
 
-import mujoco
-from wmspec.backends.mujoco.mjcf import mjcf
-from wmspec.backends.mujoco.physics import prepare
-from wmspec.backends.mujoco.world import World
 
 from benchmarks.cost import cost
+from benchmarks.loops import loop_of
 from wmspec.api.making import planned
 from wmspec.ask.ask import ask
 from wmspec.ask.runs import EnginePair
@@ -34,17 +28,15 @@ from wmspec.execute.keys import look_key, physics_key, shot_key
 from wmspec.execute.pool import Effort
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
-from wmspec.scene.episode import play, told
 from wmspec.scene.model import Frame, Scene, Shot, Trace
 from wmspec.write.generate import job_of
-from wmspec.write.rows import encoded
 
 
 class Traces(TraceCache):
     """Executes, and notes what it was asked for: each physics once for an instance, as a loop by hand would."""
 
-    def __init__(self) -> None:
-        super().__init__("mujoco")
+    def __init__(self, engine: str) -> None:
+        super().__init__(engine)
         self.noted: dict[bytes, Scene] = {}
 
     def trace(self, scene: Scene) -> Trace:
@@ -56,8 +48,8 @@ class Traces(TraceCache):
 class Pictures(RenderCache):
     """Draws, and notes which pictures were drawn of which physics."""
 
-    def __init__(self, size: int) -> None:
-        super().__init__("mujoco", size, size)
+    def __init__(self, engine: str, size: int) -> None:
+        super().__init__(engine, size, size)
         self.noted: dict[bytes, set[tuple[bytes, bytes]]] = {}
 
     def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
@@ -66,50 +58,31 @@ class Pictures(RenderCache):
         return super().draw(scene, shot, depth=depth)
 
 
-def episodes(design: Design, index: int, size: int) -> list[tuple[Scene, int]]:
+def episodes(design: Design, index: int, engine: str, size: int) -> list[tuple[Scene, int]]:
     """The episodes of an instance, each with how many pictures are drawn of it."""
-    traces, pictures = Traces(), Pictures(size)
+    traces, pictures = Traces(engine), Pictures(engine, size)
     ask(design, index, EnginePair(traces, pictures))
     pictures.close()
     return [(scene, len(pictures.noted.get(key, ()))) for key, scene in traces.noted.items()]
-
-
-def native(every: list[tuple[Scene, int]], size: int) -> None:
-    """Execute episodes and draw their pictures as one would by hand."""
-    last: mujoco.MjModel | None = None
-    last_kind: object = None  # what moves freely and what will be held is in the model
-    for scene, pictures in every:
-        whole, timeline = prepare(scene)
-        kind = (len(timeline.grips), [body.motion for body in scene.bodies])
-        if pictures or last is None or kind != last_kind:
-            last_kind, last = kind, mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole))
-        world = World(last, whole)
-        if told(timeline) is None:
-            play(world, timeline)
-        if pictures:
-            data = mujoco.MjData(last)
-            mujoco.mj_forward(last, data)
-            with mujoco.Renderer(last, size, size) as renderer:
-                for number in range(pictures):
-                    renderer.update_scene(data, camera=scene.cameras[number % len(scene.cameras)].name)
-                    encoded(renderer.render())
 
 
 def main() -> None:
     """Print, of each task, both times and their ratio."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("specs", nargs="+", type=Path)
+    parser.add_argument("--backend", choices=("mujoco", "pybullet", "sapien"), default="mujoco")
     parser.add_argument("--tried", type=int, default=8, help="instances of each task, at least")
     parser.add_argument("--native", type=int, default=3, help="of these by the loop")
     parser.add_argument("--size", type=int, default=384)
     options = parser.parse_args()
-    plan = planned(options.specs, lambda _: None, backend="mujoco", size=options.size)
+    plan = planned(options.specs, lambda _: None, backend=options.backend, size=options.size)
+    native = loop_of(options.backend)
     job = job_of(plan, Effort(1, 300))
     for task in plan.tasks:
         seconds, made, _ = cost(job, task, plan.seed, options.tried)
         design, bare, drawn = Design(task.spec, plan.seed), 0.0, 0
         for index in task.indices[:: max(1, len(task.indices) // options.native)][: options.native]:
-            every = episodes(design, index, options.size)
+            every = episodes(design, index, options.backend, options.size)
             began = time.process_time()
             native(every, options.size)
             bare += time.process_time() - began
