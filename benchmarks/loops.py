@@ -36,11 +36,6 @@ from wmspec.write.rows import encoded
 Loop = Callable[[list[tuple[Scene, int]], int], None]
 
 
-def loop_of(engine: str) -> Loop:
-    """The loop in an engine."""
-    return {"mujoco": _mujoco, "pybullet": _pybullet, "sapien": _sapien}[engine]
-
-
 def _mujoco(every: list[tuple[Scene, int]], size: int) -> None:
     """One model an episode, but for nudges, which have that of the truth; one renderer an episode."""
     last: mujoco.MjModel | None = None
@@ -137,3 +132,7 @@ def _compiled() -> Any:
 def _cameras(scene: Scene, pictures: int) -> Iterator[Any]:
     """The camera of each picture, in turns."""
     return (scene.cameras[number % len(scene.cameras)] for number in range(pictures))
+
+
+#: The loop of each engine.
+LOOPS: dict[str, Loop] = {"mujoco": _mujoco, "pybullet": _pybullet, "sapien": _sapien}

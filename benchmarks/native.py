@@ -17,9 +17,8 @@ from pathlib import Path
 os.environ.setdefault("LP_NUM_THREADS", "0")
 os.environ.setdefault("MUJOCO_GL", "egl")
 
-
 from benchmarks.cost import cost
-from benchmarks.loops import loop_of
+from benchmarks.loops import LOOPS
 from wmspec.api.making import planned
 from wmspec.ask.ask import ask
 from wmspec.ask.runs import EnginePair
@@ -70,13 +69,12 @@ def main() -> None:
     """Print, of each task, both times and their ratio."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("specs", nargs="+", type=Path)
-    parser.add_argument("--backend", choices=("mujoco", "pybullet", "sapien"), default="mujoco")
+    parser.add_argument("--backend", choices=LOOPS, default="mujoco")
     parser.add_argument("--tried", type=int, default=8, help="instances of each task, at least")
     parser.add_argument("--native", type=int, default=3, help="of these by the loop")
     parser.add_argument("--size", type=int, default=384)
     options = parser.parse_args()
     plan = planned(options.specs, lambda _: None, backend=options.backend, size=options.size)
-    native = loop_of(options.backend)
     job = job_of(plan, Effort(1, 300))
     for task in plan.tasks:
         seconds, made, _ = cost(job, task, plan.seed, options.tried)
@@ -84,7 +82,7 @@ def main() -> None:
         for index in task.indices[:: max(1, len(task.indices) // options.native)][: options.native]:
             every = episodes(design, index, options.backend, options.size)
             began = time.process_time()
-            native(every, options.size)
+            LOOPS[options.backend](every, options.size)
             bare += time.process_time() - began
             drawn += sum(pictures for _, pictures in every)
         ours, loop = 1e3 * seconds / made, 1e3 * bare / options.native
