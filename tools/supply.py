@@ -15,6 +15,7 @@ from collections.abc import Iterable, Iterator
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from pathlib import Path
 
+from packaging.licenses import InvalidLicenseExpression, canonicalize_license_expression
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -81,14 +82,23 @@ def _requirements(of: Distribution, extras: Iterable[str]) -> Iterator[Requireme
 
 
 def licence(of: Distribution) -> str:
-    """The licence that a package states, in few words."""
+    """The licence that a package states, in few words: by its name at SPDX, which releases seldom change."""
     about = of.metadata
     name = canonicalize_name(about["Name"])
     classified = [c.rpartition(" :: ")[2] for c in about.get_all("Classifier") or () if c.startswith("License :: ")]
-    stated = (about["License-Expression"] or "").strip() or ", ".join(c for c in classified if c != "OSI Approved")
     first = (about["License"] or "").strip().partition("\n")[0]
+    named = (about["License-Expression"] or "").strip() or _spdx(first)
+    stated = named or ", ".join(c for c in classified if c != "OSI Approved")
     told = stated or KNOWN.get(name) or (first if 0 < len(first) < 60 else "") or UNSTATED
     return " ".join(told.replace("|", "/").split())
+
+
+def _spdx(text: str) -> str:
+    """A licence that is told in SPDX's names, as these are written; nothing if it is not."""
+    try:
+        return canonicalize_license_expression(text)
+    except InvalidLicenseExpression:
+        return ""
 
 
 def constraints() -> str:

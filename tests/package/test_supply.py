@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from importlib.metadata import PathDistribution
 from pathlib import Path
 
 from tools import supply
@@ -40,6 +41,23 @@ def test_the_page_of_licences_names_all_that_is_installed() -> None:
     for name, of in supply.tree(supply.USED).items():
         assert f"| {name} | {supply.licence(of)} |" in page, "`python -m tools.supply licences > docs/licences.md`"
     assert supply.UNSTATED not in page
+
+
+def test_a_licence_is_told_alike_however_a_release_states_it(tmp_path: Path) -> None:
+    """A newer release may say in one header what an older one said in two: the page is of both."""
+    old = "License: BSD-3-Clause\nClassifier: License :: OSI Approved :: BSD License"
+    told = [
+        supply.licence(_stated(tmp_path / str(i), how))
+        for i, how in enumerate((old, "License-Expression: BSD-3-Clause"))
+    ]
+    assert told == ["BSD-3-Clause", "BSD-3-Clause"]
+    assert supply.licence(_stated(tmp_path / "vague", old.replace("-3-Clause", ""))) == "BSD License"
+
+
+def _stated(folder: Path, how: str) -> PathDistribution:
+    folder.mkdir()
+    (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: some\nVersion: 1.0\n{how}\n")
+    return PathDistribution(folder)
 
 
 def test_the_bill_of_materials_is_whole_and_always_the_same() -> None:
