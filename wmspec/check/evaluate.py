@@ -56,19 +56,29 @@ def evaluate(expr: Expr, env: Environment) -> Any:
 
 
 def _items(expr: Items, env: Environment) -> tuple[Any, ...]:
-    return tuple([evaluate(e, env) for e in expr.items])
+    return tuple(_all(expr.items, env))
+
+
+def _all(exprs: tuple[Expr, ...], env: Environment) -> list[Any]:
+    """The values of several expressions, most of which are constants."""
+    return [e.value if type(e) is Value else _KINDS[type(e)](e, env) for e in exprs]
 
 
 def _operation(expr: Operation, env: Environment) -> Any:
     if expr.each is None:
         return _operate(expr.operator, expr.operands, env)
-    values = [evaluate(e, env) for e in expr.operands]
+    values = _all(expr.operands, env)
     rows = ([*values[: expr.each], item, *values[expr.each + 1 :]] for item in values[expr.each])
     return tuple(_operate(expr.operator, tuple(Value(value=v) for v in row), env) for row in rows)
 
 
+def _operate(operator: str, operands: tuple[Expr, ...], env: Environment) -> Any:
+    own = _OWN_WAY.get(operator)
+    return own(operands, env) if own else _OPERATORS[operator](*_all(operands, env))
+
+
 def _call(expr: Call, env: Environment) -> Any:
-    arguments = tuple(evaluate(e, env) for e in expr.arguments)
+    arguments = tuple(_all(expr.arguments, env))
     options = {option.name: evaluate(option.value, env) for option in expr.options}
     if expr.each is None:
         return env.call(expr.function, arguments, **options)
@@ -76,19 +86,22 @@ def _call(expr: Call, env: Environment) -> Any:
     return tuple(env.call(expr.function, (*before, item, *after), **options) for item in items)
 
 
-def _operate(operator: str, operands: tuple[Expr, ...], env: Environment) -> Any:
-    match operator:
-        case "if":
-            return evaluate(operands[1] if evaluate(operands[0], env) else operands[2], env)
-        case "and":
-            return all(evaluate(e, env) for e in operands)
-        case "or":
-            return any(evaluate(e, env) for e in operands)
-        case "-":
-            values = [evaluate(e, env) for e in operands]
-            return -values[0] if len(values) == 1 else values[0] - values[1]
-        case _:
-            return _OPERATORS[operator](*[evaluate(e, env) for e in operands])
+def _if(operands: tuple[Expr, ...], env: Environment) -> Any:
+    return evaluate(operands[1] if evaluate(operands[0], env) else operands[2], env)
+
+
+def _minus(operands: tuple[Expr, ...], env: Environment) -> Any:
+    values = _all(operands, env)
+    return -values[0] if len(values) == 1 else values[0] - values[1]
+
+
+#: Operators that do not simply take the values of all their operands.
+_OWN_WAY: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
+    "if": _if,
+    "and": lambda operands, env: all(evaluate(e, env) for e in operands),
+    "or": lambda operands, env: any(evaluate(e, env) for e in operands),
+    "-": _minus,
+}
 
 
 #: How an expression of each kind is worked out.

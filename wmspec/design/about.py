@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from wmspec.check.evaluate import evaluate, parts
 from wmspec.check.ir import Expr, Question, Ref, Said, Value
-from wmspec.design.depend import Dependencies
+from wmspec.design.depend import dependencies
 from wmspec.layout.values import Values
 
 
@@ -46,7 +46,7 @@ def _spelled_out(spoken: Iterable[Expr], values: Values) -> Iterator[Expr]:
 
 def _showing(answer: Expr, values: Values) -> set[str]:
     """The objects a property of which depends on a factor or nuisance on which the answer depends."""
-    depend, factors = Dependencies(values.spec), {f.name for f in values.spec.factors}
+    depend, factors = dependencies(values.spec), {f.name for f in values.spec.factors}
     decisive = depend.expression(answer) & factors
     return {
         thing.name

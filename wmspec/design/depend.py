@@ -7,6 +7,7 @@ action happens), `push.way` (where its object is when it begins).
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator
 
 from wmspec.check.evaluate import parts
@@ -22,6 +23,10 @@ _TURN = ("yaw", "pitch", "roll")
 PLACEMENT = ("at", "on", "inside", *_TURN)
 _SCATTER = ("scatter", "gap")
 
+#: Of so many specs the dependencies are remembered.
+_REMEMBERED = 8
+_latest: OrderedDict[int, tuple[TaskSpec, Dependencies]] = OrderedDict()
+
 #: What of its objects a function looks at.
 _LOOKS_AT: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("toward", "left_of", "right_of", "in_front_of", "behind", "polar", "between"), ("pose",)),
@@ -30,6 +35,16 @@ _LOOKS_AT: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("count", "present"), ("present",)),
     "fits": ("form", "pose"),
 }
+
+
+def dependencies(spec: TaskSpec) -> Dependencies:
+    """Those of a spec, the same for all its instances: a spec never changes, and is known by being the same object."""
+    if id(spec) not in _latest:
+        _latest[id(spec)] = spec, Dependencies(spec)  # the spec stays, and so its `id`
+        if len(_latest) > _REMEMBERED:
+            _latest.popitem(last=False)
+    _latest.move_to_end(id(spec))
+    return _latest[id(spec)][1]
 
 
 class Dependencies:
@@ -48,6 +63,10 @@ class Dependencies:
     def expression(self, expr: Expr) -> frozenset[str]:
         """The names of the factors and nuisances, and the `owner.property`s, that the value depends on."""
         return self._reached(self._direct(expr))
+
+    def sources(self, sources: Iterable[str]) -> frozenset[str]:
+        """What any of these sources depends on, themselves included."""
+        return self._reached(sources)
 
     def source(self, source: str) -> frozenset[str]:
         """What a source depends on, itself included."""

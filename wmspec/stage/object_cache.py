@@ -10,7 +10,7 @@ from typing import Any
 
 from wmspec.check.ir import TaskSpec
 from wmspec.check.vocabulary import PROPERTIES
-from wmspec.design.depend import Dependencies
+from wmspec.design.depend import dependencies
 from wmspec.layout.values import Values
 from wmspec.stage.document import Document
 from wmspec.stage.objects import add_object
@@ -55,7 +55,7 @@ class _Deciding:
     """What decides the prims of each object of a spec: sources, and of these the factors and nuisances."""
 
     def __init__(self, spec: TaskSpec) -> None:
-        self.spec, self._depend = spec, Dependencies(spec)
+        self.spec, self._depend = spec, dependencies(spec)
         self._known: dict[str, tuple[frozenset[str], tuple[str, ...], bool]] = {}
 
     def levels(self, name: str, values: Values) -> tuple[Any, ...] | None:
@@ -77,4 +77,4 @@ class _Deciding:
         """All that the prims of an object may depend on, directly or not."""
         own = [f"{name}.{aspect}" for aspect in ("pose", *PROPERTIES["object"])]
         own += [f"{part}.{word}" for part in values.parts(name) for word in PROPERTIES["part"]]
-        return frozenset().union(*map(self._depend.source, own))
+        return self._depend.sources(own)
