@@ -85,11 +85,11 @@ class SceneCache:
         """
         parts = _parts(document)
         if parts is None:
-            return read(compose(document))
+            return read(compose(document, sources=False))
         try:
             return self._assembled(document, parts)
         except _Whole:
-            return read(compose(document))
+            return read(compose(document, sources=False))
 
     def _assembled(self, document: Document, parts: _Parts) -> Scene:
         keys = _keys(document, parts)
@@ -121,11 +121,13 @@ class SceneCache:
     def _read(self, document: Document, parts: _Parts, missing: list[str], keys: dict[str, bytes]) -> None:
         """Read the parts that are missing, from a stage of these and what they point to."""
         robots = _robots(document)
-        wanted = {_FRAME, *missing, *(near for part in missing for near in _reached(document, parts, part, robots))}
+        near = (other for part in missing for other in _reached(document, parts, part, robots))
+        looking = [part for part in parts if part.startswith(_CAMERAS)][:1]  # else one that shows all would be found
+        wanted = {_FRAME, *missing, *near, *looking}
         paths = {path for part in wanted for path in parts.get(part, ())}.union(_ABOVE)
         small = Document({path: prim for path, prim in document.prims.items() if path in paths})
         try:
-            scene = read(bare(compose(small), [part for part in robots if part not in missing]))
+            scene = read(bare(compose(small, sources=False), [part for part in robots if part not in missing]))
         except WmsError:
             raise _Whole from None  # where all that is wrong is told
         _alone(scene.bodies, scene.cameras, document)

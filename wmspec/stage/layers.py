@@ -43,12 +43,12 @@ _VALUES: dict[str, Callable[[Any], Any]] = {
 }
 
 
-def base_layer(document: Document, doc: str = "") -> Sdf.Layer:
-    """The whole document as an anonymous layer in metres, kilograms and Z up."""
+def base_layer(document: Document, doc: str = "", *, sources: bool = True) -> Sdf.Layer:
+    """The whole document as an anonymous layer in metres, kilograms and Z up; with the `sources` of what it says."""
     layer = _layer(doc)
     with Sdf.ChangeBlock():
         for path, prim in document.prims.items():
-            _define(layer, path, prim)
+            _define(layer, path, prim, sources)
     layer.GetPrimAtPath("/World").kind = "group"
     return layer
 
@@ -87,9 +87,9 @@ def _children(document: Document) -> dict[str, list[str]]:
     return {parent: names for parent, names in children.items() if parent}
 
 
-def compose(document: Document) -> Usd.Stage:
-    """A stage of the whole document, in memory."""
-    return Usd.Stage.Open(base_layer(document))
+def compose(document: Document, *, sources: bool = True) -> Usd.Stage:
+    """A stage of the whole document, in memory; who only reads a scene from it needs no `sources`."""
+    return Usd.Stage.Open(base_layer(document, sources=sources))
 
 
 def bare(stage: Usd.Stage, paths: Iterable[str]) -> Usd.Stage:
@@ -112,7 +112,7 @@ def _layer(doc: str) -> Sdf.Layer:
     return layer
 
 
-def _define(layer: Sdf.Layer, path: str, prim: Prim) -> None:
+def _define(layer: Sdf.Layer, path: str, prim: Prim, sources: bool = True) -> None:
     spec = Sdf.CreatePrimInLayer(layer, path)
     spec.specifier = Sdf.SpecifierDef
     spec.typeName = prim.type
@@ -121,9 +121,9 @@ def _define(layer: Sdf.Layer, path: str, prim: Prim) -> None:
     if prim.reference:
         spec.referenceList.prependedItems.append(Sdf.Reference(prim.reference))
     for name, attribute in prim.attributes.items():
-        _attribute(spec, name, attribute)
+        _attribute(spec, name, attribute, sources=sources)
     for name, relation in prim.relations.items():
-        _relation(spec, name, relation)
+        _relation(spec, name, relation, sources=sources)
 
 
 def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
@@ -182,9 +182,11 @@ def _apply(spec: Sdf.PrimSpec, schemas: Iterable[str]) -> None:
     spec.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=list(schemas)))
 
 
-def _attribute(spec: Sdf.PrimSpec, name: str, attribute: Attribute, disconnect: bool = False) -> None:
+def _attribute(
+    spec: Sdf.PrimSpec, name: str, attribute: Attribute, disconnect: bool = False, *, sources: bool = True
+) -> None:
     variability = Sdf.VariabilityUniform if attribute.uniform else Sdf.VariabilityVarying
-    made = Sdf.AttributeSpec(spec, name, Sdf.ValueTypeNames.Find(attribute.type), variability)
+    made = Sdf.AttributeSpec(spec, name, _type(attribute.type), variability)
     if attribute.value is not None:
         convert = _VALUES.get(attribute.type)
         blocked = isinstance(attribute.value, Sdf.ValueBlock)
@@ -195,13 +197,18 @@ def _attribute(spec: Sdf.PrimSpec, name: str, attribute: Attribute, disconnect: 
         made.connectionPathList.explicitItems = [attribute.connection]
     if attribute.varies:
         made.SetInfo("interpolation", attribute.varies)
-    if attribute.sources:
+    if sources and attribute.sources:
         made.customData = {"wms": {"from": " ".join(sorted(attribute.sources))}}
 
 
-def _relation(spec: Sdf.PrimSpec, name: str, relation: Relation) -> None:
+@cache
+def _type(name: str) -> Sdf.ValueTypeName:
+    return Sdf.ValueTypeNames.Find(name)
+
+
+def _relation(spec: Sdf.PrimSpec, name: str, relation: Relation, *, sources: bool = True) -> None:
     rel = Sdf.RelationshipSpec(spec, name, custom=False)
     rel.targetPathList.ClearEditsAndMakeExplicit()
     rel.targetPathList.explicitItems = list(relation.targets)
-    if relation.sources:
+    if sources and relation.sources:
         rel.customData = {"wms": {"from": " ".join(sorted(relation.sources))}}

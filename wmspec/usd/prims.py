@@ -36,7 +36,7 @@ def still(attribute: Usd.Attribute) -> Any:
     held = attribute.Get(NOW)
     if isinstance(held, Sdf.UnregisteredValue) or not (kind := attribute.GetTypeName()):
         refuse(attribute.GetPrim(), f"{name} is of a type that USD does not know", "correct its type")
-    if held is not None and _form(held) != _form_of(kind):  # an opinion may be of another type than the schema's
+    if held is not None and not _fits(held, kind):  # an opinion may be of another type than the schema's
         refuse(attribute.GetPrim(), f"{name} is {_called(_form(held))}", f"expected {_called(_form_of(kind))}")
     if held is None or isinstance(held, bool | int | str) or (isinstance(held, float) and math.isfinite(held)):
         return held  # most are, and need no more than this
@@ -79,6 +79,17 @@ def _form(held: Any) -> tuple[Any, ...]:
 
 _SINGLE = (Gf.Vec2d, Gf.Vec2f, Gf.Vec2h, Gf.Vec2i, Gf.Vec3d, Gf.Vec3f, Gf.Vec3h, Gf.Vec3i, Gf.Vec4d, Gf.Vec4f, Gf.Vec4h,
            Gf.Vec4i, Gf.Matrix2d, Gf.Matrix3d, Gf.Matrix4d)  # fmt: skip
+
+
+#: Whether a value of such a type fits into an attribute of such a type: its class alone tells its form.
+_FITTING: dict[tuple[type, Sdf.ValueTypeName], bool] = {}
+
+
+def _fits(held: Any, kind: Sdf.ValueTypeName) -> bool:
+    key = (type(held), kind)
+    if key not in _FITTING:
+        _FITTING[key] = _form(held) == _form_of(kind)
+    return _FITTING[key]
 
 
 @cache

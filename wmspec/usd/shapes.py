@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from pxr import Gf, Usd
 
 from wmspec.diagnostics import StageError
 from wmspec.places import PrimPlace
+from wmspec.plain import dumped, loaded
 from wmspec.scene.model import Pose
 from wmspec.shapes import SHAPES, Mesh, Shape
 from wmspec.shapes.facets import tessellate
@@ -152,26 +154,49 @@ def _scale(prim: Usd.Prim, place: Place) -> Vector:
 
 def _mesh(prim: Usd.Prim, place: Place) -> Shape:
     """A mesh, or the shape that it says it is, as long as nothing stretches it."""
-    read = mesh(prim, place.stretch)
     kind = SHAPES.get(str(value(prim, NAME, "")))
     if kind is None or not Gf.IsClose(place.stretch, Gf.Matrix4d(1.0), _SAME):
-        return read
+        return mesh(prim, place.stretch)
     numbers = {field.name: _number(value(prim, f"{NAME}:{field.name}")) for field in fields(kind)}
-    if None in numbers.values():
+    made = None if None in numbers.values() else _remade(kind, dumped(numbers))
+    if made is not None and _drawn_as(prim, made):
+        return made
+    mesh(prim, place.stretch)  # where all that is wrong with it as a mesh is told
+    if made is None:
         missing = ", ".join(f"{NAME}:{name}" for name, number in numbers.items() if number is None)
         refuse(prim, f"it says to be a {value(prim, NAME)}, without {missing}", f"author them, or remove {NAME}")
-    made = kind.remade(numbers)
     points, own = tessellate(made).points, np.asarray(value(prim, "points", []), np.float64)
     if points.shape != own.shape or not np.allclose(points, own, atol=_SAME):
         refuse(prim, f"its points are not those of the {value(prim, NAME)} that it says to be", f"remove {NAME}")
     return made
 
 
+@lru_cache(maxsize=1024)
+def _remade(kind: type[Shape], numbers: bytes) -> Shape:
+    """The shape of these dumped numbers, of which many prims may be: what is worked out of it is so once."""
+    return kind.remade(loaded(numbers))
+
+
+def _drawn_as(prim: Usd.Prim, shape: Shape) -> bool:
+    """Whether all that a prim says as a mesh is what is written of the shape."""
+    written = tessellate(shape)
+    wanted = {"points": written.points, "faceVertexIndices": written.faces.reshape(-1), "primvars:st": written.st}
+    said = {name: np.asarray(value(prim, name, ())) for name in (*wanted, "faceVertexCounts")}
+    alike = all(said[name].shape == numbers.shape for name, numbers in wanted.items())
+    faces = said["faceVertexCounts"]
+    if not alike or faces.shape != (len(written.faces),) or (faces != 3).any():
+        return False
+    return all(bool((said[name] == numbers.astype(said[name].dtype)).all()) for name, numbers in wanted.items())
+
+
 def _number(authored: Any) -> Any:
     """A number, or numbers and points as tuples."""
-    if authored is None or isinstance(authored, bool | int | float | str):
+    if authored is None or isinstance(authored, bool | int | str):
         return authored
-    return tuple(tuple(map(float, one)) if hasattr(one, "__len__") else float(one) for one in authored)
+    if isinstance(authored, float):
+        return float(authored)  # as float, since USD's doubles may be numpy's
+    numbers = np.asarray(authored, np.float64).tolist()
+    return tuple(tuple(one) if isinstance(one, list) else one for one in numbers)
 
 
 PRIMS: dict[str, type[Shape]] = {prim: kind for kind in SHAPES.values() for prim in kind.prims}
