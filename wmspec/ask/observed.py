@@ -32,6 +32,7 @@ class Observed:
         self.views = tuple(views)
         self._draw = draw
         self._seen: dict[View, Frame] = {}
+        self._poses: dict[float, tuple[Pose, ...]] = {}
         self._index = {body.name: i for i, body in enumerate(scene.bodies)}
 
     @cached_property
@@ -95,7 +96,13 @@ class Observed:
 
     def pose(self, name: str, time: float) -> Pose:
         """Where a body's frame is at a time (s)."""
-        return self.trace.poses(time)[self.index(name)]
+        return self.poses(time)[self.index(name)]
+
+    def poses(self, time: float) -> tuple[Pose, ...]:
+        """Where the frames of all bodies are at a time (s)."""
+        if time not in self._poses:
+            self._poses[time] = self.trace.poses(time)
+        return self._poses[time]
 
     def box(self, name: str, time: float) -> Array:
         """The corners (2, 3) m of the upright box around a body at a time (s)."""

@@ -17,7 +17,8 @@ T = TypeVar("T")
 class Patch:
     """`pixels` of a picture, a `share` of it, with their middle and their mean colour (0..1), None if there are none.
 
-    `across` from the left edge, `down` from the top, as shares of the picture's sides.
+    `across` from the left edge, `down` from the top, as shares of the picture's sides. `rows` and `columns`: the first
+    and the last with one of them.
     """
 
     pixels: int
@@ -25,6 +26,8 @@ class Patch:
     across: float | None
     down: float | None
     color: tuple[float, ...] | None
+    rows: tuple[int, int] = (0, -1)
+    columns: tuple[int, int] = (0, -1)
 
 
 def patch(frame: Frame, index: int) -> Patch:
@@ -51,9 +54,10 @@ def _patch(frame: Frame, index: int) -> Patch:
     if not pixels:
         return Patch(0, 0.0, None, None, None)
     height, width = frame.ids.shape
+    rows, columns = np.divmod(own, width)
     across, down = (
-        float((int(places.sum()) / pixels + 0.5) / side)
-        for places, side in ((own % width, width), (own // width, height))
+        float((int(places.sum()) / pixels + 0.5) / side) for places, side in ((columns, width), (rows, height))
     )
     color = frame.rgb.reshape(-1, 3)[own].mean(axis=0) / 255.0
-    return Patch(pixels, pixels / frame.ids.size, across, down, tuple(map(float, color)))
+    high, wide = (int(rows[0]), int(rows[-1])), (int(columns.min()), int(columns.max()))
+    return Patch(pixels, pixels / frame.ids.size, across, down, tuple(map(float, color)), high, wide)

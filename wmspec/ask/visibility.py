@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.ask.difference import ciede2000, lab
+from wmspec.ask.difference import ciede2000, lab, lab_of_bytes
 from wmspec.ask.observed import Observed
 from wmspec.ask.patch import known, patch
 from wmspec.ask.silhouette import Silhouette, box, silhouette
@@ -59,7 +59,7 @@ def outline(observed: Observed, index: int, view: View) -> Silhouette:
     """The silhouette of a body in a view."""
     camera, time = view
     height, width = observed.picture(camera, time).ids.shape
-    return silhouette(observed.scene, index, (camera, observed.trace.poses(time)), (width, height))
+    return silhouette(observed.scene, index, (camera, observed.poses(time)), (width, height))
 
 
 def hidden_at_most(observed: Observed, index: int, view: View) -> float:
@@ -70,7 +70,7 @@ def hidden_at_most(observed: Observed, index: int, view: View) -> float:
     camera, time = view
     frame = observed.picture(camera, time)
     height, width = frame.ids.shape
-    around = box(observed.scene, index, (camera, observed.trace.poses(time)), (width, height))
+    around = box(observed.scene, index, (camera, observed.poses(time)), (width, height))
     if around is None or (around < 1).any() or (around > np.array([width, height]) - 1).any():
         return 1.0
     return 1 - patch(frame, index).pixels / float(np.prod(np.ptp(around, axis=0) + 2))
@@ -82,17 +82,17 @@ def outstanding(frame: Frame, index: int) -> float:
 
 
 def _outstanding(frame: Frame, index: int) -> float:
-    mask = frame.ids == index
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    if not len(rows):
+    own = patch(frame, index)
+    if not own.pixels:
         return 0.0
-    wide = max(1, round(AROUND * len(mask)))
-    near = np.s_[max(rows[0] - wide, 0) : rows[-1] + wide + 1, max(columns[0] - wide, 0) : columns[-1] + wide + 1]
-    mask, colors = mask[near], frame.rgb[near]
+    wide = max(1, round(AROUND * len(frame.ids)))
+    (top, bottom), (left, right) = own.rows, own.columns
+    near = np.s_[max(top - wide, 0) : bottom + wide + 1, max(left - wide, 0) : right + wide + 1]
+    mask, colors = frame.ids[near] == index, frame.rgb[near]
     around = _grown(mask, wide) & ~mask
     if not around.any():
         return 0.0
-    return float(ciede2000(lab((colors[mask] / 255.0).mean(axis=0)), lab(colors[around] / 255.0)).mean())
+    return float(ciede2000(lab((colors[mask] / 255.0).mean(axis=0)), lab_of_bytes(colors[around])).mean())
 
 
 def _grown(mask: NDArray[np.bool_], wide: int) -> NDArray[np.bool_]:

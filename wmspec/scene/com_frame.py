@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from wmspec.scene.kept import kept
 from wmspec.scene.model import Array, Body, Inertia, Pose
 from wmspec.scene.transform import apply, compose, identity, inverse
 
@@ -17,13 +18,20 @@ _ROUND_OFF = 1e-12  # m, or of a unit quaternion
 
 def mount(body: Body) -> Pose:
     """The body's own frame, seen from its centre-of-mass frame (the same one, unless it is dynamic)."""
-    return _clean(inverse(_center(body)))
+    return kept(body, _mount)
 
 
 def com_frame(body: Body) -> Body:
     """The same body, described in its centre-of-mass frame."""
-    if body.inertia is None:
-        return body
+    return body if body.inertia is None else kept(body, _com_frame)
+
+
+def _mount(body: Body) -> Pose:
+    return _clean(inverse(_center(body)))
+
+
+def _com_frame(body: Body) -> Body:
+    assert body.inertia is not None
     inside = mount(body)
     geoms = tuple(replace(geom, pose=_clean(compose(inside, geom.pose))) for geom in body.geoms)
     own = identity()

@@ -14,6 +14,7 @@ from wmspec.scene.com_frame import com_frame, placed
 from wmspec.scene.contact import apart, colliders
 from wmspec.scene.coordinates import gears
 from wmspec.scene.episode import Episode, Vector
+from wmspec.scene.kept import kept
 from wmspec.scene.model import Body, Geom, Scene
 from wmspec.scene.numbers import floats, numbers
 from wmspec.scene.transform import identity
@@ -77,7 +78,13 @@ def assembly(scene: Scene, episode: Episode) -> Assembly:
 def rigids(scene: Scene) -> tuple[Rigid, ...]:
     """The scene's bodies, in order."""
     tied = jointed(scene)
-    return tuple(_rigid(com_frame(body), tied=body.name in tied) for body in scene.bodies)
+    return tuple(
+        _rigid(com_frame(body), tied=True) if body.name in tied else kept(body, _loose) for body in scene.bodies
+    )
+
+
+def _loose(body: Body) -> Rigid:
+    return _rigid(com_frame(body), tied=False)
 
 
 def _rigid(body: Body, *, tied: bool) -> Rigid:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from wmspec.scene.model import Array, Pose
+
+_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def multiply(a: Array, b: Array) -> Array:
@@ -32,12 +36,17 @@ def rotate(q: Array, v: Array) -> Array:
     """The vectors `v` (..., 3) turned by the unit quaternions `q` (..., 4)."""
     q, v = np.asarray(q, float), np.asarray(v, float)
     if q.ndim == v.ndim == 1:  # as in `multiply`
-        (s, i, j, k), (x, y, z) = q.tolist(), v.tolist()
-        a, b, c = 2.0 * (j * z - k * y), 2.0 * (k * x - i * z), 2.0 * (i * y - j * x)
-        return np.array([x + s * a + (j * c - k * b), y + s * b + (k * a - i * c), z + s * c + (i * b - j * a)])
+        return np.array(_rotated(q.tolist(), v.tolist()))
     w, u = q[..., :1], q[..., 1:]
     t = 2.0 * cross(u, v)
     return v + w * t + cross(u, t)
+
+
+def _rotated(q: Sequence[float], v: Sequence[float]) -> tuple[float, float, float]:
+    """The same of numbers: one vector, turned by one quaternion."""
+    (s, i, j, k), (x, y, z) = q, v
+    a, b, c = 2.0 * (j * z - k * y), 2.0 * (k * x - i * z), 2.0 * (i * y - j * x)
+    return x + s * a + (j * c - k * b), y + s * b + (k * a - i * c), z + s * c + (i * b - j * a)
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -65,6 +74,9 @@ def turned(q: Array) -> Array:
 def rotation(q: Array) -> Array:
     """Rotation matrices (..., 3, 3), for column vectors, of the unit quaternions `q` (..., 4)."""
     q = np.asarray(q, float)
+    if q.ndim == 1:  # as in `multiply`
+        numbers = q.tolist()
+        return np.array([_rotated(numbers, axis) for axis in _AXES]).T
     return np.swapaxes(rotate(q[..., None, :], np.eye(3)), -1, -2)
 
 

@@ -13,6 +13,7 @@ from wmspec.places import PrimPlace
 from wmspec.scene.action_rules import problems as action_problems
 from wmspec.scene.action_rules import sequence
 from wmspec.scene.joints import problems as joint_problems
+from wmspec.scene.kept import kept
 from wmspec.scene.model import Body, Geom, Scene
 
 _UNIT = 1e-6  # how far a quaternion's length may be from 1
@@ -23,7 +24,7 @@ def validate(scene: Scene) -> None:
     report = Report(StageError)
     report.include(_whole(scene))
     for body in scene.bodies:
-        report.include(d.at(PrimPlace(body.path)) for d in _body(body))
+        report.include(kept(body, _faults))
     motions = {body.name: body.motion for body in scene.bodies}
     joints = {joint.name: joint for joint in scene.joints}
     for action in scene.actions:
@@ -54,6 +55,10 @@ def _whole(scene: Scene) -> Iterator[Diagnostic]:
         yield Diagnostic(f"the episode {POSES.sentence}", help=POSES.help)
     if not np.isfinite(scene.gravity).all():
         yield Diagnostic(f"gravity is {scene.gravity}, expected three finite numbers")
+
+
+def _faults(body: Body) -> tuple[Diagnostic, ...]:
+    return tuple(d.at(PrimPlace(body.path)) for d in _body(body))
 
 
 def _body(body: Body) -> Iterator[Diagnostic]:

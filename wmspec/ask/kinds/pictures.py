@@ -24,7 +24,8 @@ from wmspec.design.about import named
 from wmspec.execute.keys import look_key
 from wmspec.scene.appearance import shown_at
 from wmspec.scene.digest import digest
-from wmspec.scene.model import Frame, Pose, Scene
+from wmspec.scene.kept import kept
+from wmspec.scene.model import Body, Frame, Pose, Scene
 from wmspec.scene.turn import axis, visibly_turned
 
 #: Two option pictures in which fewer pixels than this show something different look alike.
@@ -260,9 +261,12 @@ def appearance(scene: Scene) -> str:
     """
     static = [body for body in scene.bodies if body.motion == "static"]
     fixed = [(b.name, b.pose.position.tobytes(), b.pose.orientation.tobytes()) for b in static]
-    bodies = tuple(replace(b, geoms=tuple(replace(g, pose=_rounded(g.pose)) for g in b.geoms)) for b in scene.bodies)
-    looks = look_key(replace(scene, bodies=bodies))
+    looks = look_key(replace(scene, bodies=tuple(kept(body, _without_rounding) for body in scene.bodies)))
     return digest(looks, fixed).hex()
+
+
+def _without_rounding(body: Body) -> Body:
+    return replace(body, geoms=tuple(replace(geom, pose=_rounded(geom.pose)) for geom in body.geoms))
 
 
 def _rounded(pose: Pose) -> Pose:
