@@ -22,13 +22,16 @@ from wmspec.execute.trace_cache import TraceCache
 from wmspec.layout.values import Values
 from wmspec.scene.appearance import shown_at, vanished
 from wmspec.scene.bounds import bounds, middle, own_middle
-from wmspec.scene.model import Body, Frame, Geom, Pose, Scene, Shot, Trace
+from wmspec.scene.kept import kept
+from wmspec.scene.model import Array, Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.scene.overlap import overlap
 from wmspec.scene.transform import compose as placed
 from wmspec.scene.transform import rotate
 
 #: Bodies that lie deeper (m) in one another at the start would be thrown apart, by each engine in its own way.
 DEEP = 0.001
+
+_Touched = tuple[Body, Geom, Pose, Array]
 
 
 @dataclass(frozen=True)
@@ -116,24 +119,30 @@ def overlaps(scene: Scene) -> Iterator[tuple[str, str, float]]:
     """The bodies, one of them able to move, that lie more than 1 mm (m) deep in one another at the start."""
     apart = {frozenset(pair) for pair in scene.filtered}
     apart |= {frozenset((j.first, j.second)) for j in scene.joints if j.first is not None and not j.collides}
-    pieces = [(b, g, placed(b.pose, g.pose)) for b in scene.bodies for g in b.geoms if g.collides]
-    boxes = np.array([bounds(g.shape, pose) for _, g, pose in pieces]).reshape(-1, 2, 3)
-    for i, j in _near(pieces, boxes):
-        (a, one, at), (b, other, there) = pieces[i], pieces[j]
+    pieces = [(body, *piece) for body in scene.bodies for piece in kept(body, _touched)]
+    for (a, one, at, _), (b, other, there, _) in _near(pieces):
         if frozenset((a.name, b.name)) not in apart:
             depth = overlap(one.shape, at, other.shape, there, DEEP)
             if depth > 0:
                 yield a.name, b.name, depth
 
 
-def _near(pieces: Sequence[tuple[Body, Geom, Pose]], boxes: NDArray[np.float64]) -> Iterator[tuple[int, int]]:
+def _touched(body: Body) -> tuple[tuple[Geom, Pose, Array], ...]:
+    """What of a body can be touched: where that is, and the upright box around it (2, 3)."""
+    touched = [(geom, placed(body.pose, geom.pose)) for geom in body.geoms if geom.collides]
+    return tuple((geom, pose, bounds(geom.shape, pose)) for geom, pose in touched)
+
+
+def _near(pieces: Sequence[_Touched]) -> Iterator[tuple[_Touched, _Touched]]:
     """Pairs of pieces of different bodies, one of which can move, whose upright boxes overlap."""
-    for i, (body, _, _) in enumerate(pieces):
-        shared = np.minimum(boxes[i, 1], boxes[:, 1]) - np.maximum(boxes[i, 0], boxes[:, 0])
-        for j in np.flatnonzero((shared > DEEP).all(axis=1)).tolist():
-            other = pieces[j][0]
-            if j > i and other is not body and not body.motion == other.motion == "static":
-                yield i, j
+    boxes = np.array([box for *_, box in pieces]).reshape(-1, 2, 3)
+    every, free = np.arange(len(pieces)), np.array([body.motion != "static" for body, *_ in pieces], bool)
+    moving = np.flatnonzero(free)
+    for i, piece in enumerate(pieces):
+        others = every if free[i] else moving
+        others = others[others > i]
+        shared = np.minimum(boxes[i, 1], boxes[others, 1]) - np.maximum(boxes[i, 0], boxes[others, 0])
+        yield from ((piece, pieces[j]) for j in others[(shared > DEEP).all(axis=1)] if pieces[j][0] is not piece[0])
 
 
 # ---------------------------------------------------------------- nudges

@@ -48,8 +48,8 @@ def silhouette(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], siz
     across, down = (finer * (high - low)).tolist()
     image = Image.new("1", (across, down))
     draw = ImageDraw.Draw(image)
-    for polygon in polygons:
-        draw.polygon([tuple(p) for p in ((polygon - low) * finer - 0.5).tolist()], fill=1)
+    for corners in ((polygon - low) * finer - 0.5 for polygon in polygons):
+        draw.polygon(corners.reshape(-1).tolist(), fill=1)
     mask = np.asarray(image)
     left, top = np.maximum(-low, 0) * finer
     right, bottom = (np.minimum(frame, high) - low) * finer
@@ -98,7 +98,7 @@ def _outlines(shape: Shape, pose: Pose, camera: Camera, size: tuple[int, int]) -
     points, depth = project(camera, apply(pose, facets.points), *size)
     before = depth > camera.near
     if not shape.convex:
-        return [points[face] for face in facets.faces if before[face].all()]
+        return list(points[facets.faces[before[facets.faces].all(axis=1)]])
     points = points[before]
     try:
         return [points[ConvexHull(points).vertices]]

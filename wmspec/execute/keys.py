@@ -32,7 +32,7 @@ def look_key(scene: Scene) -> bytes:
 
 def shot_key(shot: Shot) -> bytes:
     """From where a picture is taken, and where everything is."""
-    return digest(shot.camera, *((pose.position, pose.orientation) for pose in shot.poses))
+    return digest(shot.camera, *[(pose.position.tobytes(), pose.orientation.tobytes()) for pose in shot.poses])
 
 
 def _physics(scene: Scene) -> bytes:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import OrderedDict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -200,9 +200,9 @@ def _keys(document: Document, parts: _Parts) -> dict[str, bytes]:
 
 
 def _bytes_of(document: Document, paths: Iterable[str]) -> bytes:
-    """What prims say, without whence it comes."""
+    """What tells prims from others, by what they say, without whence it comes."""
     try:
-        return b"".join(path.encode() + b"\0" + document.prims[path].content for path in paths)
+        return b"".join(path.encode() + b"\0" + document.prims[path].digest for path in paths)
     except ValueError:  # a value that is no number, text or list of them
         raise _Whole from None
 
@@ -220,14 +220,8 @@ def _reached(document: Document, parts: _Parts, part: str, robots: Sequence[str]
     return reached[1:]
 
 
-def _targets(prim: Prim, robots: Sequence[str]) -> Iterator[str]:
-    if prim.reference:
-        yield from robots
-    for relation in prim.relations.values():
-        yield from relation.targets
-    for attribute in prim.attributes.values():
-        if attribute.connection:
-            yield attribute.connection.partition(".")[0]
+def _targets(prim: Prim, robots: Sequence[str]) -> Sequence[str]:
+    return (*robots, *prim.targets) if prim.reference else prim.targets
 
 
 def _owner(path: str, parts: _Parts) -> str:

@@ -52,6 +52,10 @@ def holder(values: Values, owner: str) -> tuple[str, str] | None:
 
 def tops(values: Values, base: str) -> list[Face]:
     """The surfaces on which things can rest on an object, the most level one first."""
+    return values.once((base, "tops"), lambda: _tops(values, base))
+
+
+def _tops(values: Values, base: str) -> list[Face]:
     here, made = values.pose(base), pieces(values, base)
     if len(made) == 1 and made[0].solid.flats:
         placed = here.then(made[0].pose)

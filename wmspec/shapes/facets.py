@@ -40,7 +40,7 @@ class Facets:
             array.setflags(write=False)
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=1024)
 def tessellate(shape: Shape) -> Facets:
     """The triangles of a shape in its own frame (m); equal shapes give the same object."""
     return shape.facets()

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from hashlib import blake2b
 from typing import Any, NamedTuple
 
 from wmspec.plain import dumped
@@ -49,8 +50,23 @@ class Prim:
     reference: str = ""
 
     @cached_property
+    def digest(self) -> bytes:
+        """A hash (16 bytes) of what it says: the same for the same. Once asked for, the prim is finished.
+
+        Raises ValueError for a value that is no number, text or list of them.
+        """
+        return blake2b(self.content, digest_size=16).digest()
+
+    @cached_property
+    def targets(self) -> tuple[str, ...]:
+        """The paths of the prims that it points to. Once asked for, the prim is finished."""
+        related = (path for relation in self.relations.values() for path in relation.targets)
+        plugs = (a.connection.partition(".")[0] for a in self.attributes.values() if a.connection)
+        return (*related, *plugs)
+
+    @property
     def content(self) -> bytes:
-        """What it says, without whence that comes: the same bytes for the same. Once asked for, it is finished.
+        """What it says, without whence that comes: the same bytes for the same.
 
         Raises ValueError for a value that is no number, text or list of them.
         """

@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pxr import Gf, Usd
 
 from wmspec.diagnostics import StageError
@@ -154,33 +155,38 @@ def _scale(prim: Usd.Prim, place: Place) -> Vector:
 
 def _mesh(prim: Usd.Prim, place: Place) -> Shape:
     """A mesh, or the shape that it says it is, as long as nothing stretches it."""
-    kind = SHAPES.get(str(value(prim, NAME, "")))
+    word = str(value(prim, NAME, ""))
+    kind = SHAPES.get(word)
     if kind is None or not Gf.IsClose(place.stretch, Gf.Matrix4d(1.0), _SAME):
         return mesh(prim, place.stretch)
     numbers = {field.name: _number(value(prim, f"{NAME}:{field.name}")) for field in fields(kind)}
-    made = None if None in numbers.values() else _remade(kind, dumped(numbers))
+    made = None if None in numbers.values() else _remade(word, dumped(numbers))
     if made is not None and _drawn_as(prim, made):
         return made
     mesh(prim, place.stretch)  # where all that is wrong with it as a mesh is told
     if made is None:
         missing = ", ".join(f"{NAME}:{name}" for name, number in numbers.items() if number is None)
-        refuse(prim, f"it says to be a {value(prim, NAME)}, without {missing}", f"author them, or remove {NAME}")
+        refuse(prim, f"it says to be a {word}, without {missing}", f"author them, or remove {NAME}")
     points, own = tessellate(made).points, np.asarray(value(prim, "points", []), np.float64)
     if points.shape != own.shape or not np.allclose(points, own, atol=_SAME):
-        refuse(prim, f"its points are not those of the {value(prim, NAME)} that it says to be", f"remove {NAME}")
+        refuse(prim, f"its points are not those of the {word} that it says to be", f"remove {NAME}")
     return made
 
 
 @lru_cache(maxsize=1024)
-def _remade(kind: type[Shape], numbers: bytes) -> Shape:
+def _remade(word: str, numbers: bytes) -> Shape:
     """The shape of these dumped numbers, of which many prims may be: what is worked out of it is so once."""
-    return kind.remade(loaded(numbers))
+    return SHAPES[word].remade(loaded(numbers))
 
 
 def _drawn_as(prim: Usd.Prim, shape: Shape) -> bool:
     """Whether all that a prim says as a mesh is what is written of the shape."""
     written = tessellate(shape)
-    wanted = {"points": written.points, "faceVertexIndices": written.faces.reshape(-1), "primvars:st": written.st}
+    wanted: dict[str, NDArray[Any]] = {
+        "points": written.points,
+        "faceVertexIndices": written.faces.reshape(-1),
+        "primvars:st": written.st,
+    }
     said = {name: np.asarray(value(prim, name, ())) for name in (*wanted, "faceVertexCounts")}
     alike = all(said[name].shape == numbers.shape for name, numbers in wanted.items())
     faces = said["faceVertexCounts"]
