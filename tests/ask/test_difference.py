@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmspec.ask.difference import ciede2000, lab
+from wmspec.ask.difference import ciede2000, lab, lab_of_bytes
 
 #: Table 1 of the paper, the pairs that try hue wrap-around, grays and the rotation term.
 PAIRS = [
@@ -35,3 +35,8 @@ def test_lab_of_white_gray_and_red() -> None:
     assert lab((1, 1, 1)) == pytest.approx([100, 0, 0], abs=1e-9)
     assert lab((1, 0, 0)) == pytest.approx([53.2408, 80.0925, 67.2032], abs=1e-3)
     assert ciede2000(lab(np.full((3, 3), 0.5)), lab((0.5, 0.5, 0.5))) == pytest.approx(0, abs=1e-9)
+
+
+def test_colours_of_bytes_are_those_of_numbers() -> None:
+    pixels = np.arange(3 * 256, dtype=np.uint16).reshape(-1, 3).astype(np.uint8)
+    assert np.array_equal(lab_of_bytes(pixels), lab(pixels / 255.0))

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from itertools import combinations
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from wmspec.ask.runs import DEEP, _near, _touched
 from wmspec.scene.bounds import bounds
-from wmspec.scene.model import Pose
+from wmspec.scene.model import Body, Geom, Pose
 from wmspec.scene.overlap import overlap
 from wmspec.scene.transform import apply, compose
 from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
@@ -83,3 +85,22 @@ def test_a_cylinder_half_sunk_and_a_cone_beside_a_cone() -> None:
     assert overlap(Cone(0.1, 0.2), at(0, 0, 0.1), Cone(0.1, 0.2), at(0.15, 0, 0.1), LEAST) == pytest.approx(
         circle, abs=3e-5
     )
+
+
+@settings(max_examples=30)
+@given(st.lists(st.tuples(st.floats(-0.1, 0.1), st.floats(-0.1, 0.1), st.booleans()), max_size=8))
+def test_every_pair_is_looked_at_that_may_lie_in_one_another(places: list[tuple[float, float, bool]]) -> None:
+    cube, still = Geom("cube", Box((0.05, 0.05, 0.05)), at(0, 0, 0)), np.zeros(3)
+    bodies = [
+        Body(f"b{i}", f"/b{i}", "static" if stays else "kinematic", at(x, y, 0), (cube, cube), None, still, still)
+        for i, (x, y, stays) in enumerate(places)
+    ]
+    pieces = [(body, *piece) for body in bodies for piece in _touched(body)]
+    expected = [
+        (pieces[i][0].name, pieces[j][0].name)
+        for i, j in combinations(range(len(pieces)), 2)
+        if pieces[i][0] is not pieces[j][0]
+        and "kinematic" in (pieces[i][0].motion, pieces[j][0].motion)
+        and (np.minimum(pieces[i][3][1], pieces[j][3][1]) - np.maximum(pieces[i][3][0], pieces[j][3][0]) > DEEP).all()
+    ]
+    assert [(a[0].name, b[0].name) for a, b in _near(pieces)] == expected

@@ -9,7 +9,8 @@ from pxr import Usd
 
 from tests.language.specs import DEEDS, SPECS, busy_text, random_spec, task_from, task_of
 from wmspec.check.ir import TaskSpec
-from wmspec.design.depend import Dependencies
+from wmspec.check.record import from_json, to_json
+from wmspec.design.depend import Dependencies, dependencies
 from wmspec.design.design import Design
 from wmspec.stage.diff import Difference, diff
 from wmspec.stage.document import Document
@@ -115,3 +116,14 @@ def test_a_property_that_moves_by_itself_is_a_violation() -> None:
     before, after = (document(spec, instance) for instance in Design(spec))
     after.prims["/World/Objects/a"].set("physics:mass", "float", 3.0, "a.mass")
     assert violations(Dependencies(spec), before, after, "big") == ("/World/Objects/a.physics:mass",)
+
+
+@pytest.mark.parametrize("path", SPECS[::7], ids=lambda p: p.stem)
+def test_dependencies_are_worked_out_once_for_a_spec(path: Path) -> None:
+    spec = task_of(path)
+    kept, anew = dependencies(spec), Dependencies(spec)
+    assert dependencies(spec) is kept
+    assert dependencies(from_json(to_json(spec))) is not kept
+    names = [f"{thing.name}.{name}" for thing in spec.things for name in ("pose", "form", *thing.properties)]
+    assert kept.sources(names) == frozenset().union(*map(anew.source, names))
+    assert all(kept.source(name) == anew.source(name) for name in names)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.engines import ENGINES, installed
 from wmspec.check.make import observe, task, thing
 from wmspec.design.design import Design
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.diagnostics import ImpossibleValue, StageError
 from wmspec.layout.geometry import pieces
 from wmspec.layout.values import Values
 from wmspec.scene.model import Scene
@@ -204,6 +204,28 @@ def test_nothing_is_lost_on_the_stage() -> None:
         assert body.geoms[0].shape == shape
         assert body.inertia is not None
         assert body.inertia.mass == pytest.approx(600 * shape.volume, rel=1e-6)
+
+
+BROKEN = {
+    "primvars:st": ([(0.5, 0.5)], "primvars:st .* does not fit"),
+    "faceVertexCounts": ([3], "faceVertexCounts and faceVertexIndices do not fit"),
+    "points": ([(0.0, 0.0, 0.0)], "faceVertexIndices and points do not fit"),
+    "wms:shape:depth": (0.2, "its points are not those of the extrude"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_what_is_not_drawn_as_the_shape_that_it_says_to_be_is_refused(name: str) -> None:
+    value, message = BROKEN[name]
+    eye, stairs = thing("camera", "front", at=(0.0, -2.0, 1.0)), dict(EXAMPLES)["extrude"]
+    stair = thing("object", "stair", shape="extrude", at=(0.0, 0.0, 0.5), fixed=True, **stairs)
+    spec = task("broken", eye, stair, observe("front", [0.0]))
+    stage = compose(document(spec, Design(spec)[0]))
+    mesh = stage.GetPrimAtPath("/World/Objects/stair/extrude")
+    assert read(stage).bodies[0].geoms[0].shape == SHAPES["extrude"].from_words({"size": 0.1, **stairs})
+    mesh.GetAttribute(name).Set(value)
+    with pytest.raises(StageError, match=message):
+        read(stage)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

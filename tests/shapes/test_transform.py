@@ -21,6 +21,8 @@ VECTORS = arrays(np.float64, (MANY, 3), elements=FINITE)
 def test_one_by_one_is_all_at_once(a: Array, b: Array, v: Array) -> None:
     assert np.array_equal(np.array([multiply(*pair) for pair in zip(a, b, strict=True)]), multiply(a, b))
     assert np.array_equal(np.array([rotate(*pair) for pair in zip(a, v, strict=True)]), rotate(a, v))
+    assert np.array_equal(np.array([rotation(one) for one in a]), rotation(a))
+    assert rotation(a[0]).flags.f_contiguous == rotation(a)[0].flags.f_contiguous  # or products would round otherwise
 
 
 @given(QUATERNIONS.filter(lambda q: bool((np.linalg.norm(q, axis=1) > 1e-3).all())), VECTORS)
