@@ -10,17 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from backends.mujoco.backdrop import Backdrop, Backdrops, Layer, key
+from backends.mujoco.cast import Cast
 from wmspec.diagnostics import GraphicsError
+from wmspec.scene.boxes import Edges
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, whole
 from wmspec.scene.contact_shadow import ContactShadows
 from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
-from wmspec.scene.near_plane import NearPlane
 from wmspec.scene.picture import check
-from wmspec.scene.shadow import SHADE, Casters
+from wmspec.scene.shadow import SHADE, Region
 from wmspec.scene.silence import silence
 from wmspec.scene.texcoords import texcoords
-from wmspec.scene.thrown import Thrown
+from wmspec.scene.window import Moving, Window, full
 from wmspec.shapes import Shape
 
 with silence():
@@ -37,7 +39,12 @@ SAMPLES = 4
 UNSEEN = 5
 """The group of geometries that MuJoCo is told not to draw."""
 
+WIDEST = 0.8
+"""Of a picture in which what moves takes more than this share, all is drawn at once."""
+
 GL_RGBA = 0x1908
+
+_BACKDROPS = Backdrops()
 
 
 class Renderer:
@@ -47,9 +54,10 @@ class Renderer:
     """
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
-        self._scene, self._casters, self._contact = scene, Casters(scene), ContactShadows(scene)
-        self._near, self._thrown = NearPlane(scene, width / height), Thrown(scene, width / height)
-        self._rect = mujoco.MjrRect(0, 0, width, height)
+        self._scene, self._size, self._contact = scene, (width, height), ContactShadows(scene)
+        still = [i for i, body in enumerate(scene.bodies) if body.motion == "static"]
+        self._every, self._still = (Cast(scene, some, width / height) for some in (range(len(scene.bodies)), still))
+        self._moving = Moving(scene)
         self._model: Any = build(scene, width, height).compile()
         self._data: Any = mujoco.MjData(self._model)
         self._owner = np.append(self._model.body_mocapid[self._model.geom_bodyid], -1)
@@ -63,15 +71,13 @@ class Renderer:
         check(self._scene, shot)
         self._gl.make_current()
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        self._place(shot)
-        camera = seeing(self._scene, shot)
-        self._aim(self._near.before(camera, shot), shot)
-        rgb = self._colors()
-        ids = self._bodies()
-        if not (depth or self._contact.any):
-            return Frame(rgb, ids)
-        distance = np.where(ids >= 0, self._distance(), np.float32(0))
-        return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance if depth else None)
+        for i, pose in enumerate(shot.poses):
+            self._data.mocap_pos[i], self._data.mocap_quat[i] = pose.position, pose.orientation
+        eye = seeing(self._scene, shot)
+        region = self._every.region(eye, shot)
+        layer = self._on_backdrop(eye, region, shot) or self._layer(self._every, eye, region, shot, full(*self._size))
+        rgb = self._contact.cast(layer.rgb, layer.ids, layer.depth, eye, shot)
+        return Frame(rgb, layer.ids, layer.depth if depth else None)
 
     def repaint(self, scene: Scene) -> bool:
         """Draw a scene from now on that differs in colours only."""
@@ -87,68 +93,101 @@ class Renderer:
         self._gl.make_current()
         self._context.free()
 
-    def _place(self, shot: Shot) -> None:
-        for i, pose in enumerate(shot.poses):
-            self._data.mocap_pos[i], self._data.mocap_quat[i] = pose.position, pose.orientation
+    def _on_backdrop(self, eye: Camera, region: Region, shot: Shot) -> Layer | None:
+        """What moves, drawn with all around it on a picture of what stands still; None where that would gain nothing.
 
-    def _aim(self, camera: Camera, shot: Shot) -> None:
+        Nor is it done where what moves widens the sun's map: shadows would have a seam.
+        """
+        if not self._still.bodies or not region.same(self._still.region(eye, shot)):
+            return None
+        known = key(self._scene, self._still.bodies, eye, shot, self._size)
+        backdrop = _BACKDROPS.of(known, lambda: self._backdrop(eye, region, shot))
+        window = self._moving.window(backdrop.lit, eye, shot, self._size, _texel(region))
+        if window.share > WIDEST:
+            return None
+        layer = backdrop.layer.numbered(self._still.bodies)
+        return layer.over(window, self._layer(self._every, eye, region, shot, window)) if window.share else layer
+
+    def _backdrop(self, eye: Camera, region: Region, shot: Shot) -> Backdrop:
+        layer = self._layer(self._still, eye, region, shot, full(*self._size))
+        return Backdrop(layer.counted(self._still.bodies), self._moving.lit(layer.ids, layer.depth, eye))
+
+    def _layer(self, cast: Cast, eye: Camera, region: Region, shot: Shot, window: Window) -> Layer:
+        """Some bodies in a window of the picture, without contact shadows."""
+        self._aim(cast, eye, region, shot, window)
+        rgb = self._colors(window)
+        ids = self._bodies(window)
+        return Layer(rgb, ids, np.where(ids >= 0, self._distance(window), np.float32(0)))
+
+    def _aim(self, cast: Cast, eye: Camera, region: Region, shot: Shot, window: Window) -> None:
         """Turn camera and shadow map to what's to be seen, and leave out what is not, nor throws a shadow there.
 
         MuJoCo offsets shadows by four steps of a 24-bit depth map that reaches from the near plane to the far plane
         (`render_gl3.c`), which is too little for a small map: surfaces would shade themselves. So the far plane is
         put where four steps are `BIAS` texels; the camera's own depth has floating point, and loses nothing by it.
         """
-        region = self._casters.region(camera, shot)
-        far = max(camera.far, BIAS * 2 * region.half / SHADOW_MAP * 2**24 / 4)
+        camera = cast.nearest(eye, shot)
+        far = max(camera.far, BIAS * _texel(region) * 2**24 / 4)
         self._model.vis.map.znear, self._model.vis.map.zfar = camera.near, far
         self._context.shadowClip = region.half
         self._model.light_pos[:] = region.center - self._scene.light.direction * region.reach
-        thrown = self._thrown.seen(camera, shot, 2 * region.half / SHADOW_MAP)
-        self._model.geom_group[:] = np.where(thrown, 0, UNSEEN)
+        edges = window.edges(camera)
+        sight = cast.sight(camera, edges, shot, _texel(region))
+        self._model.geom_group[:] = np.where(sight.seen, 0, UNSEEN)
         number = [one.name for one in self._scene.cameras].index(camera.name)
         self._model.cam_pos[number], self._model.cam_quat[number] = camera.pose.position, camera.pose.orientation
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
-        eye = mujoco.MjvCamera()
-        eye.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        eye.fixedcamid = number
+        free = mujoco.MjvCamera()
+        free.type = mujoco.mjtCamera.mjCAMERA_FIXED
+        free.fixedcamid = number
         every = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateScene(self._model, self._data, mujoco.MjvOption(), None, eye, every, self._view)
+        mujoco.mjv_updateScene(self._model, self._data, mujoco.MjvOption(), None, free, every, self._view)
+        self._frame(camera, edges)
+        for i in np.flatnonzero(~sight.casts[sight.seen]):
+            self._view.geoms[i].category = mujoco.mjtCatBit.mjCAT_DECOR  # which casts no shadow
 
-    def _colors(self) -> NDArray[np.uint8]:
+    def _frame(self, camera: Camera, edges: Edges) -> None:
+        """Let the picture show what lies within the edges."""
+        left, right, down, up = (camera.near * edge for edge in edges)
+        for eye in self._view.camera:
+            eye.frustum_center, eye.frustum_width = (left + right) / 2, (right - left) / 2
+            eye.frustum_bottom, eye.frustum_top = down, up
+
+    def _colors(self, window: Window) -> NDArray[np.uint8]:
         """Bytes (h, w, 3), the first row on top."""
-        rgba = self._render(ids=False)
+        rgba = self._render(window, ids=False)
         if not self._open and (rgba[..., 3] < 255).any():  # a sample, of the four of a pixel, that nothing covers
             self._open = True
-            rgba = self._render(ids=False)
+            rgba = self._render(window, ids=False)
         return np.ascontiguousarray(rgba[..., :3])
 
-    def _render(self, ids: bool) -> NDArray[np.uint8]:
+    def _render(self, window: Window, ids: bool) -> NDArray[np.uint8]:
         """Bytes (h, w, 4), the first row on top: colours and what is covered, or what numbers the geometries."""
         self._view.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = self._open
         self._view.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = ids
         self._view.flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = ids
-        rgba = np.empty((self._rect.height, self._rect.width, 4), np.uint8)
-        mujoco.mjr_render(self._rect, self._view, self._context)
-        mujoco.mjr_readPixels(rgba, None, self._rect, self._context)
+        rgba, part = np.empty((window.height, window.width, 4), np.uint8), _rect(window)
+        mujoco.mjr_render(part, self._view, self._context)
+        mujoco.mjr_readPixels(rgba, None, part, self._context)
         return rgba[::-1]
 
-    def _distance(self) -> NDArray[np.float32]:
+    def _distance(self, window: Window) -> NDArray[np.float32]:
         """Metres (h, w) along the view axis in what was rendered last.
 
         This undoes OpenGL's projection: the reversed depth is 1 at the near plane and 0 at the far plane.
         """
-        z = np.empty((self._rect.height, self._rect.width), np.float32)
-        mujoco.mjr_readPixels(None, z, self._rect, self._context)
+        z = np.empty((window.height, window.width), np.float32)
+        mujoco.mjr_readPixels(None, z, _rect(window), self._context)
         near, far = float(self._model.vis.map.znear), float(self._model.vis.map.zfar)
         away = z[::-1].astype(np.float64)
         away *= far - near
         away += near
         return np.asarray(far * near / away, np.float32)
 
-    def _bodies(self) -> NDArray[np.int16]:
+    def _bodies(self, window: Window) -> NDArray[np.int16]:
         """The scene's body in every pixel (h, w), by its colour: 0 is the background, n + 1 the n-th drawn geometry."""
-        number = self._render(ids=True).view("<u4")[..., 0] & 0xFFFFFF
+        number = self._render(window, ids=True).view("<u4")[..., 0] & 0xFFFFFF
         if int(number.max()) > self._view.ngeom:
             raise GraphicsError(
                 "MuJoCo can't tell things apart with this OpenGL, which mixes the numbers that it draws; draw in "
@@ -160,6 +199,16 @@ class Renderer:
                 table[geom.segid + 1] = self._owner[geom.objid]
         bodies: NDArray[np.int16] = table.take(number)
         return bodies
+
+
+def _rect(window: Window) -> Any:
+    """Where a window is drawn: in the corner of the buffer."""
+    return mujoco.MjrRect(0, 0, window.width, window.height)
+
+
+def _texel(region: Region) -> float:
+    """The width (m) of a texel of the sun's map."""
+    return 2 * region.half / SHADOW_MAP
 
 
 def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:

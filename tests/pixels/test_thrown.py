@@ -1,4 +1,7 @@
-"""What no camera sees is left out by MuJoCo, things, shadows and the background, and no pixel tells."""
+"""What no camera sees is left out by MuJoCo, things, shadows and the background, and no pixel tells.
+
+Nor does the ground on which all stands go into the sun's map, which a few pixels at the edges of shadows may tell.
+"""
 
 from dataclasses import replace
 
@@ -6,11 +9,13 @@ import numpy as np
 import pytest
 
 import wmspec
+from backends.mujoco import render
 from backends.mujoco.render import Renderer
 from wmspec.resources import resource
+from wmspec.scene.boxes import edges
 from wmspec.scene.camera import look_at, seeing
-from wmspec.scene.model import Scene, Shot
-from wmspec.scene.thrown import Thrown
+from wmspec.scene.model import Body, Scene, Shot
+from wmspec.scene.thrown import Sight, Thrown
 from wmspec.usd import read
 
 SIZE = 96
@@ -22,12 +27,20 @@ def scene() -> Scene:
     return read(task[5].stage())
 
 
+@pytest.fixture(autouse=True)
+def all_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures are drawn whole, not on backdrops."""
+    monkeypatch.setattr(render, "WIDEST", -1.0)
+
+
 def test_no_pixel_tells(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Thrown, "_ground", lambda self, bottom, *_: np.zeros(len(bottom), bool))
     renderer = Renderer(scene, SIZE, SIZE)
     shots = [Shot(camera.name, tuple(body.pose for body in scene.bodies)) for camera in scene.cameras]
     spared = [renderer.draw(shot) for shot in shots]
     left = renderer._view.ngeom
-    monkeypatch.setattr(Thrown, "seen", lambda *_: np.ones(renderer._model.ngeom, bool))
+    every = np.ones(renderer._model.ngeom, bool)
+    monkeypatch.setattr(Thrown, "sight", lambda *_: Sight(every, every))
     for shot, frame in zip(shots, spared, strict=True):
         whole = renderer.draw(shot)
         assert np.array_equal(whole.rgb, frame.rgb)
@@ -37,14 +50,15 @@ def test_no_pixel_tells(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_is_seen_throws_a_shadow_that_may_be_seen(scene: Scene) -> None:
-    thrown = Thrown(scene, 1.0)
+    thrown = Thrown(scene)
     shown = [body.name for body in scene.bodies for geom in body.geoms if geom.visible]
     counts = {}
-    for camera in scene.cameras:
-        shot = Shot(camera.name, tuple(body.pose for body in scene.bodies))
-        seen = thrown.seen(seeing(scene, shot), shot, 0.006)
+    for one in scene.cameras:
+        shot = Shot(one.name, tuple(body.pose for body in scene.bodies))
+        camera = seeing(scene, shot)
+        seen = thrown.sight(camera, edges(camera, 1.0), shot, 0.006).seen
         assert {"east", "west"} <= {name for name, one in zip(shown, seen, strict=True) if one}
-        counts[camera.name] = int(seen.sum())
+        counts[one.name] = int(seen.sum())
     assert counts["here_top"] < len(shown) / 4  # it sees the table and no more
 
 
@@ -62,3 +76,37 @@ def test_no_pixel_tells_of_the_background(scene: Scene, up: float) -> None:
         assert np.array_equal(one.ids, other.ids)
     assert spared._open >= (one.ids < 0).any()
     spared.close(), whole.close()
+
+
+def test_hardly_a_pixel_tells_that_the_ground_shades_nothing(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By less than anybody sees; a thing that is left out of the map is told by hundreds, by more than a hundred."""
+    renderer = Renderer(scene, SIZE, SIZE)
+    shots = [Shot(camera.name, tuple(body.pose for body in scene.bodies)) for camera in scene.cameras]
+    without = [renderer.draw(shot).rgb.astype(int) for shot in shots]
+    monkeypatch.setattr(Thrown, "_ground", lambda self, bottom, *_: np.zeros(len(bottom), bool))
+    apart = [np.abs(renderer.draw(shot).rgb - rgb).max(axis=2) for shot, rgb in zip(shots, without, strict=True)]
+    assert max(int((one > 24).sum()) for one in apart) <= 2
+    monkeypatch.setattr(Thrown, "_ground", lambda self, bottom, *_: np.ones(len(bottom), bool))
+    apart = [np.abs(renderer.draw(shot).rgb - rgb).max(axis=2) for shot, rgb in zip(shots, without, strict=True)]
+    assert max(int((one > 24).sum()) for one in apart) > 20
+    renderer.close()
+
+
+def test_ground_is_a_box_that_all_else_stands_on(scene: Scene) -> None:
+    shown = np.array([body.name for body in scene.bodies for geom in body.geoms if geom.visible])
+    ground = np.isin(shown, ["here_floor", "here_ground"])
+    sunk = replace(scene, bodies=tuple(_sunk(body) if body.name == "east" else body for body in scene.bodies))
+    found = []
+    for what in (scene, sunk):
+        shot = Shot("here_front", tuple(body.pose for body in what.bodies))
+        camera = seeing(what, shot)
+        sight = Thrown(what).sight(camera, edges(camera, 1.0), shot, 0.006)
+        assert sight.seen[ground].any()
+        assert not (sight.seen & ~sight.casts)[~ground].any()
+        found.append((sight.seen & ~sight.casts).any())
+    assert found == [True, False]
+
+
+def _sunk(body: Body) -> Body:
+    """Where the floor shades it."""
+    return replace(body, pose=replace(body.pose, position=body.pose.position - np.array([0.0, 0.0, 1.5])))

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmspec.scene.boxes import Boxes, frustum
+from wmspec.scene.boxes import Boxes, edges, frustum
 from wmspec.scene.model import Array, Camera, Scene, Shot
 
 MARGIN = 0.95
@@ -34,7 +34,7 @@ class NearPlane:
     def _nearest(self, camera: Camera, shot: Shot) -> float:
         """Along the view axis, all that is in the picture is at least so far away (m)."""
         boxes = self._boxes.placed(shot, camera.pose.position)
-        planes = frustum(camera, self._aspect)
+        planes = frustum(camera, edges(camera, self._aspect))
         middle, reach = boxes.middle @ planes.T, boxes.reach(planes)
         seen = (middle + reach > 0).all(axis=1)
         beside: Array = np.maximum(np.abs(np.einsum("nij,ni->nj", boxes.turn, boxes.middle)) - boxes.half, 0)

@@ -36,6 +36,11 @@ class Region:
     reach: float
     casts: NDArray[np.bool_]
 
+    def same(self, other: Region) -> bool:
+        """Whether it is the same column, whatever was in it."""
+        at = np.array_equal(self.center, other.center)
+        return at and (self.half, self.reach) == (other.half, other.reach)
+
 
 class Casters:
     """The bounding spheres of a scene's bodies; made once, asked for every shot."""

@@ -6,21 +6,27 @@ Texture coordinates are never negative, which TinyRenderer needs.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from math import ceil
 
 import numpy as np
 
 from wmspec.scene.model import Array, Geom
-from wmspec.shapes.facets import Facets, tessellate
+from wmspec.shapes import Shape
+from wmspec.shapes.facets import KEPT, Facets, tessellate
 
 
 def texcoords(geom: Geom) -> Facets:
     """The triangles of a geometry, with the texture coordinates at which its image is to be read."""
-    facets, repeats = tessellate(geom.shape), geom.surface.repeats
-    if geom.surface.texture is None or repeats is None:
+    return _facets(geom.shape, geom.surface.repeats if geom.surface.texture is not None else None)
+
+
+@lru_cache(maxsize=KEPT)
+def _facets(shape: Shape, repeats: tuple[float, float] | None) -> Facets:
+    facets = tessellate(shape)
+    if repeats is None:
         return facets
-    st = geom.shape.unwrapped(facets, np.array(repeats, dtype=np.float64))
-    return replace(facets, st=_positive(st))
+    return replace(facets, st=_positive(shape.unwrapped(facets, np.array(repeats, dtype=np.float64))))
 
 
 def _positive(st: Array) -> Array:

@@ -40,7 +40,11 @@ class Facets:
             array.setflags(write=False)
 
 
-@lru_cache(maxsize=1024)
+KEPT = 1024
+"""So many shapes are remembered as triangles: a furnished room has some hundred, and a worker sees several."""
+
+
+@lru_cache(maxsize=KEPT)
 def tessellate(shape: Shape) -> Facets:
     """The triangles of a shape in its own frame (m); equal shapes give the same object."""
     return shape.facets()
