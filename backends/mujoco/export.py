@@ -7,6 +7,7 @@ from wmspec.scene.model import Scene
 from wmspec.scene.rigid import Assembly, Piece, Rigid
 from wmspec.scene.script import script
 
+from .beside import CLEAR, beside, between
 from .mjcf import mjcf
 from .physics import prepare
 from .world import HEAVY, World, rates
@@ -21,12 +22,12 @@ def native(scene: Scene) -> dict[str, str]:
     Raises WmsError for a scene that MuJoCo can't honour.
     """
     whole, timeline = prepare(scene)
-    values = {"HEAVY": HEAVY, "ASSEMBLY": whole, "EPISODE": timeline}
+    values = {"HEAVY": HEAVY, "CLEAR": CLEAR, "ASSEMBLY": whole, "EPISODE": timeline}
     run = script(
         "MuJoCo",
         "mujoco",
         scene,
-        parts=[Piece, Rigid, Link, Tie, Gear, Assembly, rates, World],
+        parts=[Piece, Rigid, Link, Tie, Gear, Assembly, rates, between, beside, World],
         values=values,
         world=WORLD,
     )

@@ -13,6 +13,8 @@ from wmspec.scene.rigid import Assembly, Rigid
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import conjugate, rotate
 
+from .beside import beside
+
 with silence():
     import mujoco
 
@@ -41,6 +43,9 @@ class World:
         self.settled: tuple[bytes, bytes] | None = None
         self.held: set[int] = set()
         self.pushed, self.current = False, False
+        self.movable = model.body_treeid[self.ids[[i for i, b in enumerate(assembly.bodies) if b.motion == "dynamic"]]]
+        self.slept, self.idle, self.late, self.last = False, False, 0, 0
+        self.clear: Any = None
         self.start = self.data.qpos.copy()
         self.drives = {limb.joint: limb.drive for tree in assembly.trees for limb in tree if limb.drive}
         for limb in (limb for tree in assembly.trees for limb in tree):
@@ -57,6 +62,7 @@ class World:
 
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         """Set the velocities of a free body."""
+        self.stir()
         at, turn = self.qvel[body], self.data.qpos[self.qpos[body] + 3 : self.qpos[body] + 7]
         self.data.qvel[at : at + 3] = linear
         self.data.qvel[at + 3 : at + 6] = rotate(conjugate(turn), angular)
@@ -75,19 +81,47 @@ class World:
 
         every_pose, every_speed = self.data.qpos, self.data.qvel
 
-        def drive(i: int) -> None:
+        def put(i: int) -> None:
             every_pose[places] = poses[i]
             every_speed[rates] = speeds[i]
 
+        def drive(i: int) -> None:
+            if self.idle:
+                if self.clear is None:
+                    ways = {int(self.ids[body]): here for body, (here, _, _) in paths.items()}
+                    self.clear = beside(self.model, self.data, ways)
+                if self.clear[i]:
+                    self.late, self.last = self.late + 1, i
+                    return
+            self.stir()
+            put(i)
+
+        self.put = put
         return drive
+
+    def stir(self) -> None:
+        """Let the next step be made, since something is done, and before that the last that was left out.
+
+        No step but the last leaves anything behind: what moves as it is told is put in its place.
+        """
+        self.idle = False
+        if self.late:
+            time, step = self.data.time, self.model.opt.timestep
+            for _ in range(self.late - 1):
+                time += step
+            self.data.time, self.late = time, 0
+            self.put(self.last)
+            self.step()
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Let a force and a torque act at the centre of mass of a dynamic body during the next step."""
+        self.stir()
         self.data.xfrc_applied[self.ids[body]] += [*force, *torque]
         self.pushed = True
 
     def aim(self, joint: int, target: float) -> None:
         """Give the drive of a joint this target."""
+        self.stir()
         stiffness, damping, _, velocity, _ = self.drives[joint]
         self.data.ctrl[self.actuators[joint]] = stiffness * target + damping * velocity
 
@@ -96,6 +130,7 @@ class World:
 
         A free one is as heavy as a kinematic one and held against gravity.
         """
+        self.stir()
         if body in self.trees:
             for limb in self.trees[body]:
                 self.rest(limb.body)
@@ -121,12 +156,14 @@ class World:
 
     def free(self, body: int) -> None:
         """Let go of what has been held."""
+        self.stir()
         if body not in self.trees:
             self.held.remove(body)
             self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
         """Tie points of a hand to the anchors in a body's frame."""
+        self.stir()
         for i, (point, anchor) in enumerate(zip(grip.points, anchors, strict=True)):
             tie = self.model.equality(f"grip {number} {i}").id
             self.model.eq_data[tie, :6] = [*point, *anchor]
@@ -134,6 +171,7 @@ class World:
 
     def loose(self, number: int, grip: Grip) -> None:
         """Let go of what a hand holds."""
+        self.stir()
         for i in range(len(grip.points)):
             self.data.eq_active[self.model.equality(f"grip {number} {i}").id] = 0
 
@@ -145,8 +183,11 @@ class World:
     def step(self) -> None:
         """Advance. On a warning MuJoCo would silently start over: that is an error here.
 
-        As with gravity, half of a drive's force in its first step makes the motion exact.
+        As with gravity, half of a drive's force in its first step makes the motion exact. A step is left out, and made
+        up for later, where all that can move sleeps and nothing comes near it.
         """
+        if self.late:
+            return
         for joint in self.fresh:
             self.scale(self.actuators[joint], 0.5)
         mujoco.mj_step(self.model, self.data)
@@ -189,9 +230,12 @@ class World:
 
         Of what sleeps MuJoCo tells no contacts: it touches what it touched.
         """
+        if self.late:
+            return self.met
         geoms, asleep = self.contacts.geom, self.sleep.tobytes()
         key = geoms.tobytes()
         if (key, asleep) == self.settled:
+            self.idle = self.slept and not key
             return self.met
         if key not in self.pairs:
             bodies = np.sort(self.number[self.model.geom_bodyid[geoms]], axis=1)
@@ -201,6 +245,7 @@ class World:
         if self.asleep != asleep:
             self.asleep = asleep
             self.resting = {pair for pair in self.met if self.sleeps(*pair)}
+            self.slept, self.clear = bool((self.sleep[self.movable] >= 0).all()), None
         if near | self.resting == self.met:
             self.settled = key, asleep
         else:

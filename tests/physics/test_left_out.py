@@ -1,0 +1,97 @@
+"""MuJoCo makes no steps while all that can move sleeps and nothing comes near: to the bit what it makes of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.engines import installed
+from tests.language.specs import SPECS, task_of
+from wmspec.design.design import Design
+from wmspec.scene.episode import play
+from wmspec.scene.transform import rotate
+from wmspec.stage.episode import document
+from wmspec.stage.layers import compose
+from wmspec.usd import read
+
+TASKS = ("topple", "support", "arm_push", "arm_lift", "arms_push", "arm_drop", "arm_push_pick")
+
+
+class Counted:
+    """MuJoCo, whose steps are counted."""
+
+    def __init__(self, engine: Any) -> None:
+        self.engine, self.steps = engine, 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.engine, name)
+
+    def mj_step(self, model: Any, data: Any) -> None:
+        self.steps += 1
+        self.engine.mj_step(model, data)
+
+
+@pytest.mark.parametrize("place", range(2))
+@pytest.mark.parametrize("task", TASKS)
+def test_what_is_left_out_leaves_nothing_behind(task: str, place: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    installed("mujoco")
+    from wmspec.backends.mujoco import physics, world
+    from wmspec.backends.mujoco.mjcf import mjcf
+
+    design = Design(spec := task_of(next(path for path in SPECS if path.stem == task)))
+    scene = read(compose(document(spec, design[place * (len(design) - 1)])))
+    whole, timeline = physics.prepare(scene)
+    text, recordings, made = mjcf(scene, timeline, whole, seen=False), [], []
+    counted = Counted(world.mujoco)
+    monkeypatch.setattr(world, "mujoco", counted)
+    for clear in (world.beside, lambda model, data, paths: np.zeros(len(next(iter(paths.values()))), bool)):
+        monkeypatch.setattr(world, "beside", clear)
+        counted.steps = 0
+        with physics.unlogged():
+            recordings.append(play(physics._world(text, scene, whole, timeline), timeline))
+        made.append(counted.steps)
+    some, every = recordings
+    assert some.states.tobytes() == every.states.tobytes()
+    assert some.touching == every.touching
+    assert some.torn == every.torn
+    assert made[0] < made[1] == len(every.touching)
+
+
+SHAPES = {
+    "sphere": 'type="sphere" size="0.1"',
+    "box": 'type="box" size="0.1 0.3 0.05" pos="0.1 0 0.2" euler="10 20 30"',
+    "cylinder": 'type="cylinder" size="0.05 0.2" euler="40 0 10"',
+    "capsule": 'type="capsule" size="0.05 0.2"',
+    "mesh": 'type="mesh" mesh="wedge" pos="0 0.1 0" euler="0 50 20"',
+}
+TWO = """<mujoco><asset><mesh name="wedge" vertex="0 0 0  .3 0 0  0 .2 0  0 0 .4" inertia="convex"/></asset><worldbody>
+<body><freejoint/><geom name="a" {}/></body><body><freejoint/><geom name="b" {}/></body>
+</worldbody><contact><pair geom1="a" geom2="b" gap="0.002"/></contact></mujoco>"""
+
+
+@pytest.mark.parametrize("told", SHAPES.values(), ids=SHAPES)
+@pytest.mark.parametrize("other", SHAPES.values(), ids=SHAPES)
+def test_what_is_clear_of_something_does_not_touch_it(told: str, other: str) -> None:
+    installed("mujoco")
+    import mujoco
+    from wmspec.backends.mujoco.beside import beside
+
+    rng, clear, steps = np.random.default_rng(0), 0, 200
+    model = mujoco.MjModel.from_xml_string(TWO.format(told, other))
+    data = mujoco.MjData(model)
+    for _ in range(3):
+        path = np.concatenate([rng.uniform(-0.5, 0.5, (steps, 3)), rng.normal(size=(steps, 4))], axis=1)
+        path[:, 3:] /= np.linalg.norm(path[:, 3:], axis=1, keepdims=True)
+        for moves, first in ((1, 0), (2, 7)):
+            mujoco.mj_kinematics(model, data)
+            apart = beside(model, data, {moves: path})
+            clear += int(apart.sum())
+            for pose, is_clear in zip(path, apart.tolist(), strict=True):
+                data.qpos[first : first + 7] = pose
+                mujoco.mj_fwdPosition(model, data)
+                assert not (is_clear and data.ncon)
+            at = rotate(pose[3:], model.geom_pos[moves - 1]) + pose[:3]
+            assert np.allclose(at, data.geom_xpos[moves - 1]), "paths are those of the bodies' frames"
+    assert clear > 0.2 * steps * 6
