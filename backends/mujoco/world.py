@@ -89,7 +89,7 @@ class World:
             if self.idle:
                 if self.clear is None:
                     ways = {int(self.ids[body]): here for body, (here, _, _) in paths.items()}
-                    self.clear = beside(self.model, self.data, ways)
+                    self.clear = beside(self.model, self.data, ways, i)
                 if self.clear[i]:
                     self.late, self.last = self.late + 1, i
                     return

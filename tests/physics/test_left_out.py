@@ -46,7 +46,7 @@ def test_what_is_left_out_leaves_nothing_behind(task: str, place: int, monkeypat
     text, recordings, made = mjcf(scene, timeline, whole, seen=False), [], []
     counted = Counted(world.mujoco)
     monkeypatch.setattr(world, "mujoco", counted)
-    for clear in (world.beside, lambda model, data, paths: np.zeros(len(next(iter(paths.values()))), bool)):
+    for clear in (world.beside, lambda model, data, paths, first: np.zeros(len(next(iter(paths.values()))), bool)):
         monkeypatch.setattr(world, "beside", clear)
         counted.steps = 0
         with physics.unlogged():
@@ -86,7 +86,7 @@ def test_what_is_clear_of_something_does_not_touch_it(told: str, other: str) -> 
         path[:, 3:] /= np.linalg.norm(path[:, 3:], axis=1, keepdims=True)
         for moves, first in ((1, 0), (2, 7)):
             mujoco.mj_kinematics(model, data)
-            apart = beside(model, data, {moves: path})
+            apart = beside(model, data, {moves: path}, 0)
             clear += int(apart.sum())
             for pose, is_clear in zip(path, apart.tolist(), strict=True):
                 data.qpos[first : first + 7] = pose

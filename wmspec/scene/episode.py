@@ -114,10 +114,6 @@ class Track:
         """Position, quaternion, linear and angular velocity, (T, 13), from each of the `times` (T,) on."""
         return self.parts(np.searchsorted(self.times, times, side="right") - 1, times)
 
-    def before(self, times: Any) -> Any:
-        """The same just before: what differs where it jumps."""
-        return self.parts(np.searchsorted(self.times, times, side="left") - 1, times)
-
     def parts(self, which: Any, times: Any) -> Any:
         """The same, on the given parts of the path (T,)."""
         velocities, spins = np.array(self.velocities)[which], np.array(self.spins)[which]
@@ -127,7 +123,11 @@ class Track:
 
     def steps(self, times: Any) -> tuple[Any, Any, Any]:
         """Between the `times` (T,): where each step begins and ends (T - 1, 7), and its velocities (T - 1, 6)."""
-        here, there = self.at(times)[:-1, :7], self.before(times)[1:, :7]
+        begun, ended = (np.searchsorted(self.times, times, side=side) - 1 for side in ("right", "left"))
+        poses = self.parts(begun, times)[:, :7]
+        here, there = poses[:-1], poses[1:].copy()
+        ends = 1 + np.flatnonzero(begun[1:] != ended[1:])  # it may jump there
+        there[ends - 1] = self.parts(ended[ends], times[ends])[:, :7]
         turn = turned(multiply(there[:, 3:], conjugate(here[:, 3:])))
         return here, there, np.concatenate([there[:, :3] - here[:, :3], turn], axis=1) / np.diff(times)[:, None]
 

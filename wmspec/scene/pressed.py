@@ -68,9 +68,13 @@ def _first(
     scene: Scene, trace: Trace, contact: Contact, start: float, stop: float
 ) -> tuple[float, str, str, float] | None:
     """When two bodies are first too deep in one another between two times (s), and how deep (m)."""
-    numbers = [trace.bodies.index(name) for name in (contact.first, contact.second)]
+    numbers, before = [trace.bodies.index(name) for name in (contact.first, contact.second)], b""
     for time in np.linspace(start, stop, max(2, round((stop - start) * LOOKS))).tolist():
         i = trace.sample(time)
+        here = trace.position[i, numbers].tobytes() + trace.orientation[i, numbers].tobytes()
+        if here == before:  # what has not moved is as deep as it was
+            continue
+        before = here
         one, other = (
             [
                 (g.shape, compose(Pose(trace.position[i, n], trace.orientation[i, n]), g.pose))
