@@ -1,11 +1,15 @@
 """The loop of `wmspec.scene.episode` where nothing happens in between: MuJoCo makes all steps up to the next event.
 
 The states are those that the loop makes step by step, to the bit. What touches is told by a contact sensor for each
-pair of pieces that may touch, since the contacts of the steps in between are gone.
+pair of pieces that may touch, since the contacts of the steps in between are gone. What moves as it is told is put in
+its place before every step, while it moves. While it stands, MuJoCo is left alone; if it then stands elsewhere, if only
+by the last bit since something struck it, these steps are made again one by one, and so are all after them.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from copy import copy
 from itertools import pairwise
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -14,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.scene.contact import touchable
-from wmspec.scene.episode import MEET, Episode, Recording, begin, beginnings, mounted
+from wmspec.scene.episode import MEET, Episode, Recording, begin, beginnings, expected, mounted
 from wmspec.scene.model import Scene
 from wmspec.scene.silence import silence
 from wmspec.scene.transform import rotate
@@ -27,13 +31,48 @@ with silence():
 
 #: With more pairs that may touch, the sensors take longer than the loop.
 MOST_PAIRS = 24
+#: Where what moves as it is told moves for a greater part of the time, the loop is as quick.
+MOVING = 0.1
+#: No more steps are made again.
+TRIED = 512
+
+#: How bodies move as they are told, by their numbers: what `Track.steps` says.
+Paths = dict[int, tuple[Any, Any, Any]]
 
 
 def uneventful(scene: Scene, timeline: Episode) -> bool:
     """Whether all that is done to bodies is done between the steps, so that MuJoCo can be left alone for most."""
-    lasting = (timeline.tracks, timeline.pushes, timeline.drags, timeline.grips, timeline.aims)
+    lasting = (timeline.pushes, timeline.drags, timeline.grips, timeline.aims)
     few = sum(1 for _ in touchable(scene)) <= MOST_PAIRS
-    return bool(timeline.dynamic) and not any(lasting) and not scene.joints and few
+    alone = bool(timeline.dynamic) and not any(lasting) and not scene.joints and few
+    return alone and _moving(timeline) <= MOVING * (timeline.samples - 1) / timeline.rate
+
+
+def _moving(timeline: Episode) -> float:
+    """For how long (s) what can be touched moves as it is told, one after the other."""
+    end, moving = (timeline.samples - 1) / timeline.rate, 0.0
+    for track in (track for track in timeline.tracks if track.body not in timeline.unfelt):
+        lasting = np.diff(np.minimum([*track.times, end], end))
+        moving += float(lasting[np.any([*zip(track.velocities, track.spins, strict=True)], axis=(1, 2))].sum())
+    return moving
+
+
+def _steps(timeline: Episode) -> int:
+    return (timeline.samples - 1) * timeline.substeps
+
+
+def _paths(timeline: Episode) -> Paths:
+    times = np.arange(_steps(timeline) + 1) * timeline.step
+    return {track.body: track.steps(times) for track in timeline.tracks if track.body not in timeline.unfelt}
+
+
+def _stands(paths: Paths, steps: int) -> NDArray[np.bool_]:
+    """Before which steps (T,) all that moves as it is told is at rest where it was before the step before."""
+    stands = np.ones(steps, bool)
+    for here, _, speeds in paths.values():
+        rests = ~speeds.any(axis=1)
+        stands[1:] &= rests[1:] & rests[:-1] & (here[1:] == here[:-1]).all(axis=1)
+    return stands
 
 
 def sensed(text: str, scene: Scene) -> str:
@@ -50,32 +89,63 @@ def sensed(text: str, scene: Scene) -> str:
 def play(world: World, scene: Scene, timeline: Episode) -> Recording:
     """Play the episode in a freshly built world of the sensed model. Raises FloatingPointError on a warning."""
     model, data = world.model, world.data
-    steps, kind = (timeline.samples - 1) * timeline.substeps, mujoco.mjtState.mjSTATE_FULLPHYSICS
+    steps, kind, paths = _steps(timeline), mujoco.mjtState.mjSTATE_FULLPHYSICS, _paths(timeline)
     whole = np.empty((steps + 1, mujoco.mj_stateSize(model, kind)))
     sensors = np.empty((steps, model.nsensordata))
-    kicked, i = begin(world, timeline, 0), 0
+    drive, kicked, i, struck = world.driven(paths), begin(world, timeline, 0), 0, False
     mujoco.mj_getState(model, data, whole[0], kind)
-    for stop in [*sorted(step for step in beginnings(timeline) if 0 < step < steps), steps]:
-        if stop == i + 1:  # what is held is put back before every step
+    stops, told, spare = _stops(timeline, paths), paths and world.told(paths), paths and copy(data)
+    while i < steps:
+        drive(i)
+        stop = i + 1 if struck else stops[bisect_right(stops, i)]
+        if stop > i + 1:
+            whole[i + 1 : stop + 1], sensors[i:stop], struck = _left_alone(world, told, spare, i, stop)
+        if stop == i + 1 or struck:  # what is held is put back before every step
+            stop = i + 1
             world.step()
             sensors[i] = data.sensordata
-        else:
-            before, warm = whole[i][None], data.qacc_warmstart.copy()[None]
-            after, read = mujoco.rollout.rollout(model, data, before, nstep=stop - i, initial_warmstart=warm)
-            whole[i + 1 : stop + 1], sensors[i:stop] = after[0], read[0]
-            mujoco.mj_setState(model, data, whole[stop], kind)
-        if world.warned.any():
-            raise FloatingPointError(f"MuJoCo's warnings are {world.warned}")
         i = stop
         kicked += begin(world, timeline, i)
         mujoco.mj_getState(model, data, whole[i], kind)
     return Recording(mounted(_states(world, timeline, whole, kicked), timeline), _touching(scene, sensors))
 
 
+def _stops(timeline: Episode, paths: Paths) -> list[int]:
+    """The steps before which something happens, what moves as it is told has moved, or enough would be made again."""
+    steps = _steps(timeline)
+    often = range(0, steps, TRIED) if paths else ()
+    stops = beginnings(timeline).union(np.flatnonzero(~_stands(paths, steps)).tolist(), often)
+    return [*sorted(step for step in stops if 0 < step < steps), steps]
+
+
+def _left_alone(
+    world: World, told: Any, spare: Any, i: int, stop: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], bool]:
+    """The states after the steps `i` to `stop`, which MuJoCo makes by itself, and what its sensors say.
+
+    Whether what is `told` to stand was struck: then all is as it was, as the `spare` data keep it meanwhile.
+    """
+    model, data, kind = world.model, world.data, mujoco.mjtState.mjSTATE_FULLPHYSICS
+    before, warm = np.empty((1, mujoco.mj_stateSize(model, kind))), data.qacc_warmstart.copy()[None]
+    mujoco.mj_getState(model, data, before[0], kind)
+    if told:
+        mujoco.mj_copyData(spare, model, data)
+    after, read = mujoco.rollout.rollout(model, data, before, nstep=stop - i, initial_warmstart=warm)
+    if world.warned.any():
+        raise FloatingPointError(f"MuJoCo's warnings are {world.warned}")
+    if told:
+        (places, poses), (rates, speeds) = told
+        stood, moved = after[0][:-1, 1 + places], after[0][:-1, 1 + model.nq + rates]
+        if (stood != poses[i + 1 : stop]).any() or (moved != speeds[i + 1 : stop]).any():
+            mujoco.mj_copyData(data, model, spare)
+            return after[0], read[0], True
+    mujoco.mj_setState(model, data, after[0, -1], kind)
+    return after[0], read[0], False
+
+
 def _states(world: World, timeline: Episode, whole: NDArray[np.float64], kicked: Any) -> NDArray[np.float64]:
     """What is recorded (T, N, 13), from MuJoCo's states before every step."""
-    states = np.zeros((timeline.samples, len(timeline.start), 13))
-    states[:, :, :7] = timeline.start
+    states: NDArray[np.float64] = expected(timeline)
     sampled = whole[:: timeline.substeps]
     for body in timeline.dynamic:
         place, speed = 1 + world.qpos[body], 1 + world.model.nq + world.qvel[body]

@@ -71,14 +71,7 @@ class World:
         """What puts kinematic bodies back on their paths before step number i, undoing whatever pushed them."""
         if not paths:
             return lambda _: None
-        bodies = list(paths)
-        places = (self.qpos[bodies][:, None] + np.arange(7)).ravel()
-        rates = (self.qvel[bodies][:, None] + np.arange(6)).ravel()
-        poses = np.concatenate([here for here, _, _ in paths.values()], axis=1)
-        spins = [rotate(conjugate(here[:, 3:]), speeds[:, 3:]) for here, _, speeds in paths.values()]
-        both = zip(paths.values(), spins, strict=True)
-        speeds = np.concatenate([part for (_, _, path), spin in both for part in (path[:, :3], spin)], axis=1)
-
+        (places, poses), (rates, speeds) = self.told(paths)
         every_pose, every_speed = self.data.qpos, self.data.qvel
 
         def put(i: int) -> None:
@@ -98,6 +91,20 @@ class World:
 
         self.put = put
         return drive
+
+    def told(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+        """Where among MuJoCo's positions those of kinematic bodies are, and what they are before each step (T, 7 n).
+
+        The same of their velocities (T, 6 n).
+        """
+        bodies = list(paths)
+        places = (self.qpos[bodies][:, None] + np.arange(7)).ravel()
+        rates = (self.qvel[bodies][:, None] + np.arange(6)).ravel()
+        poses = np.concatenate([here for here, _, _ in paths.values()], axis=1)
+        spins = [rotate(conjugate(here[:, 3:]), speeds[:, 3:]) for here, _, speeds in paths.values()]
+        both = zip(paths.values(), spins, strict=True)
+        speeds = np.concatenate([part for (_, _, path), spin in both for part in (path[:, :3], spin)], axis=1)
+        return (places, poses), (rates, speeds)
 
     def stir(self) -> None:
         """Let the next step be made, since something is done, and before that the last that was left out.

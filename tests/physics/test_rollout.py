@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from tests.engines import installed
-from tests.language.specs import SPECS, task_of
+from tests.language.specs import SPECS, task_from, task_of
 from wmspec.design.design import Design
 from wmspec.scene.episode import play
 from wmspec.scene.model import Scene
@@ -15,16 +15,14 @@ from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 from wmspec.usd import read
 
-LAUNCHED, DRIVEN = ("collide", "drop", "slide", "two_balls"), ("direction", "arm_drop")
+LAUNCHED, DRIVEN = ("collide", "drop", "slide", "two_balls", "roll", "support", "topple"), ("direction", "arm_drop")
 
 
 def scene_of(task: str, place: int) -> Scene:
-    """The first instance of a design, or the last; its bystander stays: walks are stepped from Python."""
+    """The first instance of a design, or the last."""
     spec = task_of(next(path for path in SPECS if path.stem == task))
     design = Design(spec)
-    scene = read(compose(document(spec, design[place * (len(design) - 1)])))
-    bodies = tuple(replace(body, motion="static") if body.name == "stander" else body for body in scene.bodies)
-    return replace(scene, bodies=bodies, actions=tuple(a for a in scene.actions if a.body != "stander"))
+    return read(compose(document(spec, design[place * (len(design) - 1)])))
 
 
 @pytest.mark.parametrize("place", range(2))
@@ -55,3 +53,41 @@ def test_what_lasts_is_made_step_by_step(task: str) -> None:
 
     scene = scene_of(task, 0)
     assert not rollout.uneventful(scene, physics.prepare(scene)[1])
+
+
+STRUCK = """task struck : custom {{
+  object floor {{ shape: box  size: (4 m, 4 m, 10 cm)  at: (0, 0, -5 cm)  fixed: true }}
+  object wall  {{ shape: box  size: (10 cm, 40 cm, 40 cm)  on: floor at (0.5 m, 0)  fixed: true }}
+  object door  {{ shape: box  size: (10 cm, 40 cm, 40 cm)  on: floor at ({}, -0.8 m) }}
+  object ball  {{ shape: sphere  radius: 5 cm  on: floor at (-0.6 m, 0) }}
+  action shut = glide(door, direction: 90 deg, speed: 4 m/s) for 0.2 s at 0.05 s
+  action go = launch(ball, direction: 0 deg, speed: 2 m/s) at 0.3 s
+  horizon 2.5 s
+  camera front {{ at: (0, -3 m, 1 m) }}
+  observe front at [0 s]
+}}"""
+
+
+@pytest.mark.parametrize("door", ["0.2 m", "1 m"])
+def test_what_strikes_what_moves_as_it_is_told_is_made_step_by_step(door: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    installed("mujoco")
+    from wmspec.backends.mujoco import physics, rollout
+    from wmspec.backends.mujoco.mjcf import mjcf
+
+    scene = read(compose(document(spec := task_from(STRUCK.format(door)), Design(spec)[0])))
+    whole, timeline = physics.prepare(scene)
+    assert rollout.uneventful(scene, timeline)
+    text, struck, left_alone = mjcf(scene, timeline, whole, seen=False), [], rollout._left_alone
+
+    def noted(*args: Any) -> Any:
+        found = left_alone(*args)
+        struck.append(found[2])
+        return found
+
+    monkeypatch.setattr(rollout, "_left_alone", noted)
+    with physics.unlogged():
+        slow = play(physics._world(text, scene, whole, timeline), timeline)
+        quick = rollout.play(physics._world(rollout.sensed(text, scene), scene, whole, timeline), scene, timeline)
+    assert quick.states.tobytes() == slow.states.tobytes()
+    assert quick.touching == slow.touching
+    assert any(struck) == (door == "0.2 m")
