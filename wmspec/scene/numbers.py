@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from wmspec.scene.model import Array, Pose
@@ -14,9 +12,9 @@ def floats(values: Array) -> tuple[float, ...]:
     return tuple(np.asarray(values, float).ravel().tolist())
 
 
-def rows(values: Sequence[Array]) -> tuple[tuple[float, ...], ...]:
-    """All numbers of arrays of one length."""
-    return tuple(map(tuple, np.array(values, float).tolist()))
+def rows(values: Array) -> tuple[tuple[float, ...], ...]:
+    """The numbers of each row of an array."""
+    return tuple(map(tuple, np.asarray(values, float).tolist()))
 
 
 def numbers(pose: Pose) -> tuple[float, ...]:

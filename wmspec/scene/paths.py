@@ -9,13 +9,14 @@ from math import ceil
 
 import numpy as np
 
-from wmspec.scene.episode import Track
+from wmspec.scene.episode import Track, Vector
 from wmspec.scene.model import Action, Array, Body, Follow, Glide, Pose, Scene, Teleport, Vanish
-from wmspec.scene.numbers import rows
+from wmspec.scene.numbers import floats, rows
 from wmspec.scene.transform import conjugate, multiply, turned, turning
 
 Move = Glide | Follow | Teleport
 _FUZZ = 1e-6  # steps
+_REST = (0.0, 0.0, 0.0)
 FAR, APART = 1000.0, 10.0  # m: how high what has vanished is, and how far from what else has
 NEAR = 1e-3  # m and rad: how far from where the body is its way may begin
 
@@ -25,22 +26,23 @@ class Part:
     """From `time` (s) on: position and velocity (3,), orientation (4,) and spin (3,) rad/s."""
 
     time: float
-    point: Array
-    turn: Array
-    velocity: Array
-    spin: Array
+    point: Vector
+    turn: Vector
+    velocity: Vector
+    spin: Vector
 
     def at(self, time: float) -> Pose:
         """Where it leads to at `time`."""
+        point, turn, velocity, spin = map(np.array, (self.point, self.turn, self.velocity, self.spin))
         dt = time - self.time
-        return Pose(self.point + dt * self.velocity, multiply(turning(dt * self.spin), self.turn))
+        return Pose(point + dt * velocity, multiply(turning(dt * spin), turn))
 
     def since(self, time: float) -> Part:
         """The same motion, begun no earlier than `time`."""
         if self.time >= time:
             return self
         pose = self.at(time)
-        return Part(time, pose.position, pose.orientation, self.velocity, self.spin)
+        return Part(time, floats(pose.position), floats(pose.orientation), self.velocity, self.spin)
 
 
 def track(scene: Scene, index: int, steps_per_second: int) -> Track:
@@ -51,15 +53,17 @@ def track(scene: Scene, index: int, steps_per_second: int) -> Track:
         for part in _parts(move, parts[-1].at(move.start), steps_per_second):
             parts.append(part.since(parts[-1].time))
     for gone in (a for a in scene.actions if isinstance(a, Vanish) and a.body == body.name):
-        left = _rest(ceil(gone.start * steps_per_second - _FUZZ) / steps_per_second, Pose(away(index), parts[0].turn))
+        left = _rest(
+            ceil(gone.start * steps_per_second - _FUZZ) / steps_per_second, Pose(away(index), np.array(parts[0].turn))
+        )
         parts = [*(part for part in parts if part.time < left.time), left]
     return Track(
         index,
         tuple(float(part.time) for part in parts),
-        rows([part.point for part in parts]),
-        rows([part.velocity for part in parts]),
-        rows([part.turn for part in parts]),
-        rows([part.spin for part in parts]),
+        tuple(part.point for part in parts),
+        tuple(part.velocity for part in parts),
+        tuple(part.turn for part in parts),
+        tuple(part.spin for part in parts),
     )
 
 
@@ -107,7 +111,7 @@ def _parts(move: Move, here: Pose, steps_per_second: int) -> list[Part]:
     """The parts of one action of a body that is `here` when it starts, and the rest that follows."""
     match move:
         case Glide():
-            going = Part(move.start, here.position, here.orientation, move.velocity, np.zeros(3))
+            going = Part(move.start, floats(here.position), floats(here.orientation), floats(move.velocity), _REST)
             return [going, _rest(move.stop, going.at(move.stop))]
         case Teleport():
             return [_rest(ceil(move.start * steps_per_second - _FUZZ) / steps_per_second, move.pose)]
@@ -121,7 +125,7 @@ def _followed(move: Follow, here: Pose) -> list[Part]:
     velocities = np.diff(move.points, axis=0) / lasting
     spins = turned(_between(turns[:-1], turns[1:])) / lasting
     times = (move.start + move.times[:-1]).tolist()
-    parts = zip(times, move.points[:-1], turns[:-1], velocities, spins, strict=True)
+    parts = zip(times, *map(rows, (move.points[:-1], turns[:-1], velocities, spins)), strict=True)
     return [*(Part(*part) for part in parts), _last(move, here)]
 
 
@@ -145,4 +149,4 @@ def _between(a: Array, b: Array) -> Array:
 
 
 def _rest(time: float, pose: Pose) -> Part:
-    return Part(time, pose.position, pose.orientation, np.zeros(3), np.zeros(3))
+    return Part(time, floats(pose.position), floats(pose.orientation), _REST, _REST)
