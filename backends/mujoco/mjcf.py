@@ -32,7 +32,8 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) 
     """A model, with one `pair` per pair that may touch.
 
     Bodies are in the scene's order, those in trees below their parents, frames at their centres of mass. What is
-    not to be `seen` is without the shapes that only show, and what has no others does not move as it is told.
+    not to be `seen` is without the shapes that only show. What has no others does not move as it is told then, and is
+    left out unless something is tied to it.
     """
     root, trees = ET.Element("mujoco", model=scene.name), whole.trees
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -63,8 +64,18 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) 
     for limb in drives:
         actuator(actuators, limb, scene)
     _keyframe(root, bodies, episode, whole, [control(limb) for limb in drives])
+    if not seen:
+        _leave_out(root, world)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _leave_out(root: ET.Element, world: ET.Element) -> None:
+    """Take out what has no shape, stands still, carries nothing, and is tied to nothing."""
+    tied = {tie.get(end) for tie in root.iterfind("equality/connect") for end in ("body1", "body2")}
+    for body in world.findall("body"):
+        if not len(body) and body.get("name") not in tied:
+            world.remove(body)
 
 
 def _felt(body: Body) -> Body:

@@ -26,17 +26,19 @@ class World:
 
     def __init__(self, model: Any, assembly: Assembly) -> None:
         self.model, self.data, self.bodies = model, mujoco.MjData(model), assembly.bodies
-        self.ids = np.array([model.body(body.name).id for body in assembly.bodies])
+        names = [body.name for body in assembly.bodies]
+        self.ids = np.array([mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in names])
+        known = np.flatnonzero(self.ids >= 0)  # MuJoCo has nothing of what can't be touched and stands still
         self.number = np.full(model.nbody, -1)
-        self.number[self.ids] = np.arange(len(self.ids))
+        self.number[self.ids[known]] = known
         self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
-        joints = model.body_jntadr[self.ids]
+        joints = np.where(self.ids < 0, -1, model.body_jntadr[self.ids])
         self.qpos = np.where(joints < 0, -1, model.jnt_qposadr[joints] if model.njnt else -1)
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
         self.warned, self.calm = self.data.warning.number, self.data.warning.number.tobytes()  # the first is a view,
         self.contacts, self.sleep = self.data.contact, self.data.tree_asleep  # and so are these
         self.pairs: dict[bytes, tuple[list[tuple[int, int]], set[tuple[int, int]]]] = {}
-        self.close: dict[tuple[bytes, bytes], set[tuple[int, int]]] = {}
+        self.close: dict[tuple[bytes, tuple[bool, ...]], set[tuple[int, int]]] = {}
         self.met: set[tuple[int, int]] = set()
         self.resting: set[tuple[int, int]] = set()
         self.asleep = self.sleep.tobytes()
@@ -73,6 +75,9 @@ class World:
             return lambda _: None
         (places, poses), (rates, speeds) = self.told(paths)
         every_pose, every_speed = self.data.qpos, self.data.qvel
+        if (np.diff(places) == 1).all():  # views of what lies side by side are quicker
+            every_pose, every_speed = every_pose[places[0] : places[-1] + 1], every_speed[rates[0] : rates[-1] + 1]
+            places = rates = slice(None)
 
         def put(i: int) -> None:
             every_pose[places] = poses[i]
@@ -257,7 +262,7 @@ class World:
             self.settled = key, asleep
         else:
             self.settled = None
-            close = (self.contacts.dist < MEET).tobytes()
+            close = tuple([far < MEET for far in self.contacts.dist.tolist()])
             if (key, close) not in self.close:
                 self.close[key, close] = {pair for pair, meets in zip(each, close, strict=True) if meets}
             self.met = self.close[key, close] | (near & self.met) | self.resting
