@@ -109,4 +109,4 @@ def test_ground_is_a_box_that_all_else_stands_on(scene: Scene) -> None:
 
 def _sunk(body: Body) -> Body:
     """Where the floor shades it."""
-    return replace(body, pose=replace(body.pose, position=body.pose.position - np.array([0.0, 0.0, 1.5])))
+    return replace(body, pose=replace(body.pose, position=body.pose.position - np.array([0.0, 0.0, 0.85])))
