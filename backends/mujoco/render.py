@@ -14,7 +14,7 @@ from backends.mujoco.backdrop import Backdrop, Backdrops, Layer, key
 from backends.mujoco.cast import Cast
 from wmspec.diagnostics import GraphicsError
 from wmspec.scene.boxes import Edges
-from wmspec.scene.camera import seeing
+from wmspec.scene.camera import find, seeing
 from wmspec.scene.color import texture, whole
 from wmspec.scene.contact_shadow import ContactShadows
 from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
@@ -96,9 +96,11 @@ class Renderer:
     def _on_backdrop(self, eye: Camera, region: Region, shot: Shot) -> Layer | None:
         """What moves, drawn with all around it on a picture of what stands still; None where that would gain nothing.
 
-        Nor is it done where what moves widens the sun's map: shadows would have a seam.
+        That is where nothing stands still or the camera rides. Where what moves widens the sun's map, shadows would
+        have a seam.
         """
-        if not self._still.bodies or not region.same(self._still.region(eye, shot)):
+        rides = find(self._scene, shot.camera).body is not None
+        if rides or not self._still.bodies or not region.same(self._still.region(eye, shot)):
             return None
         known = key(self._scene, self._still.bodies, eye, shot, self._size)
         backdrop = _BACKDROPS.of(known, lambda: self._backdrop(eye, region, shot))
