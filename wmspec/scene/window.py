@@ -33,6 +33,10 @@ MANY = 12
 """More bodies than this are taken together where their shadows are looked for."""
 
 
+Lit = NDArray[np.float32]
+"""Points that a picture shows (h, w, 3): metres in the sun's axes, the last one against its light."""
+
+
 @dataclass(frozen=True)
 class Window:
     """The pixels from `left` to `right` and from `top` to `bottom` of a picture, `size` is its (width, height)."""
@@ -88,13 +92,6 @@ def _aligned(low: Array, high: Array, size: tuple[int, int]) -> Window:
     return Window(int(left), size[1] - int(up), int(right), size[1] - int(down), size)
 
 
-@dataclass(frozen=True)
-class Lit:
-    """Points that a picture shows: `along` (h, w, 3) are metres in the sun's axes, the last one against its light."""
-
-    along: NDArray[np.float32]
-
-
 class Moving:
     """What moves in a scene; made once, asked for every shot."""
 
@@ -109,7 +106,7 @@ class Moving:
         """The points that a picture (h, w) shows, which a shadow may fall on, by what a `Frame` has."""
         points = unproject(camera, depth)[::STEP, ::STEP] @ self._axes
         points[ids[::STEP, ::STEP] < 0] = np.inf  # there is nothing to be shaded
-        return Lit(points.astype(np.float32))
+        return points.astype(np.float32)
 
     def window(self, lit: Lit, camera: Camera, shot: Shot, size: tuple[int, int], texel: float) -> Window:
         """Outside of it a picture (width, height) is as `lit`, where nothing moves; `texel` (m) is the sun's map's."""
@@ -128,9 +125,9 @@ class Moving:
     def _shaded(self, lit: Lit, corners: Array, edge: float) -> Iterator[tuple[Array, Array]]:
         """From where to where (x, y) in the picture the shadows reach of boxes with these corners in the sun's axes."""
         for low, high in self._columns(corners, edge):
-            shaded = lit.along[..., 2] < high[2]
+            shaded = lit[..., 2] < high[2]
             for axis in (0, 1):
-                shaded &= (lit.along[..., axis] > low[axis]) & (lit.along[..., axis] < high[axis])
+                shaded &= (lit[..., axis] > low[axis]) & (lit[..., axis] < high[axis])
             rows, columns = np.flatnonzero(shaded.any(axis=1)), np.flatnonzero(shaded.any(axis=0))
             if len(rows):
                 yield (
