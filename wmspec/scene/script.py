@@ -32,12 +32,13 @@ from wmspec.scene.episode import (
     torn,
 )
 from wmspec.scene.model import Scene
-from wmspec.scene.transform import conjugate, cross, multiply, rotate, turned, turning
+from wmspec.scene.transform import conjugate, cross, multiply, rotate, rotated, turned, turning
 
 _COMMON: tuple[Callable[..., Any], ...] = (
     conjugate,
     multiply,
     cross,
+    rotated,
     rotate,
     turning,
     turned,

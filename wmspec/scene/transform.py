@@ -36,13 +36,13 @@ def rotate(q: Array, v: Array) -> Array:
     """The vectors `v` (..., 3) turned by the unit quaternions `q` (..., 4)."""
     q, v = np.asarray(q, float), np.asarray(v, float)
     if q.ndim == v.ndim == 1:  # as in `multiply`
-        return np.array(_rotated(q.tolist(), v.tolist()))
+        return np.array(rotated(q.tolist(), v.tolist()))
     w, u = q[..., :1], q[..., 1:]
     t = 2.0 * cross(u, v)
     return v + w * t + cross(u, t)
 
 
-def _rotated(q: Sequence[float], v: Sequence[float]) -> tuple[float, float, float]:
+def rotated(q: Sequence[float], v: Sequence[float]) -> tuple[float, float, float]:
     """The same of numbers: one vector, turned by one quaternion."""
     (s, i, j, k), (x, y, z) = q, v
     a, b, c = 2.0 * (j * z - k * y), 2.0 * (k * x - i * z), 2.0 * (i * y - j * x)
@@ -76,7 +76,7 @@ def rotation(q: Array) -> Array:
     q = np.asarray(q, float)
     if q.ndim == 1:  # as in `multiply`
         numbers = q.tolist()
-        return np.array([_rotated(numbers, axis) for axis in _AXES]).T
+        return np.array([rotated(numbers, axis) for axis in _AXES]).T
     return np.swapaxes(rotate(q[..., None, :], np.eye(3)), -1, -2)
 
 
