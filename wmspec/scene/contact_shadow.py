@@ -110,11 +110,6 @@ class ContactShadows:
         self._frames = _stacked([piece.frame for piece in self._pieces])
         self._middles = np.array([piece.box.middle for piece in self._pieces])
 
-    @property
-    def any(self) -> bool:
-        """Whether a picture needs to be shaded."""
-        return bool(self._pieces)
-
     def cast(
         self,
         rgb: NDArray[np.uint8],
