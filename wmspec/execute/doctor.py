@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-import json
 import os
 import re
 import signal
@@ -16,7 +14,7 @@ from functools import partial
 from importlib.metadata import PackageNotFoundError, requires, version
 from itertools import chain
 
-from wmspec.execute import probe, remedy, vulkan
+from wmspec.execute import probe, remedy
 from wmspec.execute.backends import engine_version, info, names
 from wmspec.execute.remedy import System
 from wmspec.photo import library
@@ -37,7 +35,7 @@ class Finding:
 
 
 def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
-    """Look at everything: Python, packages, graphics, and each engine by letting it execute and draw a cube.
+    """Look at everything: Python, packages, and each engine by letting it execute and draw a cube.
 
     No trial takes longer than `patience` (s). Never raises for what it finds.
     """
@@ -46,7 +44,6 @@ def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
     looks: list[Callable[[], Sequence[Finding]]] = [
         lambda: [_python()],
         lambda: [_packages()],
-        *(partial(_graphics, api, engines, system, patience) for api in ("EGL", "Vulkan")),
         *(partial(_engine, engine, system, patience) for engine in engines),
         partial(_photo, system, patience),
     ]
@@ -94,35 +91,6 @@ def _satisfied(requirement: str) -> bool:
 
 def _numbers(text: str) -> tuple[int, ...]:
     return tuple(int(n) for n in re.findall(r"\d+", text)[:3])
-
-
-# ---------------------------------------------------------------- graphics
-
-
-def _graphics(api: str, engines: Sequence[Info], system: System, patience: float) -> list[Finding]:
-    """Whether there is what engines draw with; nothing, if none does."""
-    users = [engine for engine in engines if engine.graphics and engine.graphics.api == api]
-    return [{"EGL": _egl, "Vulkan": _vulkan}[api](users[0], system, patience)] if users else []
-
-
-def _egl(user: Info, system: System, _patience: float) -> Finding:
-    try:
-        ctypes.CDLL("libEGL.so.1")
-    except OSError as error:
-        assert user.graphics
-        return Finding("EGL", False, str(error), remedy.graphics(system, user.graphics.mesa))
-    return Finding("EGL", True, "libEGL.so.1")
-
-
-def _vulkan(user: Info, system: System, patience: float) -> Finding:
-    assert user.graphics
-    ok, output = _try("wmspec.execute.vulkan", patience=patience)
-    devices = [vulkan.Device(**d) for d in json.loads(output)] if ok else []
-    if any(d.draws(user.graphics.mesa) for d in devices):
-        return Finding("Vulkan", True, "; ".join(map(str, devices)))
-    if devices:
-        output = f"too old for {user.title}: " + "; ".join(map(str, devices))
-    return Finding("Vulkan", False, output if output != "[]" else "no device", remedy.drawing(user, system))
 
 
 # ---------------------------------------------------------------- engines
