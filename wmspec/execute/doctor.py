@@ -135,7 +135,7 @@ def _engine(engine: Info, system: System, patience: float) -> list[Finding]:
     except PackageNotFoundError:
         return [Finding(name, False, "not installed", remedy.engine_package(engine, system))]
     findings = [installed, _trial(name, "execute", remedy.executing(engine, system), patience)]
-    if engine.looks:
+    if engine.draws:
         findings.append(_trial(name, "render", remedy.drawing(engine, system), patience))
     return findings
 
