@@ -23,8 +23,8 @@ from statistics import median
 
 from wmspec.api.loading import spec_files
 from wmspec.check.task import check
+from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
 from wmspec.parse.load import catalogue_folders
 
 MOST_SECONDS = 0.3

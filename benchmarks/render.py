@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.core.native_output import silence
 from wmspec.scene.camera import look_at, projection_matrix, view_matrix
 from wmspec.scene.model import Body, Camera, Geom, Light, Motion, Pose, Scene, Shot, Surface
-from wmspec.scene.silence import silence
 from wmspec.scene.transform import identity, multiply, quaternion
 from wmspec.shapes import Box, Cylinder, Shape, Sphere
 

@@ -27,12 +27,12 @@ from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.physics import prepare
 from wmspec.check.record import to_json
 from wmspec.check.task import check_program
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.parse.load import load_source
-from wmspec.places import Source
 from wmspec.scene.model import Scene
 from wmspec.write.rows import png
 from wmspec.write.units import units

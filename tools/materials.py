@@ -12,8 +12,8 @@ from pathlib import Path
 from PIL import Image
 
 from wmspec.check.task import check
+from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
 from wmspec.execute.backends import default
 from wmspec.execute.render_cache import RenderCache
 from wmspec.materials import MATERIALS

@@ -12,8 +12,8 @@ from pathlib import Path
 from PIL import Image
 
 from wmspec.check.task import check
+from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
 from wmspec.execute.backends import info, names
 from wmspec.execute.render_cache import RenderCache
 from wmspec.scene.model import Look, Scene, Shot

@@ -20,7 +20,7 @@ from typing import Any
 
 from tools.reference import table
 from wmspec.audit.statistics import clopper_pearson
-from wmspec.draws import bits
+from wmspec.core.rng import bits
 from wmspec.write import typeset
 from wmspec.write.pictures import opened
 from wmspec.write.reader import DatasetReader

@@ -25,8 +25,8 @@ from PIL import Image
 
 import wmspec
 from wmspec.check.task import check
+from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
 from wmspec.execute.backends import default, names
 from wmspec.execute.render_cache import RenderCache
 from wmspec.parse.load import library_folder, read_source

@@ -7,7 +7,8 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from wmspec.diagnostics import EngineError, WmsError
+from wmspec.core.diagnostics import EngineError, WmsError
+from wmspec.core.native_output import silence
 from wmspec.scene.articulations import trees
 from wmspec.scene.capability import require
 from wmspec.scene.contact import mix, touchable
@@ -17,7 +18,6 @@ from wmspec.scene.hard import FINEST
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly
-from wmspec.scene.silence import silence
 from wmspec.scene.speed import steps
 from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace

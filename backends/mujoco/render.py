@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.diagnostics import GraphicsError
+from wmspec.core.diagnostics import GraphicsError
+from wmspec.core.native_output import silence
 from wmspec.scene.boxes import Edges
 from wmspec.scene.camera import find, seeing
 from wmspec.scene.color import texture, whole
@@ -18,7 +19,6 @@ from wmspec.scene.contact_shadow import ContactShadows
 from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.scene.picture import check
 from wmspec.scene.shadow import SHADE, Region
-from wmspec.scene.silence import silence
 from wmspec.scene.texcoords import texcoords
 from wmspec.scene.window import Moving, Window, full
 from wmspec.shapes import Shape

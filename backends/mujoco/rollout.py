@@ -17,10 +17,10 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.native_output import silence
 from wmspec.scene.contact import touchable
 from wmspec.scene.episode import MEET, Episode, Recording, begin, beginnings, expected, mounted
 from wmspec.scene.model import Scene
-from wmspec.scene.silence import silence
 from wmspec.scene.transform import rotate
 
 from .world import World

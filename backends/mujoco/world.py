@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.core.native_output import silence
 from wmspec.scene.articulations import Link
 from wmspec.scene.episode import MEET, Grip
 from wmspec.scene.rigid import Assembly, Rigid
-from wmspec.scene.silence import silence
 from wmspec.scene.transform import conjugate, rotate
 
 from .beside import beside

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from wmspec.core.native_output import silence
 from wmspec.scene.articulations import Link
 from wmspec.scene.rigid import Rigid
-from wmspec.scene.silence import silence
 
 from .shapes import HERE, inside, xyzw
 

@@ -16,9 +16,9 @@ import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
+from wmspec.core.native_output import silence
 from wmspec.scene.color import texture
 from wmspec.scene.model import Array, Geom
-from wmspec.scene.silence import silence
 from wmspec.shapes.facets import Facets
 
 with silence():

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from wmspec.core.native_output import silence
 from wmspec.scene.capability import require
 from wmspec.scene.drives import enough
 from wmspec.scene.episode import Episode, Recording, play, told
 from wmspec.scene.model import Scene, Trace
 from wmspec.scene.readback import readback
 from wmspec.scene.rigid import Assembly, assembly
-from wmspec.scene.silence import silence
 from wmspec.scene.timeline import episode
 from wmspec.scene.to_trace import trace
 from wmspec.scene.validate import validate

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.native_output import silence
 from wmspec.scene.camera import projection_matrix, seeing, view_matrix
 from wmspec.scene.color import whole
 from wmspec.scene.contact_shadow import ContactShadows
@@ -17,7 +18,6 @@ from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.near_plane import NearPlane
 from wmspec.scene.picture import Image, check, halve, quantize
 from wmspec.scene.shadow import SHADE, Casters
-from wmspec.scene.silence import silence
 from wmspec.scene.texcoords import texcoords
 from wmspec.scene.transform import apply, compose, inverse
 from wmspec.shapes.facets import Facets

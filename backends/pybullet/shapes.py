@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.core.native_output import silence
 from wmspec.scene.episode import Vector
 from wmspec.scene.rigid import Piece
-from wmspec.scene.silence import silence
 from wmspec.scene.transform import conjugate, multiply, rotate
 
 with silence():

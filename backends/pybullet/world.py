@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.core.native_output import silence
 from wmspec.scene.articulations import Gear, Link, Tie
 from wmspec.scene.episode import MEET, TOUCH, Grip
 from wmspec.scene.rigid import Assembly, Piece, Rigid
-from wmspec.scene.silence import silence
 
 from .articulations import branches, put
 from .shapes import HERE, shape, xyzw

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.core.native_output import silence
 from wmspec.scene.articulations import Gear, Link, ascent
 from wmspec.scene.rigid import Assembly
-from wmspec.scene.silence import silence
 
 with silence():
     import sapien

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from wmspec.diagnostics import StageError
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import StageError
+from wmspec.core.places import PrimPlace
 from wmspec.scene.capability import require
 from wmspec.scene.episode import Episode, Recording, play, told
 from wmspec.scene.landings import landings

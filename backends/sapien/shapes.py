@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.core.native_output import silence
 from wmspec.scene.episode import Vector
 from wmspec.scene.rigid import Piece, Rigid
-from wmspec.scene.silence import silence
 from wmspec.scene.transform import multiply
 
 from .joints import frame

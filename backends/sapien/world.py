@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from wmspec.core.native_output import silence
 from wmspec.scene.articulations import Link, Tie
 from wmspec.scene.episode import Grip
 from wmspec.scene.rigid import Assembly, Rigid
-from wmspec.scene.silence import silence
 
 from .joints import ball, branches, connect, couple, frame, ignored
 from .shapes import groups, lanes, mean, shape

@@ -16,7 +16,7 @@ from wmspec.check.evaluate import evaluate
 from wmspec.check.functions import FUNCTIONS
 from wmspec.check.ir import Call, Items, Operation, Option, Value
 from wmspec.check.make import observe, task, thing
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.layout.values import Values
 from wmspec.scene.model import Body, Contact, Geom, Pose, Trace
 from wmspec.shapes import Box, Sphere

@@ -9,8 +9,8 @@ import numpy as np
 
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
+from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
 from wmspec.scene.model import Array, Body, Scene
 from wmspec.scene.transform import rotation
 from wmspec.stage.episode import document

@@ -16,8 +16,8 @@ from tests.assets.specs import HERE, checked, scene, spec, tensor
 from tests.engines import ENGINES, installed
 from tests.language.specs import ROOT, task_of
 from tests.stage.stages import HEADER, lines
+from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
 from wmspec.scene.articulations import coordinate, relative
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Array, Body, Geom, Joint, Scene, Trace

@@ -11,7 +11,7 @@ from pxr import Sdf, Usd, UsdShade, UsdUtils
 
 from tests.assets.specs import checked, named, scene, spec
 from tests.assets.test_usd_meshes import QUADS, SIDES
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.model import Geom
 from wmspec.shapes import Mesh
 

@@ -17,9 +17,9 @@ from wmspec.ask.kinds.numbers import NumberAnswer
 from wmspec.ask.model import Change, Option, Picture, QuestionRow
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
+from wmspec.core.diagnostics import Report
+from wmspec.core.rng import permuted
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
-from wmspec.draws import permuted
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import encode

@@ -17,7 +17,7 @@ from tests.dataset.made import plan
 from wmspec.ask.model import Number, Picture, QuestionRow, Strength
 from wmspec.audit.audit import audit
 from wmspec.audit.model import Audit, Finding
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.write.files import digest
 
 Make = Callable[..., Audit]

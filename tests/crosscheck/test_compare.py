@@ -13,8 +13,8 @@ from wmspec.compare.allow import impacts
 from wmspec.compare.compare import compare
 from wmspec.compare.model import Comparison
 from wmspec.compare.tolerance import Tolerances, tolerances
+from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Body, Geom, Pose, Scene, Trace
 from wmspec.scene.transform import identity

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from wmspec.diagnostics import GraphicsError, WmsError
+from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.execute import pool
 from wmspec.execute.pool import Effort, Helper, Lost, in_order
 

@@ -14,8 +14,8 @@ from wmspec.ask.kinds.pictures import PictureAnswer
 from wmspec.ask.model import Change, Option, Picture, QuestionRow, Rejected, Vote
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
+from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design, Instance
-from wmspec.diagnostics import Report
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard, Task
 from wmspec.write.rows import Row, encode

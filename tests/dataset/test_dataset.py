@@ -22,7 +22,7 @@ from PIL import Image
 
 from tests.dataset.made import filling, make, plan
 from wmspec.ask.model import Rejected
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.write.card import card
 from wmspec.write.dataset import Dataset
 from wmspec.write.manifest import Summary

@@ -11,7 +11,7 @@ import pytest
 from PIL import ImageColor, ImageFont
 
 from tests.dataset.made import make, plan
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.write import typeset
 from wmspec.write.dataset import Dataset
 from wmspec.write.sheet import WIDTH, contact_sheet

@@ -6,7 +6,7 @@ import pytest
 
 import wmspec
 from wmspec.ask.closed import has_closed
-from wmspec.resources import resource
+from wmspec.core.resources import resource
 from wmspec.write.units import MOST, units
 
 TASKS = {

@@ -20,7 +20,7 @@ from tests.endtoend.test_commands import SPEED, wmspec
 from tests.engines import installed
 from wmspec.api import generate
 from wmspec.api.verifying import verify
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.write.rows import png
 from wmspec.write.shards import parquet
 

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 import wmspec
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.execute import doctor, probe, remedy
 from wmspec.execute.doctor import Finding, examine, fit
 from wmspec.execute.probe import render

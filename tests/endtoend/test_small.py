@@ -100,7 +100,7 @@ def test_who_reads_no_further_is_no_failure() -> None:
 
 
 def test_a_camera_that_is_not_there_is_told_in_a_sentence() -> None:
-    from wmspec.diagnostics import WmsError
+    from wmspec.core.diagnostics import WmsError
     from wmspec.scene.camera import find
     from wmspec.usd import read
 

@@ -24,7 +24,7 @@ from PIL import Image
 from tests.evaluate.loopback import TRIES, loopback
 from tests.evaluate.made import in_numbers, in_pictures, in_words
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.evaluate import prompt, results
 from wmspec.evaluate.journal import Journal
 from wmspec.evaluate.model import Reply

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from wmspec.check.ir import Choices, Operation, Plan, Ref, Require, TaskSpec, Value
 from wmspec.check.make import HERE, factor, nuisance, observe, task, thing
-from wmspec.draws import Level
+from wmspec.core.rng import Level
 
 _COMPARE = {
     "==": lambda a, b: a == b,

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check_program
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
+from wmspec.core.resources import resource
 from wmspec.parse.load import catalogue_folders, load, load_source
-from wmspec.places import Source
-from wmspec.resources import resource
 
 ROOT = resource("specs")
 SPECS = sorted(path for folder in catalogue_folders() for path in folder.rglob("*.wms"))

@@ -10,9 +10,9 @@ from wmspec.check import record
 from wmspec.check.ir import Call, Items, Operation, Property, Ref, TaskSpec, Value
 from wmspec.check.make import action, compound, factor, joint, objects, observe, robot, task, thing
 from wmspec.check.task import check_program
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
 from wmspec.parse.load import load_source
-from wmspec.places import Source
 
 HEAD = """
 object table { shape: box  size: (1 m, 1 m, 4 cm)  at: (0, 0, -2 cm)  fixed: true }

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from wmspec.check.task import check
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Place, Span
 from wmspec.lint.dry_run import dry_run
 from wmspec.parse.codes import CODES
-from wmspec.places import Place, Span
 
 CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
 

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.language.specs import random_text, task_from
+from wmspec.core.rng import Permutation
 from wmspec.design.design import Design
-from wmspec.draws import Permutation
 from wmspec.layout.values import Values
 
 # ---------------------------------------------------------------- domains

@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 from wmspec.check.task import check
 from wmspec.cli import main
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
 from wmspec.lint.dry_run import dry_run
 from wmspec.parse.codes import CODES
 from wmspec.parse.pages import Example, page

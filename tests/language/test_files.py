@@ -8,7 +8,7 @@ from PIL import Image
 
 from wmspec.check.ir import Operation, Ref, TaskSpec, Value
 from wmspec.check.task import check
-from wmspec.diagnostics import Report, WmsError
+from wmspec.core.diagnostics import Report, WmsError
 from wmspec.layout.meshes import load
 
 TASK = "use tabletop\ntask t : custom {{\n  {0}\n  observe front at [0 s]\n}}\n"

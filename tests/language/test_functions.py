@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from wmspec.check import ir
 from wmspec.check.make import compound, objects, observe, task, thing
+from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
 from wmspec.layout.cavities import room
 from wmspec.layout.values import Values
 from wmspec.layout.view import gaze, seen

@@ -16,9 +16,9 @@ from wmspec.check.ir import TaskSpec
 from wmspec.check.record import from_json, plain, schema, to_json
 from wmspec.check.task import check_program
 from wmspec.cli import main
-from wmspec.diagnostics import Report, WmsError
+from wmspec.core.diagnostics import Report, WmsError
+from wmspec.core.places import Source
 from wmspec.parse.load import load_source
-from wmspec.places import Source
 
 DOCS = Path(__file__).parents[2] / "docs"
 

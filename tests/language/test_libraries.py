@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from wmspec.check.task import check
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
 
 
 def codes(path: Path) -> list[str]:

@@ -9,10 +9,10 @@ from click.testing import CliRunner
 
 from wmspec.check.task import check_program
 from wmspec.cli import main
-from wmspec.diagnostics import Diagnostic, Report
+from wmspec.core.diagnostics import Diagnostic, Report
+from wmspec.core.places import Location, Source, Span
 from wmspec.lint.dry_run import dry_run
 from wmspec.parse.load import load_source
-from wmspec.places import Location, Source, Span
 
 SPEC = """use room
 

@@ -7,8 +7,8 @@ import pytest
 import wmspec
 from wmspec.check import ir
 from wmspec.check.task import check
+from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
 from wmspec.layout.values import Values
 
 LIBRARY = '''

@@ -15,13 +15,13 @@ from wmspec.check.ir import TaskSpec
 from wmspec.check.record import plain
 from wmspec.check.task import check_program
 from wmspec.check.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHTED, Form, Plan
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
 from wmspec.lint.dry_run import dry_run
 from wmspec.parse.format import format_spec
 from wmspec.parse.load import load_source, read_source
 from wmspec.parse.parser import parse
 from wmspec.parse.syntax import Task
-from wmspec.places import Source
 
 ROOT = Path(__file__).parents[2]
 PAGE_PATH = ROOT / "docs/language.md"

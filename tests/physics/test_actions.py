@@ -10,7 +10,7 @@ import pytest
 
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.model import (
     Action,
     Follow,

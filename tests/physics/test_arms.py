@@ -16,11 +16,11 @@ from scipy.interpolate import CubicSpline
 import wmspec
 from tests.engines import installed
 from tests.language.specs import SPECS, task_of
+from wmspec.core.diagnostics import EngineError, SpecError
+from wmspec.core.resources import resource
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design
-from wmspec.diagnostics import EngineError, SpecError
 from wmspec.layout.values import Values
-from wmspec.resources import resource
 from wmspec.robots.arm import down
 from wmspec.robots.franka import PANDA
 from wmspec.robots.ik import solve

@@ -16,7 +16,7 @@ from wmspec.cli import main
 from wmspec.conform.build import body, cylinder, floor, stage
 from wmspec.conform.case import RATE
 from wmspec.conform.score import by_backend, by_traces, cases, chosen, scores
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.usd import read
 
 CASES = cases()

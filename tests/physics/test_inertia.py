@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.inertia import inertia
 from wmspec.scene.model import Array, Inertia, Pose
 from wmspec.scene.transform import compose, identity, inverse, multiply, quaternion, rotate, rotation

@@ -11,7 +11,7 @@ import pytest
 
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import info
 from wmspec.scene.model import (
     Array,

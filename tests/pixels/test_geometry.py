@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.pixels.scenes import wedge
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.camera import look_at, project, projection_matrix, unproject, view_matrix
 from wmspec.scene.color import to_bytes, to_linear, to_srgb
 from wmspec.scene.model import Camera

@@ -20,7 +20,7 @@ from wmspec.api import generate
 from wmspec.api.making import planned
 from wmspec.api.verifying import verify
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import drawing
 from wmspec.execute.render_cache import RenderCache
 from wmspec.materials import TEXTURES

@@ -13,7 +13,7 @@ import pytest
 from benchmarks import memory
 from tests.engines import installed
 from tests.pixels.scenes import SUN, body, scene, turned
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.camera import look_at, project
 from wmspec.scene.model import Camera, Pose, Scene, Shot, Surface
 from wmspec.scene.shadow import SHADE

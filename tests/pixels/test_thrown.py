@@ -11,7 +11,7 @@ import pytest
 import wmspec
 from wmspec.backends.mujoco import render
 from wmspec.backends.mujoco.render import Renderer
-from wmspec.resources import resource
+from wmspec.core.resources import resource
 from wmspec.scene.boxes import edges
 from wmspec.scene.camera import look_at, seeing
 from wmspec.scene.model import Body, Scene, Shot

@@ -15,7 +15,7 @@ from wmspec.backends.mujoco import render
 from wmspec.backends.mujoco.backdrop import Backdrops
 from wmspec.backends.mujoco.cast import Cast
 from wmspec.backends.mujoco.render import Renderer
-from wmspec.resources import resource
+from wmspec.core.resources import resource
 from wmspec.scene.camera import project
 from wmspec.scene.model import Pose, Scene, Shot, Surface
 from wmspec.scene.window import BLOCK, EDGE, Moving, full

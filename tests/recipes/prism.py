@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from wmspec.core.space import UP, Vector, dot
 from wmspec.shapes.shape import Flat, Parameter, Shape, Tensor, UnfitError, across_and_up
-from wmspec.space import UP, Vector, dot
 
 if TYPE_CHECKING:
     from wmspec.shapes.facets import Facets

@@ -16,8 +16,8 @@ import pyarrow.parquet as pq
 from wmspec.ask.ask import groups
 from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
+from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
 from wmspec.report.intervals import rng
 from wmspec.write.dataset import Dataset
 from wmspec.write.pictures import png

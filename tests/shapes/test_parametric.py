@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from tests.engines import ENGINES, installed
 from wmspec.check.make import observe, task, thing
+from wmspec.core.diagnostics import ImpossibleValue, StageError
 from wmspec.design.design import Design
-from wmspec.diagnostics import ImpossibleValue, StageError
 from wmspec.layout.geometry import pieces
 from wmspec.layout.values import Values
 from wmspec.scene.model import Scene

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import body, floor, scene
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import engine_version, info, names
 from wmspec.execute.probe import falling_cube
 from wmspec.scene.capability import JOINTS, NEVER, Lack, friction_above, require, table

@@ -15,8 +15,8 @@ from pxr import Usd
 from wmspec.check import ir
 from wmspec.check.make import HERE, action, compound, factor, joint, observe, robot, task, thing
 from wmspec.check.record import from_json, to_json
+from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
 from wmspec.materials import MATERIALS
 from wmspec.scene.model import Follow, Force, Impulse, Launch, Scene, Steer, Teleport
 from wmspec.scene.transform import apply, rotate

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
-from wmspec.diagnostics import StageError
+from wmspec.core.diagnostics import StageError
 from wmspec.materials import MATERIALS
 from wmspec.scene.color import to_linear
 from wmspec.scene.model import Surface

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from tests.engines import ENGINES, installed
 from tests.stage.stages import stage
-from wmspec.diagnostics import StageError, WmsError
+from wmspec.core.diagnostics import StageError, WmsError
 from wmspec.scene.model import Body
 from wmspec.shapes import Box, Mesh, Sphere
 from wmspec.usd import read

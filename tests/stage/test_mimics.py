@@ -10,7 +10,7 @@ from pxr import Usd
 
 from tests.engines import ENGINES, installed
 from wmspec.conform.build import body, box, joint, stage
-from wmspec.diagnostics import StageError
+from wmspec.core.diagnostics import StageError
 from wmspec.scene.articulations import trees
 from wmspec.scene.coordinates import gears
 from wmspec.scene.model import Scene

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pxr import Usd
 
 from wmspec.conform.score import cases
-from wmspec.diagnostics import StageError
+from wmspec.core.diagnostics import StageError
 from wmspec.scene.articulations import trees
 from wmspec.scene.com_frame import com_frame
 from wmspec.scene.coordinates import coordinates

@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 
 from tests.language.specs import SPECS, random_spec, task_from, task_of
 from wmspec.check.ir import TaskSpec
+from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
 from wmspec.stage import object_cache
 from wmspec.stage.document import Document

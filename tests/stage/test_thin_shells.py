@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tests.engines import ENGINES, installed
 from tests.stage.stages import stage
 from tests.stage.test_meshes import RING, angle, prim
-from wmspec.diagnostics import StageError
+from wmspec.core.diagnostics import StageError
 from wmspec.scene.bounds import upright
 from wmspec.scene.model import Body
 from wmspec.shapes import Mesh

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.stage.stages import stage
-from wmspec.diagnostics import StageError
+from wmspec.core.diagnostics import StageError
 from wmspec.usd import read
 
 BALL = 'def Sphere "%s" ( prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"] ) { %s }\n'

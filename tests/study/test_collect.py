@@ -15,7 +15,7 @@ from statsmodels.stats import inter_rater
 from tests.endtoend.test_commands import wmspec
 from tests.evaluate.made import in_numbers
 from tests.study.visitor import letter
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.evaluate import results
 from wmspec.evaluate.agreement import fleiss_kappa, majority
 from wmspec.report import replies

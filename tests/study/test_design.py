@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.evaluate.made import in_numbers
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.study import store
 from wmspec.study.assign import slots
 from wmspec.study.make import Options, make

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.study.visitor import Process, get, letter, post
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.study import store
 from wmspec.study.answers import Answer, Person
 from wmspec.study.collect import collect

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.language.specs import SPECS, task_of
+from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
 from wmspec.stage.write import write_stages
 
 

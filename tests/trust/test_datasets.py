@@ -12,7 +12,7 @@ import pytest
 from tests.dataset.made import make, plan
 from tests.dataset.test_dataset import contents
 from tests.trust.made import below, edited, png, rewritten, signed, wmspec
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.write.dataset import Dataset
 from wmspec.write.reader import DatasetReader
 from wmspec.write.reuse import Before

@@ -11,7 +11,7 @@ import pytest
 
 from tests.dataset.made import make, plan
 from tests.trust.made import wmspec
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.evaluate import results
 from wmspec.evaluate.journal import Journal
 

@@ -13,7 +13,7 @@ import pytest
 
 from tests.dataset.made import make, plan
 from tests.trust.made import STAGE, wmspec
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.write.dataset import Dataset
 from wmspec.write.reader import DatasetReader
 

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from wmspec.api.task import Factor as Factor
     from wmspec.api.task import Instance as Instance
     from wmspec.api.task import Task as Task
-    from wmspec.diagnostics import SpecError as SpecError
-    from wmspec.diagnostics import WmsError as WmsError
+    from wmspec.core.diagnostics import SpecError as SpecError
+    from wmspec.core.diagnostics import WmsError as WmsError
     from wmspec.execute.backends import register as register
 
 #: Every public name and the module in which it is.
@@ -42,10 +42,10 @@ HOMES = {
     "Episode": "wmspec.api.episode",
     "Factor": "wmspec.api.task",
     "Instance": "wmspec.api.task",
-    "SpecError": "wmspec.diagnostics",
+    "SpecError": "wmspec.core.diagnostics",
     "Task": "wmspec.api.task",
     "Track": "wmspec.api.episode",
-    "WmsError": "wmspec.diagnostics",
+    "WmsError": "wmspec.core.diagnostics",
     "crosscheck": "wmspec.api.agreement",
     "diagnose": "wmspec.api.loading",
     "generate": "wmspec.api.making",

@@ -19,7 +19,7 @@ from wmspec.compare.summary import Doubtful, Line, Suspect, doubtful, lines, sus
 from wmspec.compare.sweep import Job, pairs, sweep
 from wmspec.compare.tolerance import tolerances
 from wmspec.compare.verbalize import complaints
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import chosen, only_here
 from wmspec.execute.pool import Effort
 

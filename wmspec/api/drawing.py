@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import TypedDict
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import drawing
 from wmspec.execute.render_cache import RenderCache
 from wmspec.scene.model import Look

@@ -17,11 +17,11 @@ import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, whic
 from wmspec.api.drawing import Drawing, renderer_of
 from wmspec.compare.regimes import entered
 from wmspec.compare.tolerance import Tolerances
-from wmspec.diagnostics import Diagnostic, StageError, WmsError, suggestion
+from wmspec.core.diagnostics import Diagnostic, StageError, WmsError, suggestion
+from wmspec.core.places import FilePlace
 from wmspec.execute import archive
 from wmspec.execute.backends import info
 from wmspec.execute.trace_cache import TraceCache
-from wmspec.places import FilePlace
 from wmspec.scene.appearance import shown_at
 from wmspec.scene.bounds import middle
 from wmspec.scene.camera import find

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from wmspec.api.task import Task
 from wmspec.check.task import check_program
+from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
+from wmspec.core.places import FilePlace, Source
+from wmspec.core.safe_io import inside
 from wmspec.design.design import Design
-from wmspec.diagnostics import Diagnostic, Report, WmsError, suggestion
-from wmspec.foreign import inside
 from wmspec.parse.load import Program, load_source
 from wmspec.parse.load import load as load_program
-from wmspec.places import FilePlace, Source
 
 PathOrText = str | PathLike[str]
 

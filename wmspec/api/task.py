@@ -8,13 +8,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack, overload
 
-from wmspec import paper
 from wmspec.check.ir import Choices, Counterfactual, Interval, TaskSpec
 from wmspec.check.ir import Factor as DeclaredFactor
+from wmspec.core import wm_abench
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.rng import Level
 from wmspec.design.design import Design
 from wmspec.design.design import Instance as Drawn
-from wmspec.diagnostics import WmsError, suggestion
-from wmspec.draws import Level
 from wmspec.parse.load import Program
 
 if TYPE_CHECKING:
@@ -135,9 +135,9 @@ class Task(Sequence["Instance"]):
         return len(views_of(self.spec, Values(self.spec, first.values, None, first.key)))
 
     @property
-    def paper(self) -> paper.Column | None:
+    def paper(self) -> wm_abench.Column | None:
         """The column of WM-ABench that it rebuilds, if it does."""
-        return paper.column(self.name)
+        return wm_abench.column(self.name)
 
     def sample(self, count: int) -> tuple[Instance, ...]:
         """So many different instances, in a random order that depends on the seed alone; all if there are fewer."""

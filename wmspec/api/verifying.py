@@ -11,9 +11,9 @@ from wmspec.api.agreement import effort, gathered
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import is_name
 from wmspec.execute.backends import chosen, drawing, versions
-from wmspec.foreign import is_name
 from wmspec.scene.model import Look
 from wmspec.write import files
 from wmspec.write.plan import Plan

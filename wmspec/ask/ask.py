@@ -20,10 +20,10 @@ from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Channel, Level, TaskSpec
 from wmspec.check.measured import measured as is_measured
 from wmspec.check.measured import moments
+from wmspec.core.diagnostics import GraphicsError, WmsError
+from wmspec.core.rng import Permutation, bits, permuted
 from wmspec.design.about import named
 from wmspec.design.design import Design, Instance
-from wmspec.diagnostics import GraphicsError, WmsError
-from wmspec.draws import Permutation, bits, permuted
 
 
 def ask(design: Design, index: int, pair: EnginePair) -> list[QuestionRow | Rejected]:

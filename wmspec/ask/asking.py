@@ -14,8 +14,8 @@ from wmspec.ask.observed import Observed
 from wmspec.ask.runs import EnginePair, Run
 from wmspec.ask.views import View, views_of
 from wmspec.check.ir import Counterfactual, Question
-from wmspec.diagnostics import WmsError
-from wmspec.draws import bits
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.rng import bits
 from wmspec.layout.values import Values
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from wmspec.ask import outcome
 from wmspec.ask.gaze import gaze
 from wmspec.ask.measure import Measured
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.layout.functions import extreme
 from wmspec.layout.view import front
 

@@ -7,7 +7,7 @@ from functools import cache, lru_cache
 
 from wmspec.ask.difference import ciede2000, lab
 from wmspec.check.vocabulary import COLORS
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.layout.geometry import volume
 from wmspec.layout.values import Values
 from wmspec.layout.view import front, seen

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wmspec.ask.observed import MOVED, Observed
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 def contact(observed: Observed, a: str, b: str, from_: float | None = None, to: float | None = None) -> bool:

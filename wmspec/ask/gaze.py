@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wmspec.ask.observed import Observed
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.layout.view import UPRIGHT, quarters
 from wmspec.scene.transform import compose, rotate
 

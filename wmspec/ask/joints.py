@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wmspec.ask.observed import Observed
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.articulations import coordinate
 from wmspec.scene.model import Joint, JointKind, Pose
 from wmspec.scene.transform import compose, identity, inverse

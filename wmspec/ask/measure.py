@@ -10,7 +10,7 @@ from typing import Any
 from wmspec.ask.observed import Observed
 from wmspec.check.functions import FUNCTIONS
 from wmspec.check.types import POINT3
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.layout.values import Values
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.check.ir import QuestionKind
-from wmspec.draws import Level
+from wmspec.core.rng import Level
 
 #: What happens, among what would have happened: the name of its run and of its option.
 TRUTH = "truth"

@@ -10,7 +10,7 @@ import numpy as np
 from wmspec.ask.bearing import Bearing
 from wmspec.ask.observed import MOVED, STILL, Observed
 from wmspec.ask.trajectory import form
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.model import Array
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from wmspec.ask.views import View
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.bounds import middle, upright
 from wmspec.scene.model import Array, Body, Frame, Pose, Scene, Trace
 from wmspec.scene.transform import identity

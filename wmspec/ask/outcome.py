@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from wmspec.ask.observed import REST, STILL, Observed
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.layout.view import seen
 from wmspec.scene.model import Array
 from wmspec.scene.transform import conjugate, rotate

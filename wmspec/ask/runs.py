@@ -13,9 +13,9 @@ from wmspec.ask.model import Reject
 from wmspec.ask.observed import MOVED, Observed
 from wmspec.ask.views import View
 from wmspec.check.ir import Counterfactual
+from wmspec.core.diagnostics import EngineError, WmsError
+from wmspec.core.rng import uniform
 from wmspec.design.design import Design, Instance
-from wmspec.diagnostics import EngineError, WmsError
-from wmspec.draws import uniform
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache

@@ -17,7 +17,7 @@ from wmspec.audit.likeness import QUANTILES, judge, likeness
 from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
 from wmspec.audit.stability import stability
 from wmspec.audit.summary import summary
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.write.reader import DatasetReader
 

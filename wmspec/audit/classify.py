@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 try:
     from sklearn.ensemble import RandomForestClassifier

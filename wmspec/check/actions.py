@@ -10,9 +10,9 @@ from wmspec.check.typed import Failed, Typed
 from wmspec.check.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, OBJECT, ROBOT, Type
 from wmspec.check.verbs import OTHERWISE, ROBOTS, UNAIDED, VERBS, Verb
 from wmspec.check.vocabulary import Slot
-from wmspec.diagnostics import suggestion
+from wmspec.core.diagnostics import suggestion
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
-from wmspec.places import Span
 
 if TYPE_CHECKING:
     from wmspec.check.expressions import Expressions

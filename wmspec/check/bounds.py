@@ -6,7 +6,7 @@ from wmspec.check import ir
 from wmspec.check.expressions import Expressions
 from wmspec.check.typed import constant
 from wmspec.check.vocabulary import Slot
-from wmspec.places import Span
+from wmspec.core.places import Span
 
 
 def within(check: Expressions, expr: ir.Expr, slot: Slot, span: Span, what: str) -> None:

@@ -26,9 +26,9 @@ from wmspec.check.types import (
 )
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import JOINTS
-from wmspec.diagnostics import suggestion
+from wmspec.core.diagnostics import suggestion
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
-from wmspec.places import Span
 
 if TYPE_CHECKING:
     from wmspec.check.expressions import Expressions

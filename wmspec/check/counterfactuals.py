@@ -14,9 +14,9 @@ from wmspec.check.things import Things
 from wmspec.check.typed import Typed, constant
 from wmspec.check.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
 from wmspec.check.vocabulary import FILES, Slot
-from wmspec.diagnostics import Note
+from wmspec.core.diagnostics import Note
+from wmspec.core.places import Location
 from wmspec.parse import syntax as s
-from wmspec.places import Location
 
 #: What has properties that a counterfactual can change.
 _CHANGED = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)

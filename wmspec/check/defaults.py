@@ -8,9 +8,9 @@ from wmspec.check import ir
 from wmspec.check.expressions import Expressions
 from wmspec.check.scope import Scope
 from wmspec.check.vocabulary import Slot
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source, Span
 from wmspec.parse.parser import parse_expression
-from wmspec.places import Source, Span
 
 
 @cache

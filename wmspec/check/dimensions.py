@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wmspec.diagnostics import Remedy, Report
+from wmspec.core.diagnostics import Remedy, Report
+from wmspec.core.spelling import slips
 from wmspec.parse import syntax as s
-from wmspec.spelling import slips
 
 #: Of every path, what it goes on with. A test holds that all specs of the catalogue are in here.
 DIMENSIONS: dict[str, str] = {

@@ -13,9 +13,9 @@ from wmspec.check.functions import DRAWN, FUNCTIONS
 from wmspec.check.lists import MOST_VALUES
 from wmspec.check.typed import constant, joined
 from wmspec.check.types import A_NUMBER, TRUTH, List, Quantity, Type, Vector, article
-from wmspec.diagnostics import Note, suggestion
+from wmspec.core.diagnostics import Note, suggestion
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
-from wmspec.places import Span
 
 Level = ir.Level
 #: A condition as it was written, and whether it must hold or must not.

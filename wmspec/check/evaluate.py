@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 from wmspec.check.ir import Call, Expr, Items, Operation, Property, Ref, Value
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
 
 
 class Environment(Protocol):

@@ -10,7 +10,7 @@ from wmspec.check.files import is_asset, there
 from wmspec.check.substitute import Substitute, TooLarge
 from wmspec.check.typed import Failed
 from wmspec.check.vocabulary import ASSETS, PROPERTIES
-from wmspec.diagnostics import Diagnostic, Note, suggestion
+from wmspec.core.diagnostics import Diagnostic, Note, suggestion
 from wmspec.parse import syntax as s
 from wmspec.parse.load import located
 

@@ -15,9 +15,9 @@ from wmspec.check.scope import Scope
 from wmspec.check.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.check.types import DIRECTION, OBJECT, TEXT, TRUTH, Quantity, Type, Vector, article, either
 from wmspec.check.units import NUMBER, Dimension
-from wmspec.diagnostics import Note, Remedy, Report
+from wmspec.core.diagnostics import Note, Remedy, Report
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
-from wmspec.places import Span
 
 __all__ = ["ZERO", "Expressions", "Failed", "Typed", "constant", "fits"]
 

@@ -11,9 +11,9 @@ from wmspec.check.expressions import Expressions
 from wmspec.check.typed import ZERO, Failed, constant
 from wmspec.check.types import A_NUMBER, TRUTH, Quantity, Type, Vector
 from wmspec.check.vocabulary import PLANS
-from wmspec.diagnostics import Note, suggestion
+from wmspec.core.diagnostics import Note, suggestion
+from wmspec.core.places import Location, Span
 from wmspec.parse import syntax as s
-from wmspec.places import Location, Span
 
 #: More instances are not drawn.
 MOST_DRAWN = 10_000_000

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 from wmspec.check import ir
 from wmspec.check.typed import Failed
 from wmspec.check.vocabulary import ASSETS, FILES, STAGES
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import inside, picture
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import Span
+from wmspec.core.safe_io import inside, picture
 from wmspec.importers.prim_names import parted
 from wmspec.parse import syntax as s
 from wmspec.parse.load import located
-from wmspec.places import Span
 
 if TYPE_CHECKING:
     from wmspec.check.expressions import Expressions

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field
 from typing import Annotated, Any, Literal, dataclass_transform
 
-from wmspec import node
-from wmspec.places import Location
+from wmspec.core import node
+from wmspec.core.places import Location
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))

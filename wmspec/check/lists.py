@@ -10,8 +10,8 @@ from wmspec.check import ir, names, units
 from wmspec.check.typed import Typed, constant, fits, joined
 from wmspec.check.types import A_NUMBER, List, Quantity, Type, Vector
 from wmspec.check.units import Dimension
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
-from wmspec.places import Span
 
 if TYPE_CHECKING:
     from wmspec.check.expressions import Expressions

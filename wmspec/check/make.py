@@ -15,8 +15,8 @@ from wmspec.check.defaults import default_value
 from wmspec.check.property_schema import ThingType, inherited, slots, thing_type, unfit
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import JOINTS, TOLERANCES, Slot
-from wmspec.diagnostics import WmsError, suggestion
-from wmspec.places import Location
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.places import Location
 
 #: The place of whatever stands in no text.
 HERE = Location(file="<python>", line=1, column=1, start=0, end=0)

@@ -21,7 +21,7 @@ from wmspec.check.types import (
     article,
 )
 from wmspec.check.vocabulary import BY_MATERIAL, PROPERTIES, SETS, Slot
-from wmspec.diagnostics import suggestion
+from wmspec.core.diagnostics import suggestion
 from wmspec.parse import syntax as s
 
 if TYPE_CHECKING:

@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from wmspec.check.vocabulary import WORDS
-from wmspec.diagnostics import Note, Report, suggestion
-from wmspec.node import Node
+from wmspec.core.diagnostics import Note, Report, suggestion
+from wmspec.core.node import Node
+from wmspec.core.places import Source, Span
 from wmspec.parse import syntax as s
 from wmspec.parse.load import Program
-from wmspec.places import Source, Span
 
 Item = s.Statement | s.Variant | s.Task
 Declared = s.Factor | s.Let | s.Block | s.Action | s.Template

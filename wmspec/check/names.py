@@ -23,7 +23,7 @@ from wmspec.check.types import (
     Word,
 )
 from wmspec.check.vocabulary import SETS, SYNONYMS, WORDS
-from wmspec.diagnostics import FEW, suggestion
+from wmspec.core.diagnostics import FEW, suggestion
 from wmspec.parse import syntax as s
 
 if TYPE_CHECKING:

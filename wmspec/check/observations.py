@@ -7,8 +7,8 @@ from typing import cast
 from wmspec.check import ir
 from wmspec.check.expressions import Expressions
 from wmspec.check.types import A_TIME, CAMERA, CHANNEL, List
+from wmspec.core.places import Location
 from wmspec.parse import syntax as s
-from wmspec.places import Location
 
 
 class Observations:

@@ -13,9 +13,9 @@ from wmspec.check.evaluate import parts
 from wmspec.check.expressions import Expressions
 from wmspec.check.typed import Failed
 from wmspec.check.vocabulary import PLANS
-from wmspec.diagnostics import suggestion
+from wmspec.core.diagnostics import suggestion
+from wmspec.core.places import Location, Span
 from wmspec.parse import syntax as s
-from wmspec.places import Location, Span
 
 #: So many options may a closed set have.
 FEWEST, MOST = 2, 8

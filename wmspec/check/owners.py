@@ -8,9 +8,9 @@ from functools import cached_property
 
 from wmspec.check.property_schema import ThingType, remedy, slots, thing_type, unfit
 from wmspec.check.vocabulary import OTHERWISE, Slot
-from wmspec.diagnostics import Note, suggestion
+from wmspec.core.diagnostics import Note, suggestion
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
-from wmspec.places import Span
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from graphlib import CycleError, TopologicalSorter
 from wmspec.check import ir
 from wmspec.check.expressions import Expressions
 from wmspec.check.members import named
-from wmspec.diagnostics import Note
-from wmspec.places import Span
+from wmspec.core.diagnostics import Note
+from wmspec.core.places import Span
 
 
 def no_circles(check: Expressions, things: Iterable[ir.Thing]) -> None:

@@ -35,10 +35,10 @@ from wmspec.check.types import (
 )
 from wmspec.check.units import NUMBER
 from wmspec.check.vocabulary import Slot
-from wmspec.diagnostics import Note
+from wmspec.core.diagnostics import Note
+from wmspec.core.places import Location, Span
 from wmspec.parse import syntax as s
 from wmspec.parse.parser import parse_expression
-from wmspec.places import Location, Span
 
 T = TypeVar("T")
 C = TypeVar("C")

@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from wmspec.check.ir import TaskSpec
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 def to_json(spec: TaskSpec, indent: int | None = None) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from wmspec.check.functions import FUNCTIONS
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import WORDS
-from wmspec.diagnostics import Note, Report
+from wmspec.core.diagnostics import Note, Report
 from wmspec.parse import syntax as s
 
 Declaration = s.Factor | s.Let | s.Block | s.Action | s.Template

@@ -15,7 +15,7 @@ from wmspec.check.substitute import Substitute, TooLarge
 from wmspec.check.typed import constant
 from wmspec.check.types import A_NUMBER
 from wmspec.check.vocabulary import SETS
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.parse import syntax as s
 
 #: The most members of a set, and the most combinations of factors that are tried to find the largest number.

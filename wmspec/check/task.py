@@ -28,11 +28,11 @@ from wmspec.check.tolerances import tolerances
 from wmspec.check.typed import Failed, Typed, constant
 from wmspec.check.unused import unused
 from wmspec.check.vocabulary import SETTINGS
-from wmspec.diagnostics import Diagnostic, Note, Report
-from wmspec.limits import SECONDS
+from wmspec.core.diagnostics import Diagnostic, Note, Report
+from wmspec.core.limits import SECONDS
+from wmspec.core.places import Source, Span
 from wmspec.parse import syntax as s
 from wmspec.parse.load import Program, load
-from wmspec.places import Source, Span
 
 S = TypeVar("S", bound=s.Statement)
 T = TypeVar("T")

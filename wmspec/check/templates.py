@@ -8,9 +8,9 @@ from dataclasses import replace
 from wmspec.check.libraries import having
 from wmspec.check.substitute import Substitute, TooLarge
 from wmspec.check.vocabulary import PROPERTIES
-from wmspec.diagnostics import Note, Report, suggestion
+from wmspec.core.diagnostics import Note, Report, suggestion
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
-from wmspec.places import Span
 
 
 class Templates:

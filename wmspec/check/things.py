@@ -18,9 +18,9 @@ from wmspec.check.typed import Failed
 from wmspec.check.types import A_TIME, article, either
 from wmspec.check.verbs import ROBOTS
 from wmspec.check.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES, Slot
-from wmspec.diagnostics import Note, Remedy, suggestion
+from wmspec.core.diagnostics import Note, Remedy, suggestion
+from wmspec.core.places import Location, Span
 from wmspec.parse import syntax as s
-from wmspec.places import Location, Span
 from wmspec.shapes import SHAPES
 
 _ARTICLE = re.compile(r"(the|an?)\b\s*", re.IGNORECASE)

@@ -9,9 +9,9 @@ from wmspec.check.bounds import within
 from wmspec.check.expressions import Expressions
 from wmspec.check.typed import Failed, constant
 from wmspec.check.vocabulary import TOLERANCES
-from wmspec.diagnostics import Note, suggestion
+from wmspec.core.diagnostics import Note, suggestion
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
-from wmspec.places import Span
 
 
 def tolerances(check: Expressions, written: Iterable[s.Tolerance]) -> dict[str, float]:

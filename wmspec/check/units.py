@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
-from wmspec.spelling import nearest
+from wmspec.core.spelling import nearest
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
 from wmspec.parse import syntax as s
 
 _WORD = re.compile(r"[A-Za-z_]\w*")

@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from wmspec import __version__
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.core.diagnostics import WmsError, suggestion
 
 COMMANDS = (
     "new",

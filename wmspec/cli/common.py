@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from wmspec.diagnostics import Paint, Part, WmsError, plain, suggestion
-from wmspec.places import FilePlace, Source
+from wmspec.core.diagnostics import Paint, Part, WmsError, plain, suggestion
+from wmspec.core.places import FilePlace, Source
 
 if TYPE_CHECKING:
     from wmspec.api import Instance

@@ -16,7 +16,7 @@ from wmspec.cli.common import (
     task_option,
     write_text,
 )
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 @click.command("compile")

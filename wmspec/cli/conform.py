@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from wmspec.cli.common import json_option, make_folder, write_text
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
     from wmspec.conform.score import Score

@@ -22,8 +22,8 @@ from wmspec.cli.common import (
     task_option,
 )
 from wmspec.cli.run import duration_option, seconds_of, tell_notes
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -10,7 +10,7 @@ import click
 
 from wmspec.api.progress import progress_bar
 from wmspec.cli.common import json_option, make_folder
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 @click.command("report")

@@ -21,8 +21,8 @@ from wmspec.cli.common import (
     task_option,
     tell,
 )
-from wmspec.diagnostics import EngineError, StageError, WmsError
-from wmspec.limits import SECONDS
+from wmspec.core.diagnostics import EngineError, StageError, WmsError
+from wmspec.core.limits import SECONDS
 
 if TYPE_CHECKING:
     from wmspec.api import Episode

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import json_option, make_folder, seed_option
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 _PATH = click.Path(path_type=Path)
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 
 #: How many instances of each task are shown on a sheet, in a page and in a folder, if nothing is said.
 PER_TASK = {".png": 3, ".html": 20, "": 50}

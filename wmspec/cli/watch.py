@@ -9,8 +9,8 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import spec_argument
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 
 
 @click.command("watch")

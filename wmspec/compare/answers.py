@@ -8,7 +8,7 @@ from wmspec.ask.asking import Asking, refused
 from wmspec.ask.gates import passed
 from wmspec.ask.kinds import KINDS
 from wmspec.ask.model import Answer, Reject
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 @dataclass(frozen=True)

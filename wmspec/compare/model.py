@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from wmspec.check.ir import QuestionKind
-from wmspec.draws import Level
+from wmspec.core.rng import Level
 
 #: The names of two engines, in the order in which they were asked for.
 Pair = tuple[str, str]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from wmspec.compare.model import Checked, Comparison, Pair
-from wmspec.draws import Level
+from wmspec.core.rng import Level
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 
 from wmspec.check.units import ANGLE, LENGTH, NUMBER, SPEED, TIME, Dimension, UnknownUnit, convert, parse_unit
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.core.diagnostics import WmsError, suggestion
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import cos, degrees, pi, sin
 
-from wmspec.space import Vector
+from wmspec.core.space import Vector
 
 G = 9.81
 ORIGIN: Vector = (0.0, 0.0, 0.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from wmspec.conform.build import G, ball, body, box, cylinder, floor, prism, stage
 from wmspec.conform.case import Case, Measure, Run
-from wmspec.space import Vector
+from wmspec.core.space import Vector
 
 MECHANICS = "Meriam and Kraige, Engineering Mechanics: Dynamics"
 LANDAU = "Landau and Lifshitz, Mechanics, § 37"

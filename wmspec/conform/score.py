@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from wmspec.conform.case import RATE, Case, Measure, Run, Track
-from wmspec.diagnostics import WmsError, suggestion
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.places import FilePlace
 
 Runner = Callable[[Case], Run]
 """What has an engine execute a case. Raises WmsError where the engine refuses it or loses it."""

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, combinations, islice
 
 from wmspec.check.ir import Choices, TaskSpec
+from wmspec.core.diagnostics import Note, SpecError
+from wmspec.core.rng import Level
 from wmspec.design.blocks import Blocks, Groups, Repeated, TooManyTied
 from wmspec.design.columns import Column, Free, Strata
 from wmspec.design.constrain import Constraint
 from wmspec.design.constraint_chain import MOST_COUNTED, Chain, TooMuch
 from wmspec.design.describe import told
 from wmspec.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
-from wmspec.diagnostics import Note, SpecError
-from wmspec.draws import Level
 
 _EVEN = "tie what is crossed to nothing, or remove `balance`"
 #: So many sets of conditions are looked through for the smallest that leaves nothing.

@@ -14,9 +14,9 @@ from itertools import accumulate
 from math import prod
 from typing import Protocol
 
+from wmspec.core.rng import Level, Permutation
 from wmspec.design.columns import MOST_LISTED, Column, balanced
 from wmspec.design.plans import Arrangement
-from wmspec.draws import Level, Permutation
 
 #: More groups of unequal sizes are not counted up.
 MOST_UNEQUAL = 100_000

@@ -11,12 +11,12 @@ from typing import Any
 
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Choices, Expr, Factor, Operation, TaskSpec
+from wmspec.core.diagnostics import ImpossibleValue, SpecError, WmsError
+from wmspec.core.places import Location
+from wmspec.core.rng import Level
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told
-from wmspec.diagnostics import ImpossibleValue, SpecError, WmsError
-from wmspec.draws import Level
 from wmspec.layout.values import Values
-from wmspec.places import Location
 
 #: The most combinations on which conditions are tried, for all conditions of a task: about half a second.
 MOST_TRIED = 100_000

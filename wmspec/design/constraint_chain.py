@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import accumulate, product
 from math import prod
 
+from wmspec.core.rng import Level
 from wmspec.design.constrain import Constraint
-from wmspec.draws import Level
 
 #: The most combinations of a factor's values with those that it is tied to that are counted, for a group of factors.
 MOST_COUNTED = 300_000

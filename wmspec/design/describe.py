@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import units
 from wmspec.check.ir import Factor
-from wmspec.draws import Level
+from wmspec.core.rng import Level
 
 if TYPE_CHECKING:
     from wmspec.design.design import Design, Instance

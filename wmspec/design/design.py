@@ -11,10 +11,10 @@ from itertools import zip_longest
 from typing import overload
 
 from wmspec.check.ir import Choices, Items, TaskSpec
+from wmspec.core.diagnostics import SpecError
+from wmspec.core.rng import Level, Permutation, quantile, uniform
 from wmspec.design.arrange import blocks
 from wmspec.design.constrain import constraints
-from wmspec.diagnostics import SpecError
-from wmspec.draws import Level, Permutation, quantile, uniform
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from functools import cached_property
 from math import gcd, prod
 from typing import Protocol
 
+from wmspec.core.rng import Permutation
 from wmspec.design.columns import Column, Spread
-from wmspec.draws import Permutation
 
 Ranks = tuple[int, ...]
 

@@ -18,7 +18,8 @@ from wmspec.check.types import A_TIME, ITEM, LABEL, QUANTITY, TRUTH, List, Quant
 from wmspec.check.units import fitting
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import SETS, WORDS, Slot
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Span
 from wmspec.editor.cursor import Cursor, cursor
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names
@@ -26,7 +27,6 @@ from wmspec.editor.wanted import Reader, Wanted
 from wmspec.parse import syntax as s
 from wmspec.parse.load import library_folder, search_path
 from wmspec.parse.parser import parse_expression
-from wmspec.places import Span
 
 Sort = Literal["property", "argument", "unit", "name", "function", "verb", "word", "keyword", "library", "part"]
 #: The order in which they are offered.

@@ -11,12 +11,12 @@ from typing import Any
 
 from wmspec.check.expressions import Expressions
 from wmspec.check.task import known
-from wmspec.diagnostics import Report, WmsError
-from wmspec.node import Node
+from wmspec.core.diagnostics import Report, WmsError
+from wmspec.core.node import Node
+from wmspec.core.places import Source, Span
 from wmspec.parse import syntax as s
 from wmspec.parse.load import Program, load_source, shown
 from wmspec.parse.parser import parse
-from wmspec.places import Source, Span
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from typing import TypeVar
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import Span
 from wmspec.editor import protocol
 from wmspec.editor.complete import complete
 from wmspec.editor.document import Document
@@ -23,7 +24,6 @@ from wmspec.editor.server import Server, read
 from wmspec.execute.pool import Lost
 from wmspec.parse import syntax as s
 from wmspec.parse.format import format_spec
-from wmspec.places import Span
 
 T = TypeVar("T")
 

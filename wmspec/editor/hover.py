@@ -12,16 +12,16 @@ from wmspec.check.typed import Failed
 from wmspec.check.units import UNITS, UnknownUnit, parse_unit
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import COLORS, JOINTS, PLANS, PROPERTIES, SETS, TOLERANCES, WORDS, Slot
+from wmspec.core.node import Node
+from wmspec.core.places import Source, Span
 from wmspec.editor.complete import shown_type, takes
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names, Occurrence
 from wmspec.materials import MATERIALS
-from wmspec.node import Node
 from wmspec.parse import syntax as s
 from wmspec.parse.parser import words
 from wmspec.parse.tables import tables
 from wmspec.parse.words import Token
-from wmspec.places import Source, Span
 
 
 @dataclass(frozen=True)

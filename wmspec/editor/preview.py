@@ -7,7 +7,7 @@ from pathlib import Path
 
 from wmspec.api.loading import diagnose_text
 from wmspec.api.task import Instance, Task
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.editor import sheet
 from wmspec.editor.document import Document
 from wmspec.parse import syntax as s

@@ -18,7 +18,7 @@ from pygls.workspace import TextDocument
 
 from wmspec import __version__
 from wmspec.api.loading import Diagnosis, diagnose_text
-from wmspec.diagnostics import Diagnostic, WmsError
+from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.editor.document import Document
 from wmspec.editor.protocol import Positions, path_of, positions_in, shown
 from wmspec.execute.pool import Helper

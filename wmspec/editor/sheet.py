@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
     from wmspec.api.task import Instance, Task

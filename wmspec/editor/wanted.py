@@ -26,12 +26,12 @@ from wmspec.check.types import (
 )
 from wmspec.check.verbs import ROBOTS, VERBS, Verb
 from wmspec.check.vocabulary import JOINTS, PLANS, PROPERTIES, SETS, SETTINGS, TOLERANCES, Slot
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source, Span
 from wmspec.editor.cursor import symbol
 from wmspec.parse import syntax as s
 from wmspec.parse.machine import Part, Tree
 from wmspec.parse.parser import parse_expression
-from wmspec.places import Source, Span
 
 _BLOCKS = {kind.upper(): kind for kind in (*PROPERTIES, *SETS)} | {"TEMPLATE": "object"}
 _OPEN = ("LPAR", "LSQB", "LBRACE")

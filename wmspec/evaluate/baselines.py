@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec import draws
+from wmspec.core import rng
 from wmspec.evaluate.model import Reply
 from wmspec.evaluate.pictures import opened
 from wmspec.evaluate.question import Question
@@ -65,7 +65,7 @@ class Baseline:
     def reply(self, ask: Ask) -> Reply:
         """The label of the option that it chooses, or a number."""
         question = ask.question
-        draw = draws.uniform(self._seed, question.id, ask.permutation, ask.sample, self.identity)
+        draw = rng.uniform(self._seed, question.id, ask.permutation, ask.sample, self.identity)
         if question.options:
             which = self._choose(question, self._learned, draw)
             return Reply(ask.label(ask.order.index(which)), model_version="1")

@@ -10,7 +10,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.evaluate.model import Model, Reply
 from wmspec.evaluate.request import Ask
 

@@ -16,9 +16,9 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 from wmspec.evaluate.model import Reply
-from wmspec.places import FilePlace
 from wmspec.write.files import explained
 
 Key = tuple[str, int, int]

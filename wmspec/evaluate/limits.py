@@ -6,7 +6,7 @@ import threading
 import time
 from dataclasses import dataclass, field
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.evaluate.model import Lost, Reply
 
 #: Errors in a row after which nothing else is sent.

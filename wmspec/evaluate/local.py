@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.evaluate.model import Reply, kept
 from wmspec.evaluate.pictures import opened
 from wmspec.evaluate.request import Ask, Clip, Picture, Request, Text

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.evaluate import baselines
 from wmspec.evaluate.model import Model
 from wmspec.evaluate.question import questions

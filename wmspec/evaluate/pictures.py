@@ -9,7 +9,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from wmspec.foreign import picture
+from wmspec.core.safe_io import picture
 from wmspec.write import film, typeset
 
 _LABEL, _GAP, _MARGIN = 26, 12, 16

@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
-from wmspec.diagnostics import WmsError, suggestion
-from wmspec.resources import resource
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.resources import resource
 
 Labels = Literal["letters", "numbers"]
 Part = Literal["pictures", "question", "option_words", "option_pictures", "instruction"]

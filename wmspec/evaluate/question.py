@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-from wmspec.diagnostics import WmsError, suggestion
-from wmspec.draws import bits
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.rng import bits
 from wmspec.write.pictures import as_png
 from wmspec.write.reader import PICTURES, DatasetReader
 from wmspec.write.rows import Row

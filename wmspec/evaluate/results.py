@@ -15,14 +15,14 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import is_name, plain, read_plain
 from wmspec.evaluate import reply as replies
 from wmspec.evaluate.journal import Key, Replies
 from wmspec.evaluate.model import Outcome, Reply
 from wmspec.evaluate.question import Question
 from wmspec.evaluate.request import Ask
-from wmspec.foreign import is_name, plain, read_plain
-from wmspec.places import FilePlace
 from wmspec.write.files import explained
 
 Row = dict[str, Any]

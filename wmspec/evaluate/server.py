@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 from urllib.parse import urlsplit
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.evaluate.model import Lost, Reply, kept
 from wmspec.evaluate.request import Ask, Clip, Picture, Request, Text
 

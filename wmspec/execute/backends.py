@@ -9,11 +9,11 @@ from importlib.metadata import EntryPoint, entry_points, version
 from typing import cast, get_args
 
 from wmspec import __version__
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.native_output import silence
 from wmspec.photo import library as photo
 from wmspec.scene.backend import Backend, Info
 from wmspec.scene.model import Look
-from wmspec.scene.silence import silence
 
 GROUP = "wmspec.backends"
 

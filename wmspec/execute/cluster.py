@@ -16,7 +16,7 @@ from contextlib import contextmanager, nullcontext
 from importlib import import_module
 from typing import Any, TypeVar
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.execute.pool import PATIENCE, Effort, Job, LocalWorkers, Lost, result, undisturbed
 
 T = TypeVar("T")

@@ -23,7 +23,7 @@ from typing import Any, Literal, Protocol, TypeVar, cast
 
 from pebble import ProcessExpired, ProcessPool
 
-from wmspec.diagnostics import GraphicsError, WmsError
+from wmspec.core.diagnostics import GraphicsError, WmsError
 
 T = TypeVar("T")
 Piece = tuple[Any, ...]

@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import backend
 from wmspec.scene.camera import look_at
 from wmspec.scene.inertia import inertia

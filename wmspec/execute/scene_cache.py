@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 from wmspec.check.ir import TaskSpec
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.layout.values import Values
 from wmspec.scene.model import Body, Camera, Scene
 from wmspec.stage.document import Document, Prim

@@ -11,12 +11,12 @@ from functools import cached_property
 from itertools import chain
 from pathlib import Path
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.resources import resource
 from wmspec.evaluate.prompt import Prompt
 from wmspec.evaluate.question import Selection
 from wmspec.evaluate.reply import LETTERS, ORDINALS
 from wmspec.export.rows import COLUMNS, Row, exported, write
-from wmspec.resources import resource
 from wmspec.write import files
 from wmspec.write.reader import DatasetReader
 

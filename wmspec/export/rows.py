@@ -9,7 +9,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.evaluate.prompt import Prompt
 from wmspec.evaluate.question import Question, questions
 from wmspec.evaluate.request import Ask, Clip, Picture, Text

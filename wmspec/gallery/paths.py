@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wmspec.foreign import picture
+from wmspec.core.safe_io import picture
 from wmspec.write.rows import Row
 
 #: The columns that tell it.

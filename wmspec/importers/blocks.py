@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from wmspec.check.property_schema import LOOKS
-from wmspec.diagnostics import Diagnostic
+from wmspec.core.diagnostics import Diagnostic
 from wmspec.importers import model
 from wmspec.importers.model import MOST_FAULTS, Form, Joint, Link, MeshFile, Refused, Shape
 from wmspec.importers.tree import Placed, Tree

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from wmspec.diagnostics import suggestion
+from wmspec.core.diagnostics import suggestion
+from wmspec.core.limits import DEPTH, ELEMENTS, MARKUP
+from wmspec.core.places import FilePlace
 from wmspec.importers.model import Broken, Faults
-from wmspec.limits import DEPTH, ELEMENTS, MARKUP
-from wmspec.places import FilePlace
 
 #: No quantity of a thing that stands in a room is larger (SI).
 MOST = 1e6

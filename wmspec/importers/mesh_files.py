@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import inside
-from wmspec.limits import BYTES, POINTS
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.limits import BYTES, POINTS
+from wmspec.core.safe_io import inside
 
 #: A face of a binary STL file takes so many bytes, after so many of its head.
 _STL_FACE, _STL_HEAD = 50, 84

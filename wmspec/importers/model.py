@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from wmspec.diagnostics import Diagnostic
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.places import FilePlace
 from wmspec.scene.model import Array, Inertia, Pose
 from wmspec.shapes import Shape as Solid
 

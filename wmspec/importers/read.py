@@ -7,15 +7,15 @@ from contextlib import suppress
 from pathlib import Path, PurePosixPath
 
 from wmspec.check.vocabulary import FILES
-from wmspec.diagnostics import Diagnostic, WmsError
-from wmspec.foreign import inside
+from wmspec.core.diagnostics import Diagnostic, WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import inside
 from wmspec.importers.markup import Element
 from wmspec.importers.markup import read as read_xml
 from wmspec.importers.mjcf import mjcf
 from wmspec.importers.model import ASSET, Asset, Broken, Faults, Refused
 from wmspec.importers.tree import Tree, tree
 from wmspec.importers.urdf import urdf
-from wmspec.places import FilePlace
 
 
 def read(folder: Path, name: str) -> Tree | Refused:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wmspec.core.places import FilePlace
 from wmspec.importers.model import Asset, Faults, Joint, Link
-from wmspec.places import FilePlace
 from wmspec.scene.model import Inertia, Pose
 from wmspec.scene.transform import apply, compose, identity, multiply, rotate
 

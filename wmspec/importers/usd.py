@@ -12,8 +12,9 @@ from pathlib import Path
 from pxr import Usd
 
 from wmspec.check.vocabulary import COLLISIONS, FILES
-from wmspec.diagnostics import Diagnostic, Report, StageError
-from wmspec.foreign import inside
+from wmspec.core.diagnostics import Diagnostic, Report, StageError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import inside
 from wmspec.importers.model import (
     LOOKS,
     MOST_LINKS,
@@ -29,7 +30,6 @@ from wmspec.importers.model import (
 )
 from wmspec.importers.usd_file import REST, bounded, note, stage_of
 from wmspec.importers.usd_tree import Stage
-from wmspec.places import FilePlace
 from wmspec.scene.model import Body, Motion
 from wmspec.shapes import Mesh
 from wmspec.usd import joints, meshes

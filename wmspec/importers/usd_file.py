@@ -9,10 +9,10 @@ from pathlib import Path
 
 from pxr import Sdf, Usd, UsdUtils
 
-from wmspec.diagnostics import Diagnostic, Report, StageError, suggestion
+from wmspec.core.diagnostics import Diagnostic, Report, StageError, suggestion
+from wmspec.core.limits import POINTS, PRIMS, TooLarge
+from wmspec.core.places import FilePlace
 from wmspec.importers.model import Broken, Faults
-from wmspec.limits import POINTS, PRIMS, TooLarge
-from wmspec.places import FilePlace
 from wmspec.shapes import Mesh
 from wmspec.usd import meshes
 from wmspec.usd.files import opened, text_of

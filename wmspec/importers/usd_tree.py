@@ -11,13 +11,13 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.check.vocabulary import PROPERTIES
-from wmspec.diagnostics import StageError
+from wmspec.core.diagnostics import StageError
+from wmspec.core.places import FilePlace, PrimPlace
 from wmspec.importers.blocks import plain
 from wmspec.importers.model import MOST_LINKS, Asset, Faults, Joint, Link, Shape
 from wmspec.importers.tree import WORLD
 from wmspec.importers.turns import X
 from wmspec.importers.usd_file import note
-from wmspec.places import FilePlace, PrimPlace
 from wmspec.scene import model
 from wmspec.scene.articulations import coordinate, relative
 from wmspec.scene.model import Body, Pose

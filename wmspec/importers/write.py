@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
-from wmspec.places import Span
 
 
 class Writer:

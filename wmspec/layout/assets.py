@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 from wmspec.check import units
 from wmspec.check.ir import Thing
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import HERE, Pose, Vector, about, times, turn, unit
 from wmspec.layout import geometry
 from wmspec.layout.solids import Piece
-from wmspec.space import HERE, Pose, Vector, about, times, turn, unit
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

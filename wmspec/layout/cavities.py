@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
+from wmspec.core.space import HERE, Pose, Vector, inverse, multiply
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import Box, bounds
-from wmspec.space import HERE, Pose, Vector, inverse, multiply
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from wmspec.check.types import article, either
 from wmspec.check.vocabulary import MEASURES
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.canonical import dumped, loaded
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import HERE, Pose, turn
 from wmspec.layout.solids import Piece
-from wmspec.plain import dumped, loaded
 from wmspec.shapes import SHAPES, Shape
 from wmspec.shapes.shape import UnfitError
-from wmspec.space import HERE, Pose, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

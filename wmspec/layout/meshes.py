@@ -8,13 +8,13 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from wmspec.check.vocabulary import FILES, MOST_LENGTH, STAGES
-from wmspec.diagnostics import ImpossibleValue, WmsError
+from wmspec.core.diagnostics import ImpossibleValue, WmsError
+from wmspec.core.limits import POINTS
+from wmspec.core.space import Vector
 from wmspec.importers.mesh_files import harmless
 from wmspec.importers.prim_names import parted
-from wmspec.limits import POINTS
 from wmspec.parse.load import located
 from wmspec.shapes import Mesh
-from wmspec.space import Vector
 
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
     import numpy as np

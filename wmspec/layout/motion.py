@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from wmspec.check.ir import TaskSpec, Thing
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import HEADINGS
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import Pose, Vector, add, heading, multiply, times, turn
 from wmspec.layout import paths
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.placement import rest
 from wmspec.layout.surfaces import WORLD
-from wmspec.space import Pose, Vector, add, heading, multiply, times, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

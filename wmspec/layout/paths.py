@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from wmspec.space import ORIGIN, Vector, add, times
+from wmspec.core.space import ORIGIN, Vector, add, times
 
 #: A bend that is sharper than this (rad) is a corner, which is turned within this share of the legs around it.
 CORNER, SHARE = math.radians(30), 0.1

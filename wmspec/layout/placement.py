@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from wmspec.core.space import Pose, add, inverse, multiply, rotate, tilt, times, turn
 from wmspec.layout import assets, scatter
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.solids import Face, reach
 from wmspec.layout.surfaces import WORLD, under
-from wmspec.space import Pose, add, inverse, multiply, rotate, tilt, times, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -10,13 +10,13 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from wmspec.diagnostics import ImpossibleValue
-from wmspec.draws import uniform
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.rng import uniform
+from wmspec.core.space import UP, turn
 from wmspec.layout import assets
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.solids import Face, footprint
 from wmspec.layout.surfaces import seen_from, tops
-from wmspec.space import UP, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

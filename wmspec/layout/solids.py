@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
+from wmspec.core.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times
 from wmspec.shapes import Shape
 from wmspec.shapes.shape import AXES
-from wmspec.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times
 
 #: The lowest and the highest corner (m) of an upright box.
 Box = tuple[Vector, Vector]

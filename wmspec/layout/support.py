@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from wmspec.check import units
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import UP
 from wmspec.layout import assets
 from wmspec.layout.geometry import pieces
 from wmspec.layout.placement import frame
 from wmspec.layout.solids import bounds
 from wmspec.layout.surfaces import tops
 from wmspec.layout.values import Values
-from wmspec.space import UP
 
 
 def supported(name: str, values: Values) -> None:

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import UP, Vector, add, inverse, rotate, tilt, times
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import Face, bounds, surface, upward
-from wmspec.space import UP, Vector, add, inverse, rotate, tilt, times
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

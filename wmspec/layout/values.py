@@ -13,12 +13,12 @@ from wmspec.check.types import A_LENGTH, A_TIME, POINT2, POINT3
 from wmspec.check.units import LENGTH, told
 from wmspec.check.verbs import VERBS
 from wmspec.check.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.limits import SECONDS
+from wmspec.core.places import Location
+from wmspec.core.space import Pose
 from wmspec.layout import functions, placement
-from wmspec.limits import SECONDS
 from wmspec.materials import MATERIALS, colors
-from wmspec.places import Location
-from wmspec.space import Pose
 
 T = TypeVar("T")
 

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from wmspec.check.evaluate import NoValue
-from wmspec.space import add, rotate, times
+from wmspec.core.space import add, rotate, times
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from wmspec.core.places import Location
 from wmspec.layout.assets import beyond, told
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
-from wmspec.places import Location
 
 
 @rule("WMS304")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from wmspec.check.ir import Counterfactual, Question
-from wmspec.diagnostics import Note
+from wmspec.core.diagnostics import Note
 from wmspec.layout.values import Values
 from wmspec.lint.action_rules import target_beyond_limit
 from wmspec.lint.asked import asked, pictured

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from wmspec.check.ir import TaskSpec
+from wmspec.core.diagnostics import Report
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design
-from wmspec.diagnostics import Report
 from wmspec.layout.values import Values
 from wmspec.lint import (
     action_rules,

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterator
 
 from wmspec.check.evaluate import evaluate
+from wmspec.core.diagnostics import Note
+from wmspec.core.space import Pose, Vector, add, inverse, rotate, times
 from wmspec.design.about import named
-from wmspec.diagnostics import Note
 from wmspec.layout.geometry import every_piece, pieces
 from wmspec.layout.solids import bounds, corners
 from wmspec.layout.values import Values
@@ -16,7 +17,6 @@ from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
 from wmspec.lint.visibility import moved
 from wmspec.shapes.box import Box
-from wmspec.space import Pose, Vector, add, inverse, rotate, times
 
 
 @rule("WMS605")

@@ -12,10 +12,10 @@ from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Question
 from wmspec.check.measured import measured
 from wmspec.check.types import AN_ANGLE
+from wmspec.core.diagnostics import WmsError
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told_of
 from wmspec.design.design import Design, Instance
-from wmspec.diagnostics import WmsError
 from wmspec.layout.values import Values
 from wmspec.lint.asked import asked
 from wmspec.lint.rule import Breach, rule

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+from wmspec.core.space import Vector, add, cross, rotate, times
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import Piece, bounds
 from wmspec.layout.values import Values
 from wmspec.shapes import Shape
-from wmspec.space import Vector, add, cross, rotate, times
 
 if TYPE_CHECKING:  # most scenes need no more than the axes, and checking those should not wait for numpy
     from wmspec.scene import model

@@ -8,7 +8,8 @@ from itertools import combinations, pairwise
 
 from wmspec.check import units
 from wmspec.check.evaluate import evaluate
-from wmspec.diagnostics import Note
+from wmspec.core.diagnostics import Note
+from wmspec.core.space import Vector, add, dot, inverse, rotate, times, unit
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import bounds
 from wmspec.layout.values import Values
@@ -16,7 +17,6 @@ from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
 from wmspec.lint.visibility import boxes_of, boxes_of_matter, mentioned, subjects
 from wmspec.shapes import Shape
-from wmspec.space import Vector, add, dot, inverse, rotate, times, unit
 
 #: Heavier (kg) than anything on a table, in a room or on a road that a question is about; and lighter.
 HEAVY, LIGHT = 20_000.0, 1e-6

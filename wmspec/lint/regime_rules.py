@@ -8,7 +8,8 @@ from itertools import combinations, permutations
 
 from wmspec.check import units
 from wmspec.check.ir import Thing
-from wmspec.diagnostics import Note
+from wmspec.core.diagnostics import Note
+from wmspec.core.space import ORIGIN, UP, add, dot, rotate, times, unit
 from wmspec.layout.geometry import mass, pieces
 from wmspec.layout.solids import Piece, bounds
 from wmspec.layout.values import Values
@@ -19,7 +20,6 @@ from wmspec.scene.hard import BALANCED, BOUNCY, ENTERED, FAST, FINEST, HEAVIER, 
 from wmspec.shapes.cylinder import Cylinder
 from wmspec.shapes.shape import AXES
 from wmspec.shapes.sphere import Sphere
-from wmspec.space import ORIGIN, UP, add, dot, rotate, times, unit
 
 #: How long (s) an impact takes where it takes longest: what is met within that time is met at once.
 IMPACT = 0.003

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Generic, TypeVar
 
-from wmspec.diagnostics import Diagnostic, ImpossibleValue, Note, Report, Severity, WmsError
-from wmspec.places import Place
+from wmspec.core.diagnostics import Diagnostic, ImpossibleValue, Note, Report, Severity, WmsError
+from wmspec.core.places import Place
 
 T = TypeVar("T")
 

@@ -12,17 +12,17 @@ from wmspec.check.evaluate import NoValue, evaluate, parts
 from wmspec.check.ir import Call, Expr, Question
 from wmspec.check.measured import measured
 from wmspec.check.verbs import VERBS
+from wmspec.core.diagnostics import Note
+from wmspec.core.places import Location
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told_of
 from wmspec.design.design import Design, Instance
-from wmspec.diagnostics import Note
 from wmspec.layout.values import Values
 from wmspec.layout.view import facing, front
 from wmspec.lint.asked import asked, pictured
 from wmspec.lint.overlap import overlaps
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.visibility import blind
-from wmspec.places import Location
 
 #: What a pair of things takes for a second of an episode (s), measured with 150 falling spheres; and what is worth a
 #: warning (s).

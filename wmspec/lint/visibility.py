@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 from wmspec.check.evaluate import parts
 from wmspec.check.ir import Expr, Property, Ref, Said, TaskSpec, Thing, Value
+from wmspec.core.space import Vector, add, cross, dot, heading, times
 from wmspec.layout.geometry import pieces
 from wmspec.layout.motion import CARRYING, after, angle, before, way
 from wmspec.layout.solids import Box, bounds, corners
 from wmspec.layout.values import Values
-from wmspec.space import Vector, add, cross, dot, heading, times
 
 
 def blind(values: Values) -> tuple[str, ...]:

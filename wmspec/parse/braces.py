@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from wmspec.core.places import Source
 from wmspec.parse.meant import Repair
 from wmspec.parse.words import Token
-from wmspec.places import Source
 
 
 def rebraced(source: Source, tokens: Sequence[Token]) -> Repair | None:

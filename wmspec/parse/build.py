@@ -6,11 +6,11 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source, Span
 from wmspec.parse import syntax as s
 from wmspec.parse.machine import Tree
 from wmspec.parse.words import Token
-from wmspec.places import Source, Span
 
 _QUANTITY = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)[ \t]*(.+)")
 _ESCAPES = {"n": "\n", "t": "\t", '"': '"', "\\": "\\"}

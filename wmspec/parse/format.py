@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
 from wmspec.parse.columns import Cell, Line, in_columns
 from wmspec.parse.layout import INDENT, Layout, spelled
 from wmspec.parse.parser import parse, words
 from wmspec.parse.words import Token
-from wmspec.places import Source
 
 #: The longest line that a block is kept on, in characters.
 WIDTH = 120

@@ -6,10 +6,10 @@ from bisect import bisect_left
 from collections.abc import Iterable
 from itertools import pairwise
 
+from wmspec.core.places import Span
 from wmspec.parse import syntax as s
 from wmspec.parse.tables import tables
 from wmspec.parse.words import Token
-from wmspec.places import Span
 
 #: Spaces per level.
 INDENT = 2

@@ -10,13 +10,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
 
-from wmspec.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
-from wmspec.foreign import inside, plain, read_plain
-from wmspec.limits import MARKUP
+from wmspec.core.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
+from wmspec.core.limits import MARKUP
+from wmspec.core.places import FilePlace, Location, Place, Source, Span
+from wmspec.core.resources import resource
+from wmspec.core.safe_io import inside, plain, read_plain
 from wmspec.parse.parser import parse
 from wmspec.parse.syntax import File, Name, Statement, Task, Use, Variant
-from wmspec.places import FilePlace, Location, Place, Source, Span
-from wmspec.resources import resource
 
 P = TypeVar("P", Place, Place | None)
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source, Span
 from wmspec.parse.elsewhere import decimal
 from wmspec.parse.words import Token, read
-from wmspec.places import Source, Span
 
 #: What is written in place of a character that means nothing: a word of the language, with its type.
 _SIGNS = {

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from wmspec.core.spelling import slips
 from wmspec.parse.machine import END
 from wmspec.parse.tables import tables
 from wmspec.parse.words import Token, read
-from wmspec.spelling import slips
 
 #: Signs that may be missing or too many.
 SIGNS = {

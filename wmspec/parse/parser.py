@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source, Span
 from wmspec.parse.braces import indented, rebraced
 from wmspec.parse.build import build_expression, build_file
 from wmspec.parse.lookalikes import readable
@@ -14,7 +15,6 @@ from wmspec.parse.repair import repair, repaired, sure
 from wmspec.parse.syntax import Expr, File
 from wmspec.parse.tables import tables
 from wmspec.parse.words import Token, read
-from wmspec.places import Source, Span
 
 #: How a terminal is called in a message.
 SPOKEN = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Literal, TypeVar
 
-from wmspec.node import Node
-from wmspec.places import Span
+from wmspec.core.node import Node
+from wmspec.core.places import Span
 
 N = TypeVar("N")
 #: What has parts of its own.

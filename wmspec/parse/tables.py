@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wmspec.resources import resource
+from wmspec.core.resources import resource
 
 if TYPE_CHECKING:
     from lark import Lark

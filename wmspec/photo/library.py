@@ -14,8 +14,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from wmspec.diagnostics import WmsError
-from wmspec.scene.silence import silence
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.native_output import silence
 
 REQUIREMENT = "wmspec[photo]"
 DISTRIBUTIONS = ("mitsuba", "mitsuba-oidn")

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageCms, ImageOps
 
-from wmspec.diagnostics import WmsError, suggestion
-from wmspec.foreign import inside
-from wmspec.limits import PIXELS
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.limits import PIXELS
+from wmspec.core.safe_io import inside
 
 #: The endings of files that are read: pictures, and clips. A picture that moves (GIF, WebP, PNG) is a clip too.
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")

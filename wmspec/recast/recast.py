@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from wmspec import __version__
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import read_plain
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import read_plain
 from wmspec.recast.pictures import Pictures
 from wmspec.recast.rows import CAMERA, rows, schema
 from wmspec.recast.table import Entry, read

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from wmspec.diagnostics import Diagnostic, Report, WmsError, suggestion
-from wmspec.foreign import read_plain
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import read_plain
 from wmspec.recast.pictures import CLIPS, STILLS, Pictures
 
 #: The columns and what they hold; the first four have to be there.

@@ -11,11 +11,11 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import plain
 from wmspec.evaluate.agreement import majority
 from wmspec.evaluate.results import checked
-from wmspec.foreign import plain
-from wmspec.places import FilePlace
 from wmspec.report.questions import Questions
 
 #: What a row of results has at least; `docs/evaluate.md` says what each column holds.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec import paper
+from wmspec.core import wm_abench
 from wmspec.report.intervals import Estimate, Floats, estimate, means
 from wmspec.report.replies import PEOPLE, Replies
 
@@ -29,7 +29,7 @@ class Column:
     def of(cls, task: str, dimension: str) -> Column:
         """The column of a task by its name and its dimension, such as `perception.space.relation`."""
         parts = [*dimension.split("."), "", ""]
-        there = paper.column(task)
+        there = wm_abench.column(task)
         return cls(task, parts[1] or parts[0], there.letters if there else parts[2], there.environment if there else "")
 
 
@@ -111,10 +111,10 @@ def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
 
 def _place(column: Column) -> tuple[int, str, str, str]:
     """Where a column stands: in the paper's order, those that it lacks after them, dimension by dimension."""
-    there = paper.column(column.task)
+    there = wm_abench.column(column.task)
     known = {"space": 0, "time": 1, "vision": 2, "motion": 3, "quantity": 4}
     known |= {"mechanistic": 0, "transitivity": 1, "compositionality": 2}
-    within = f"{paper.COLUMNS.index(there):03}" if there else f"~{column.letters}"
+    within = f"{wm_abench.COLUMNS.index(there):03}" if there else f"~{column.letters}"
     return known.get(column.dimension, 9), column.dimension, within, column.task
 
 

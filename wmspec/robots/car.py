@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from functools import cache
 
+from wmspec.core.space import Pose, Vector, turn
 from wmspec.layout.solids import Piece
 from wmspec.shapes import SHAPES
-from wmspec.space import Pose, Vector, turn
 
 PAINT = ""
 """The colour of what is painted as the car is."""

@@ -12,10 +12,10 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from wmspec.diagnostics import Diagnostic, WmsError
+from wmspec.core.diagnostics import Diagnostic, WmsError
+from wmspec.core.places import FilePlace
 from wmspec.importers.model import Asset, Joint, Shape
 from wmspec.importers.read import structure
-from wmspec.places import FilePlace
 from wmspec.robots.arm import Arm, Array, about, shift
 from wmspec.scene.model import Pose
 from wmspec.scene.transform import compose, inverse, quaternion, rotation

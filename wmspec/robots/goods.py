@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import HERE
 from wmspec.layout.geometry import mass, pieces
 from wmspec.layout.solids import bounds
 from wmspec.robots.arm import Array, about, shift
 from wmspec.shapes.sphere import Sphere
-from wmspec.space import HERE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

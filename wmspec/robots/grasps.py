@@ -9,7 +9,7 @@ from math import sqrt
 import numpy as np
 
 from wmspec.check.ir import Thing
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.layout import surfaces
 from wmspec.robots.arm import Array, down, shift
 from wmspec.robots.goods import Goods, goods, together

@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 from pxr import Usd, UsdGeom
 
-from wmspec.resources import resource
+from wmspec.core.resources import resource
 from wmspec.robots.arm import Arm, Array
 
 GRID = 0.02  # m: no part of a link's surface is further than that from one of its points

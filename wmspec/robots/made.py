@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics
 
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.importers.model import MeshFile, Shape
 from wmspec.layout.meshes import load
 from wmspec.robots.arm import Arm, Array, shift

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from wmspec.core.space import HERE, Pose, Vector
 from wmspec.layout.geometry import every_piece
 from wmspec.layout.motion import carriers
 from wmspec.layout.solids import Piece, bounds, corners
-from wmspec.space import HERE, Pose, Vector
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

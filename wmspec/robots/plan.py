@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmspec.check.ir import Thing
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.parse.load import located
 from wmspec.robots import grasps, moves
 from wmspec.robots.arm import Arm

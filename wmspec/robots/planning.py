@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmspec.check.ir import Thing
-from wmspec.diagnostics import Diagnostic, ImpossibleValue, Note
+from wmspec.core.diagnostics import Diagnostic, ImpossibleValue, Note
+from wmspec.core.space import Pose
 from wmspec.robots.arm import Arm, Array
 from wmspec.robots.goods import Goods, goods
 from wmspec.robots.legs import Leg, OutOfReachError, joints, times
 from wmspec.robots.schedule import lasts
-from wmspec.space import Pose
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from wmspec.check.ir import Thing
+from wmspec.core.space import HERE
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import bounds
 from wmspec.robots.arm import Array
 from wmspec.robots.goods import together
 from wmspec.robots.planning import Plan
-from wmspec.space import HERE
 
 BELOW, ABOVE = 0.002, 0.005  # m: what lies on or in something begins no lower than it, and no higher than so above it
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 from typing import TYPE_CHECKING
 
+from wmspec.core.space import HERE, rotate
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import bounds
 from wmspec.robots.ways import Bend, Leg, Spot, Straight, Swerve
-from wmspec.space import HERE, rotate
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import Pose, turn
 from wmspec.layout import surfaces
-from wmspec.space import Pose, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

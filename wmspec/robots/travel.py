@@ -13,14 +13,14 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from wmspec.check.ir import Thing
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import Pose, Quaternion, Vector, add, rotate, turn
 from wmspec.robots.obstacles import Outline, around, hull, obstacles
 from wmspec.robots.roads import LONG, WIDE, OffRoadError, Traffic, road
 from wmspec.robots.schedule import in_turn, lasts
 from wmspec.robots.stand import base
 from wmspec.robots.wayfinding import legs_to
 from wmspec.robots.ways import Leg, Spot, Straight, along, gone
-from wmspec.space import Pose, Quaternion, Vector, add, rotate, turn
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

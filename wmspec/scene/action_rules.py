@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wmspec.diagnostics import Diagnostic
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.places import PrimPlace
 from wmspec.scene.model import (
     Action,
     Follow,

@@ -11,8 +11,8 @@ from math import atan2, pi
 
 import numpy as np
 
-from wmspec.diagnostics import StageError
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import StageError
+from wmspec.core.places import PrimPlace
 from wmspec.scene.com_frame import com_frame, mount
 from wmspec.scene.model import Array, Body, Follow, Glide, Joint, Pose, Scene, Teleport
 from wmspec.scene.numbers import floats, numbers

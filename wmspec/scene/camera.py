@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.scene.model import Array, Camera, Pose, Scene, Shot
 from wmspec.scene.transform import compose, quaternion, rotation
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import partial
 from math import atan, degrees
 
-from wmspec.diagnostics import Diagnostic, Report, StageError
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import Diagnostic, Report, StageError
+from wmspec.core.places import PrimPlace
 from wmspec.scene.articulations import ascent, closing, trees
 from wmspec.scene.contact import colliders
 from wmspec.scene.drives import too_damped, too_stiff

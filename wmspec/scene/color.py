@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import picture
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import picture
 from wmspec.scene.model import Array
 
 

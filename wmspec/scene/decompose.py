@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.native_output import silence
 from wmspec.scene.inertia import inertia, principal
 from wmspec.scene.model import Array, Inertia, Pose
-from wmspec.scene.silence import silence
 from wmspec.scene.transform import apply, multiply
 from wmspec.shapes import Mesh
 

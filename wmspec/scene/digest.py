@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.plain import dumped
+from wmspec.core.canonical import dumped
 
 
 def digest(*values: Any) -> bytes:

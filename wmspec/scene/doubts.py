@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wmspec.diagnostics import Diagnostic
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.places import PrimPlace
 from wmspec.scene.bounds import bounds
 from wmspec.scene.contact import colliders, touchable
 from wmspec.scene.model import Body, Geom, Scene

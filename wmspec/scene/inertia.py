@@ -7,7 +7,7 @@ from itertools import permutations
 
 import numpy as np
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.model import Array, Inertia, Pose
 from wmspec.scene.transform import apply, multiply, quaternion, rotate, rotation
 from wmspec.shapes import Shape

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from wmspec.diagnostics import Diagnostic
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.places import PrimPlace
 from wmspec.scene.articulations import jointed, moves, trees
 from wmspec.scene.mimics import astray
 from wmspec.scene.model import Body, Drive, Joint, Launch, Release, Scene, Vanish

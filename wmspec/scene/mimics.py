@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import pi, remainder
 
-from wmspec.diagnostics import Diagnostic
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.places import PrimPlace
 from wmspec.scene.articulations import coordinate, relative
 from wmspec.scene.model import Joint, Scene
 

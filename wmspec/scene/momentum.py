@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmspec.diagnostics import Diagnostic
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.places import PrimPlace
 from wmspec.scene.articulations import jointed, ties
 from wmspec.scene.com_frame import com_frame
 from wmspec.scene.coordinates import Coordinates, coordinates, gears

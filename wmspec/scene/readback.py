@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wmspec.diagnostics import StageError
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import StageError
+from wmspec.core.places import PrimPlace
 
 
 def readback(where: str, what: str, got: ArrayLike, expected: ArrayLike, *, tolerance: float = 1e-9) -> None:

@@ -11,8 +11,8 @@ from math import atan2
 
 import numpy as np
 
-from wmspec.diagnostics import Diagnostic, StageError
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import Diagnostic, StageError
+from wmspec.core.places import PrimPlace
 from wmspec.scene.articulations import WORLD, Branch, coordinate, relative, spanning
 from wmspec.scene.mimics import ahead
 from wmspec.scene.model import Body, Joint, Pose, Scene

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wmspec.diagnostics import EngineError
+from wmspec.core.diagnostics import EngineError
 from wmspec.scene.contact import intervals
 from wmspec.scene.episode import Episode, Recording
 from wmspec.scene.model import Scene, Trace

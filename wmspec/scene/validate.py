@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmspec.diagnostics import Diagnostic, Report, StageError
-from wmspec.limits import POSES, SECONDS
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import Diagnostic, Report, StageError
+from wmspec.core.limits import POSES, SECONDS
+from wmspec.core.places import PrimPlace
 from wmspec.scene.action_rules import problems as action_problems
 from wmspec.scene.action_rules import sequence
 from wmspec.scene.joints import problems as joint_problems

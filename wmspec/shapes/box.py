@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from wmspec.core.space import Vector, times
 from wmspec.shapes.rounded import RoundedBox, edges
 from wmspec.shapes.shape import AXES, Flat, Gprim, Prim, Shape, Tensor
-from wmspec.space import Vector, times
 
 if TYPE_CHECKING:
     from wmspec.shapes.facets import Facets

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from wmspec.core.space import HERE, Pose, Vector
 from wmspec.shapes.outline import Outline, convex, integral, runs, sound, triangles
 from wmspec.shapes.shape import Parameter, Shape, Tensor, UnfitError
-from wmspec.space import HERE, Pose, Vector
 
 if TYPE_CHECKING:
     import numpy as np

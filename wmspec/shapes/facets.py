@@ -14,8 +14,8 @@ from math import cos, pi, radians, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.space import Vector
 from wmspec.shapes.shape import Shape
-from wmspec.space import Vector
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from wmspec.diagnostics import WmsError
-from wmspec.space import Vector
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.space import Vector
 
 Array = NDArray[np.float64]
 

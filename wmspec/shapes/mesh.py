@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from wmspec.core.space import Vector
 from wmspec.shapes.polygons import Polygons
 from wmspec.shapes.shape import Shape, Tensor
-from wmspec.space import Vector
 
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
     import numpy as np

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from wmspec.core.space import UP, Pose, Vector
 from wmspec.shapes.box import Box, around, cube
 from wmspec.shapes.shape import Flat, Gprim, Prim, Shape, Tensor
-from wmspec.space import UP, Pose, Vector
 
 if TYPE_CHECKING:
     from wmspec.shapes.facets import Facets

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.space import UP, Vector, add, cross, times, unit
+from wmspec.core.space import UP, Vector, add, cross, times, unit
 
 if TYPE_CHECKING:
     import numpy as np

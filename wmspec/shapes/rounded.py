@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from wmspec.core.space import Vector
 from wmspec.shapes.shape import Parameter, Shape, Tensor, UnfitError, across_and_up
-from wmspec.space import Vector
 
 if TYPE_CHECKING:
     from wmspec.shapes.facets import Facets

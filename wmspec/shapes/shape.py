@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Self
 
-from wmspec.space import HERE, ORIGIN, UP, Pose, Vector, times
+from wmspec.core.space import HERE, ORIGIN, UP, Pose, Vector, times
 
 if TYPE_CHECKING:
     import numpy as np

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.space import Vector
 from wmspec.shapes.hull import hull
-from wmspec.space import Vector
 
 Array = NDArray[np.float64]
 Side = tuple[float, Array]

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from wmspec.core.space import Vector
 from wmspec.shapes.shape import Gprim, Prim, Shape, Tensor, across_and_up
-from wmspec.space import Vector
 
 if TYPE_CHECKING:
     from wmspec.shapes.facets import Facets

@@ -9,9 +9,9 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from wmspec.core.space import HERE, Pose, Vector, add, cross, dot, times, unit
 from wmspec.shapes.shape import Parameter, Shape, Tensor, UnfitError
 from wmspec.shapes.tube import THICKNESS
-from wmspec.space import HERE, Pose, Vector, add, cross, dot, times, unit
 
 if TYPE_CHECKING:
     import numpy as np

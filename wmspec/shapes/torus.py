@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from wmspec.core.space import HERE, Pose, Vector
 from wmspec.shapes.lathe import Lathe
 from wmspec.shapes.shape import Parameter, Shape, Tensor, UnfitError, across_and_up
 from wmspec.shapes.tube import THICKNESS
-from wmspec.space import HERE, Pose, Vector
 
 if TYPE_CHECKING:
     from wmspec.shapes.facets import Facets

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from wmspec.core.space import Vector, unit
 from wmspec.shapes.box import around
 from wmspec.shapes.polygons import Polygons
 from wmspec.shapes.rounded import edges
 from wmspec.shapes.shape import Flat, Shape, Tensor
-from wmspec.space import Vector, unit
 
 if TYPE_CHECKING:
     from wmspec.shapes.facets import Facets

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import Vector
 from wmspec.layout.values import Values
 from wmspec.materials.colors import linear, rgb
-from wmspec.space import Vector
 from wmspec.stage.document import Document
 from wmspec.stage.objects import object_path
 

@@ -11,7 +11,7 @@ from functools import cached_property
 from hashlib import blake2b
 from typing import Any, NamedTuple
 
-from wmspec.plain import dumped
+from wmspec.core.canonical import dumped
 
 
 class Attribute(NamedTuple):

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, TaskSpec
+from wmspec.core.diagnostics import ImpossibleValue, Note, Report, WmsError
 from wmspec.design.design import Instance
-from wmspec.diagnostics import ImpossibleValue, Note, Report, WmsError
 from wmspec.layout.motion import carrier_sources, carriers
 from wmspec.layout.values import Values
 from wmspec.stage.actions import add_action

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 
 from wmspec.check.ir import Thing
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
 from wmspec.layout import assets, placement
 from wmspec.layout.values import Values
-from wmspec.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.objects import object_path
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import turn
 from wmspec.layout.geometry import every_piece, touchable
 from wmspec.layout.values import Values
-from wmspec.space import turn
 from wmspec.stage.document import Prim
 
 #: What is smaller than this (m³) is taken for a mistake: a tenth of a millimetre across.

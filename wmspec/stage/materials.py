@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.layout.values import Values
 from wmspec.materials import MATERIALS
 from wmspec.materials.colors import linear, rgb

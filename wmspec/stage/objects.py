@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from wmspec.check.vocabulary import COLLISIONS
-from wmspec.diagnostics import ImpossibleValue
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import HERE, LEVEL, Pose, Vector, rotate, times
 from wmspec.layout import assets
 from wmspec.layout.geometry import every_piece, touchable
 from wmspec.layout.placement import frame
@@ -13,7 +14,6 @@ from wmspec.layout.solids import Piece
 from wmspec.layout.support import supported
 from wmspec.layout.values import Values
 from wmspec.shapes.polygons import Polygons
-from wmspec.space import HERE, LEVEL, Pose, Vector, rotate, times
 from wmspec.stage import masses, materials
 from wmspec.stage.document import Document, Prim
 

@@ -7,9 +7,9 @@ along.
 from __future__ import annotations
 
 from wmspec.check.ir import Thing
+from wmspec.core.resources import resource
 from wmspec.layout.values import Values
 from wmspec.materials.colors import rgb
-from wmspec.resources import resource
 from wmspec.robots import car
 from wmspec.robots.plan import ARMS, arm_of, plan
 from wmspec.robots.stand import base

@@ -10,10 +10,10 @@ from hashlib import blake2b
 from pathlib import Path
 
 from wmspec.check.ir import Counterfactual
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 from wmspec.design.describe import told
 from wmspec.design.design import Design, Instance
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document
 from wmspec.stage.layers import base_layer, override_layer

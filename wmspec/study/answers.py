@@ -7,10 +7,10 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import plain
 from wmspec.evaluate.reply import LETTERS
-from wmspec.foreign import plain
-from wmspec.places import FilePlace
 from wmspec.study.model import Item, Study
 
 #: The largest file of answers that is read, in bytes.

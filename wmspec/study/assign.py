@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
-from wmspec.draws import bits
+from wmspec.core.rng import bits
 from wmspec.study.model import Item, Step
 
 

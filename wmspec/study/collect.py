@@ -11,13 +11,13 @@ from statistics import median
 from typing import Any
 
 from wmspec import __version__
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 from wmspec.evaluate import prompt, results
 from wmspec.evaluate import reply as replies
 from wmspec.evaluate.agreement import fleiss_kappa, majority
 from wmspec.evaluate.model import Reply
 from wmspec.evaluate.request import Ask
-from wmspec.places import FilePlace
 from wmspec.study import answers, store
 from wmspec.study.answers import Visit
 from wmspec.study.model import Item, Study, load

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmspec.diagnostics import WmsError
-from wmspec.draws import bits
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.rng import bits
+from wmspec.core.safe_io import picture
 from wmspec.evaluate.question import Question, questions
-from wmspec.foreign import picture
 from wmspec.study import page, store
 from wmspec.study.assign import slots
 from wmspec.study.model import FILE, PAGE, Item, Kind, Study, load, save

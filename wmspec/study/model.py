@@ -8,11 +8,11 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import read_plain
 from wmspec.evaluate.question import Question
 from wmspec.evaluate.reply import LETTERS
-from wmspec.foreign import read_plain
-from wmspec.places import FilePlace
 from wmspec.write.files import explained
 from wmspec.write.words import READABLE
 

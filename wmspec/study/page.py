@@ -6,10 +6,10 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import plain
-from wmspec.places import FilePlace
-from wmspec.resources import resource
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.resources import resource
+from wmspec.core.safe_io import plain
 from wmspec.study.model import PAGE, TEXTS, Item, Study
 from wmspec.write.files import explained
 from wmspec.write.webpage import webpage

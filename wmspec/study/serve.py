@@ -16,7 +16,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.study import page, store
 from wmspec.study.answers import Answer, Person
 from wmspec.study.model import PAGE, Study, load

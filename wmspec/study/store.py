@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 from wmspec.study.answers import Answer, Person, Visit
 from wmspec.study.model import Study
 

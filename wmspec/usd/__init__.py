@@ -24,7 +24,7 @@ def read(stage: Usd.Stage, *, strict: bool = True) -> Scene:
     """
     from pxr import Tf
 
-    from wmspec.diagnostics import StageError
+    from wmspec.core.diagnostics import StageError
     from wmspec.usd.files import text_of
     from wmspec.usd.notes import Notes
     from wmspec.usd.scene import scene

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from pxr import Gf
 
-from wmspec.diagnostics import Report, StageError
+from wmspec.core.diagnostics import Report, StageError
 from wmspec.scene.model import Array, Body, Geom, Inertia, Pose
 from wmspec.scene.transform import conjugate, rotate
 from wmspec.usd.colliders import DOWN, collider

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd
 
-from wmspec import space
-from wmspec.diagnostics import WmsError
+from wmspec.core import space
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.decompose import CONCAVITY, pieces
 from wmspec.scene.model import Array, Motion, Pose
 from wmspec.scene.transform import apply, compose, conjugate, rotate

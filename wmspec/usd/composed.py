@@ -11,10 +11,10 @@ from typing import Any
 
 from pxr import Sdf, Tf
 
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import Endless, plain
-from wmspec.limits import BYTES, COMPOSED, DEPTH
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.limits import BYTES, COMPOSED, DEPTH
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import Endless, plain
 from wmspec.usd.crate import trusted
 
 #: Where a prim is: the layer and the path in it.

@@ -11,7 +11,7 @@ import sys
 from functools import lru_cache
 from pathlib import Path
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 #: Processor seconds that reading all of a file may take, and bytes of address space: so many, and per byte of the file.
 SECONDS, MEMORY, PER_BYTE = 30, 2**31, 20

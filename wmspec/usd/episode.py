@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from pxr import Gf, Usd
 
-from wmspec.foreign import is_name
+from wmspec.core.safe_io import is_name
 from wmspec.scene.model import Array, Camera, Observation
 from wmspec.usd.frames import World
 from wmspec.usd.notes import STRICT, Notes

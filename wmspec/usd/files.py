@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pxr import Tf, Usd
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.usd.composed import bounded
 
 

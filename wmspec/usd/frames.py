@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Gf, Tf, Usd, UsdGeom, UsdPhysics
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
 from wmspec.scene.model import Array, Pose
 from wmspec.usd.prims import NOW, refuse, still, value
 

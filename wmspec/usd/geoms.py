@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from pxr import Sdf, Usd, UsdShade
 
-from wmspec.diagnostics import StageError
+from wmspec.core.diagnostics import StageError
 from wmspec.scene.model import Friction, Geom, Pose, Surface
 from wmspec.shapes import Shape
 from wmspec.usd import materials, meshes

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Gf, Usd
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
 from wmspec.scene.model import Body, Inertia, Joint, JointKind, Pose
 from wmspec.scene.transform import compose, identity, inverse, multiply, rotation, turning
 from wmspec.usd.drives import drive, drives

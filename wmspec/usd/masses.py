@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from pxr import Gf, Usd
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.decompose import whole
 from wmspec.scene.inertia import inertia, principal
 from wmspec.scene.model import Array, Inertia, Motion, Pose

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from pxr import Usd
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
 from wmspec.scene.model import Joint, Mimic
 from wmspec.usd.frames import World
 from wmspec.usd.notes import STRICT, Notes

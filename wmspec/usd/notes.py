@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from pxr import Usd
 
-from wmspec.diagnostics import Diagnostic, Report, StageError
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import Diagnostic, Report, StageError
+from wmspec.core.places import PrimPlace
 
 
 class Notes:

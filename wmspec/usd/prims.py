@@ -10,8 +10,8 @@ from typing import Any, NoReturn
 import numpy as np
 from pxr import Gf, Sdf, Usd, Vt
 
-from wmspec.diagnostics import StageError
-from wmspec.places import PrimPlace
+from wmspec.core.diagnostics import StageError
+from wmspec.core.places import PrimPlace
 from wmspec.scene.model import Array
 from wmspec.usd.notes import STRICT, Notes
 

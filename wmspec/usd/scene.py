@@ -7,7 +7,7 @@ from pathlib import PurePath
 
 from pxr import Usd
 
-from wmspec.diagnostics import Report, StageError
+from wmspec.core.diagnostics import Report, StageError
 from wmspec.scene.doubts import doubts
 from wmspec.scene.drives import weighed
 from wmspec.scene.loops import opened

@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Usd
 
-from wmspec.diagnostics import StageError
-from wmspec.places import PrimPlace
-from wmspec.plain import dumped, loaded
+from wmspec.core.canonical import dumped, loaded
+from wmspec.core.diagnostics import StageError
+from wmspec.core.places import PrimPlace
+from wmspec.core.space import Vector
 from wmspec.scene.model import Pose
 from wmspec.shapes import SHAPES, Mesh, Shape
 from wmspec.shapes.facets import tessellate
 from wmspec.shapes.polygons import NAME
-from wmspec.space import Vector
 from wmspec.usd.frames import Place, quaternion, vector
 from wmspec.usd.meshes import mesh
 from wmspec.usd.notes import STRICT, Notes

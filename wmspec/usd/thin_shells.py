@@ -12,7 +12,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import ConvexHull
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.model import Array
 from wmspec.shapes import Mesh
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from wmspec.diagnostics import Report
-from wmspec.spelling import nearest
+from wmspec.core.diagnostics import Report
+from wmspec.core.spelling import nearest
 from wmspec.usd.notes import Notes
 from wmspec.usd.prims import applied, targets
 

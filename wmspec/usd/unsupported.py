@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from pxr import Usd, UsdGeom
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
 from wmspec.usd.files import text_of
 from wmspec.usd.frames import operations
 from wmspec.usd.notes import STRICT, Notes

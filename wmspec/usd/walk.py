@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from pxr import Kind, Usd, UsdGeom
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
 from wmspec.scene.model import Motion
 from wmspec.usd.notes import STRICT, Notes
 from wmspec.usd.prims import applied, refuse, value

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 
 from wmspec.check.ir import Choices, Factor, Interval, Normal
-from wmspec.draws import Level
+from wmspec.core.rng import Level
 from wmspec.write.baselines import Baselines
 from wmspec.write.files import EXAMPLES
 from wmspec.write.manifest import Summary, TaskSummary

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.ask.model import Rejected
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import read_plain
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import read_plain
 from wmspec.write import checkpoint, files
 from wmspec.write.baselines import Baselines, baselines
 from wmspec.write.card import bibtex, card

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 #: Where a dataset's folder keeps what its maker needs to go on.
 PROGRESS = ".progress"

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 
 Picture = Image.Image
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.foreign import picture
+from wmspec.core.safe_io import picture
 
 #: What pictures of a dataset may be, as Pillow calls them.
 PNG, WEBP = "PNG", "WEBP"

@@ -11,7 +11,7 @@ from typing import Any
 
 from wmspec.ask.consensus import Consensus
 from wmspec.check.ir import TaskSpec
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.model import Look
 
 #: The version of the folder's layout and of its columns.

@@ -11,9 +11,9 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import plain, read_plain
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import plain, read_plain
 from wmspec.write import files
 from wmspec.write.plan import fingerprint
 from wmspec.write.rows import Row

@@ -9,8 +9,8 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import plain
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import plain
 from wmspec.write import files
 from wmspec.write.plan import Plan, Task
 from wmspec.write.reader import DatasetReader

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wmspec.diagnostics import WmsError
-from wmspec.foreign import read_plain
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import read_plain
 from wmspec.write import files
 from wmspec.write.checkpoint import passing
 from wmspec.write.plan import Plan, Shard, Task, differences

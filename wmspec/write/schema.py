@@ -11,7 +11,7 @@ import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from wmspec.ask.consensus import Consensus
-from wmspec.foreign import is_name
+from wmspec.core.safe_io import is_name
 from wmspec.write.pictures import form
 from wmspec.write.rows import COLUMNS, Row
 

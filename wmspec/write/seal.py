@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.write.reader import DatasetReader
 
 #: A smaller seed can be found by trying. A larger one cannot: to try one takes 16 MB and some 50 ms of a processor.

@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.ask.model import Rejected
-from wmspec.foreign import read_plain
+from wmspec.core.safe_io import read_plain
 from wmspec.write import files
 from wmspec.write.plan import Plan, Shard
 from wmspec.write.rows import Row, identity, schema, table

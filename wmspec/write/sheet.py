@@ -10,7 +10,7 @@ from typing import Any
 
 from PIL import Image
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.write import typeset
 from wmspec.write.pictures import opened
 from wmspec.write.reader import PICTURES, DatasetReader

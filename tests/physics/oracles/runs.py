@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 
 from tests.language.specs import task_of
+from wmspec.core.rng import Level
 from wmspec.design.design import Design
-from wmspec.draws import Level
 from wmspec.execute.backends import backend
 from wmspec.scene.model import Array, Body, Scene, Trace
 from wmspec.stage.episode import document

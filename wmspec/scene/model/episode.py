@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.diagnostics import Diagnostic
+from wmspec.core.diagnostics import Diagnostic
 from wmspec.scene.model.actions import Action
 from wmspec.scene.model.bodies import Body, Joint
 from wmspec.scene.model.cameras import Camera, Light, Observation

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.scene.backend import Info
 from wmspec.scene.capability import JOINTS, Lack, require
 from wmspec.scene.model import Renderer, Scene, Trace

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.diagnostics import EngineError
+from wmspec.core.diagnostics import EngineError
 from wmspec.scene.bounds import upright
 from wmspec.scene.com_frame import com_frame
 from wmspec.scene.contact import apart, colliders, may_touch

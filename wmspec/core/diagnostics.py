@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Self
 
-from wmspec.places import FilePlace, Location, Place, PrimPlace, Span
-from wmspec.spelling import nearest
+from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Span
+from wmspec.core.spelling import nearest
 
 Severity = Literal["error", "warning"]
 Part = Literal["error", "warning", "note", "help", "caret"]

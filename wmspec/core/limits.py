@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 class TooLarge(WmsError):

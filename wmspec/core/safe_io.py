@@ -11,8 +11,8 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wmspec.diagnostics import WmsError
-from wmspec.limits import PIXELS, RECORDS, Limit
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.limits import PIXELS, RECORDS, Limit
 
 if TYPE_CHECKING:  # most specs have no pictures, and checking those should not wait for Pillow
     from PIL import Image

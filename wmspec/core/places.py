@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
 
-from wmspec.node import Node
+from wmspec.core.node import Node
 
 
 @dataclass(frozen=True)
