@@ -39,8 +39,8 @@ from wmspec.lint.dry_run import dry_run
 from wmspec.parse.load import load_source
 from wmspec.recast.recast import recast
 from wmspec.report import replies
-from wmspec.scene.model import Trace
-from wmspec.usd import read
+from wmspec.sim.scene.model import Trace
+from wmspec.sim.usd import read
 from wmspec.write.reader import DatasetReader
 
 ROOT = Path(__file__).parent.parent

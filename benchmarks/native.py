@@ -27,7 +27,7 @@ from wmspec.execute.keys import look_key, physics_key, shot_key
 from wmspec.execute.pool import Effort
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
-from wmspec.scene.model import Frame, Scene, Shot, Trace
+from wmspec.sim.scene.model import Frame, Scene, Shot, Trace
 from wmspec.write.generate import job_of
 
 

@@ -33,7 +33,7 @@ from wmspec.design.design import Design
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.parse.load import load_source
-from wmspec.scene.model import Scene
+from wmspec.sim.scene.model import Scene
 from wmspec.write.rows import png
 from wmspec.write.units import units
 from wmspec.write.worker import Job, Sharing, work

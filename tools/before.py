@@ -62,11 +62,11 @@ import numpy as np
 from pxr import Usd
 from wmspec.execute.backends import backend
 try:
-    import wmspec.usd.schema
-    from wmspec.usd import read
+    import wmspec.sim.usd.schema
+    from wmspec.sim.usd import read
 except ImportError:
-    import wmspec.scene.schema
-    from wmspec.scene.read import read
+    import wmspec.sim.scene.schema
+    from wmspec.sim.scene.read import read
 
 out, engines = Path(sys.argv[1]), sys.argv[2].split(",")
 for path in map(Path, sys.argv[3:]):

@@ -25,7 +25,7 @@ from wmspec.ask.model import Reject
 from wmspec.ask.runs import EnginePair, execute
 from wmspec.ask.views import views_of
 from wmspec.design.about import named
-from wmspec.scene.model import Array
+from wmspec.sim.scene.model import Array
 
 HEADS = ("task", "together", "wide each", "quarters", "cut")
 

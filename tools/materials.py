@@ -16,11 +16,11 @@ from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
 from wmspec.execute.backends import default
 from wmspec.execute.render_cache import RenderCache
-from wmspec.materials import MATERIALS
-from wmspec.scene.model import Look, Shot
+from wmspec.sim.materials import MATERIALS
+from wmspec.sim.scene.model import Look, Shot
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.usd import read
 from wmspec.write import typeset
 from wmspec.write.typeset import Style
 

@@ -16,10 +16,10 @@ from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
 from wmspec.execute.backends import info, names
 from wmspec.execute.render_cache import RenderCache
-from wmspec.scene.model import Look, Scene, Shot
+from wmspec.sim.scene.model import Look, Scene, Shot
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.usd import read
 from wmspec.write import typeset
 from wmspec.write.typeset import Style
 

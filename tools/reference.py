@@ -30,8 +30,8 @@ from wmspec.check.vocabulary import (
     Form,
     Slot,
 )
-from wmspec.materials import MATERIALS
 from wmspec.parse.codes import CODES
+from wmspec.sim.materials import MATERIALS
 
 PAGE = Path(__file__).parent.parent / "docs/language.md"
 MARK = "<!-- reference -->\n"

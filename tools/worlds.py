@@ -32,11 +32,11 @@ from wmspec.execute.render_cache import RenderCache
 from wmspec.parse.load import library_folder, read_source
 from wmspec.parse.parser import parse
 from wmspec.parse.syntax import Template
-from wmspec.scene.bounds import upright
-from wmspec.scene.model import Frame, Look, Scene, Shot
+from wmspec.sim.scene.model import Frame, Look, Scene, Shot
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.usd import read
 from wmspec.write import typeset
 from wmspec.write.typeset import Style
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from wmspec.core.native_output import silence
-from wmspec.scene.articulations import Link
-from wmspec.scene.rigid import Rigid
+from wmspec.sim.scene.joints.articulations import Link
+from wmspec.sim.scene.physics.rigid import Rigid
 
 from .shapes import HERE, inside, xyzw
 

@@ -17,9 +17,9 @@ import PIL.Image
 from numpy.typing import NDArray
 
 from wmspec.core.native_output import silence
-from wmspec.scene.color import texture
-from wmspec.scene.model import Array, Geom
-from wmspec.shapes.facets import Facets
+from wmspec.sim.scene.model import Array, Geom
+from wmspec.sim.scene.render.color import texture
+from wmspec.sim.shapes.facets import Facets
 
 with silence():
     import pybullet

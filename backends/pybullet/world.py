@@ -1,4 +1,4 @@
-"""The scene in PyBullet: what the loop in `wmspec.scene.episode` does, in PyBullet's words."""
+"""The scene in PyBullet: what the loop in `wmspec.sim.scene.physics.episode` does, in PyBullet's words."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from wmspec.core.native_output import silence
-from wmspec.scene.articulations import Gear, Link, Tie
-from wmspec.scene.episode import MEET, TOUCH, Grip
-from wmspec.scene.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
+from wmspec.sim.scene.physics.episode import MEET, TOUCH, Grip
+from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
 
 from .articulations import branches, put
 from .shapes import HERE, shape, xyzw

@@ -18,8 +18,8 @@ from wmspec.check.ir import Call, Items, Operation, Option, Value
 from wmspec.check.make import observe, task, thing
 from wmspec.core.diagnostics import WmsError
 from wmspec.layout.values import Values
-from wmspec.scene.model import Body, Contact, Geom, Pose, Trace
-from wmspec.shapes import Box, Sphere
+from wmspec.sim.scene.model import Body, Contact, Geom, Pose, Trace
+from wmspec.sim.shapes import Box, Sphere
 
 RATE = 240
 T = np.arange(2 * RATE + 1) / RATE

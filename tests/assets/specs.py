@@ -11,11 +11,11 @@ from wmspec.check.ir import TaskSpec
 from wmspec.check.task import check
 from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
-from wmspec.scene.model import Array, Body, Scene
-from wmspec.scene.transform import rotation
+from wmspec.sim.scene.model import Array, Body, Scene
+from wmspec.sim.scene.model.transform import rotation
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.usd import read
 
 HERE = Path(__file__).parent
 CABINET = HERE.parents[1] / "docs/cabinet.urdf"

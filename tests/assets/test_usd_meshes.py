@@ -10,10 +10,10 @@ import pytest
 import trimesh
 
 from tests.assets.specs import checked, named, scene, spec, tensor
-from wmspec.scene.bounds import upright
-from wmspec.scene.model import Body
-from wmspec.scene.transform import apply
-from wmspec.shapes import Box, Mesh
+from wmspec.sim.scene.model import Body
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.transform import apply
+from wmspec.sim.shapes import Box, Mesh
 
 #: A cube of edge 2 as quads, a pentagon of two of its sides' corners nowhere: each side out.
 QUADS = """point3f[] points = [(-1,-1,-1),(1,-1,-1),(1,1,-1),(-1,1,-1),(-1,-1,1),(1,-1,1),(1,1,1),(-1,1,1),(9,9,9)]

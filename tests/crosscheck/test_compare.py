@@ -16,13 +16,13 @@ from wmspec.compare.tolerance import Tolerances, tolerances
 from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
 from wmspec.execute.backends import backend
-from wmspec.scene.model import Body, Geom, Pose, Scene, Trace
-from wmspec.scene.transform import identity
-from wmspec.scene.turn import turned
-from wmspec.shapes import Box, Cylinder, Shape, Sphere
+from wmspec.sim.scene.model import Body, Geom, Pose, Scene, Trace
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.scene.render.turn import turned
+from wmspec.sim.shapes import Box, Cylinder, Shape, Sphere
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.usd import read
 
 HERE = Path(__file__).parent
 LIMITS = Tolerances()

@@ -12,7 +12,7 @@ import wmspec
 from tests.engines import installed
 from wmspec.compare.regimes import entered
 from wmspec.conform.build import ball, body, box, cylinder, floor, joint, prism, stage
-from wmspec.usd import read
+from wmspec.sim.usd import read
 
 CUBE = box(0.2, 0.2, 0.2)
 

@@ -19,8 +19,8 @@ from wmspec.execute import doctor, probe, remedy
 from wmspec.execute.doctor import Finding, examine, fit
 from wmspec.execute.probe import render
 from wmspec.execute.remedy import System
-from wmspec.photo import library
-from wmspec.scene.camera import look_at
+from wmspec.sim.photo import library
+from wmspec.sim.scene.render.camera import look_at
 
 BOOKWORM = System(frozenset({"debian"}), "bookworm", root=True)
 TRIXIE = System(frozenset({"debian"}), "trixie", root=False)

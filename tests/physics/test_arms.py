@@ -26,9 +26,9 @@ from wmspec.robots.franka import PANDA
 from wmspec.robots.ik import solve
 from wmspec.robots.plan import matrix, plan
 from wmspec.robots.stand import base
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.one_factor import changed_by, violations
-from wmspec.usd import read
 
 ENGINES = ("mujoco", "pybullet", "sapien")
 FIRST = ("mujoco", *(pytest.param(engine, marks=pytest.mark.slow) for engine in ENGINES[1:]))

@@ -17,7 +17,7 @@ from wmspec.conform.build import body, cylinder, floor, stage
 from wmspec.conform.case import RATE
 from wmspec.conform.score import by_backend, by_traces, cases, chosen, scores
 from wmspec.core.diagnostics import WmsError
-from wmspec.usd import read
+from wmspec.sim.usd import read
 
 CASES = cases()
 COUPLED = (

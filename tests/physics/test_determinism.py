@@ -13,8 +13,8 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import G, body, floor, scene
 from tests.physics.test_native import limbs, lively
-from wmspec.scene.model import Trace
-from wmspec.shapes import Box, Sphere
+from wmspec.sim.scene.model import Trace
+from wmspec.sim.shapes import Box, Sphere
 
 FIELDS = ("position", "orientation", "linear_velocity", "angular_velocity")
 

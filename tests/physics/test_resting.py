@@ -8,10 +8,10 @@ import pytest
 from tests.engines import installed
 from tests.language.specs import task_from
 from wmspec.design.design import Design
-from wmspec.scene.episode import play
+from wmspec.sim.scene.physics.episode import play
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.usd import read
 
 SCENE = """task still : custom {{
   object floor {{ shape: box  size: (4 m, 4 m, 10 cm)  at: (0, 0, -5 cm)  fixed: true }}

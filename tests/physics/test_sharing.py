@@ -19,11 +19,11 @@ from wmspec.design.design import Design
 from wmspec.execute.backends import backend
 from wmspec.execute.keys import physics_key
 from wmspec.execute.trace_cache import TraceCache
-from wmspec.scene.model import Friction, Geom, Light, Scene, Surface
+from wmspec.sim.scene.model import Friction, Geom, Light, Scene, Surface
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 from wmspec.stage.write import write_stages
-from wmspec.usd import read
 
 (COLLIDE,) = (task_of(path) for path in SPECS if path.stem == "collide")
 

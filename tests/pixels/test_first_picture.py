@@ -14,8 +14,8 @@ from tests.endtoend.test_commands import SPEED
 from tests.language.specs import task_of
 from wmspec.design.design import Design
 from wmspec.execute.backends import backend
-from wmspec.scene.model import Shot
-from wmspec.usd import read
+from wmspec.sim.scene.model import Shot
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 

@@ -12,7 +12,7 @@ from tests.pixels.scenes import SUN
 from wmspec.execute.backends import backend
 from wmspec.execute.keys import form_key, look_key
 from wmspec.execute.render_cache import RenderCache
-from wmspec.scene.model import Light, Pose, Scene, Shot, Surface
+from wmspec.sim.scene.model import Light, Pose, Scene, Shot, Surface
 
 
 def painted(scene: Scene, shift: int) -> Scene:

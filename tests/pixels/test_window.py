@@ -16,10 +16,10 @@ from wmspec.backends.mujoco.backdrop import Backdrops
 from wmspec.backends.mujoco.cast import Cast
 from wmspec.backends.mujoco.render import Renderer
 from wmspec.core.resources import resource
-from wmspec.scene.camera import project
-from wmspec.scene.model import Pose, Scene, Shot, Surface
-from wmspec.scene.window import BLOCK, EDGE, Moving, full
-from wmspec.usd import read
+from wmspec.sim.scene.model import Pose, Scene, Shot, Surface
+from wmspec.sim.scene.render.camera import project
+from wmspec.sim.scene.render.window import BLOCK, EDGE, Moving, full
+from wmspec.sim.usd import read
 
 SIZE = 128
 TASKS = {

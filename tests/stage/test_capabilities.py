@@ -17,10 +17,10 @@ from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import engine_version, info, names
 from wmspec.execute.probe import falling_cube
-from wmspec.scene.capability import JOINTS, NEVER, Lack, friction_above, require, table
-from wmspec.scene.model import Joint
-from wmspec.scene.transform import identity
-from wmspec.shapes import Sphere
+from wmspec.sim.scene.capability import JOINTS, NEVER, Lack, friction_above, require, table
+from wmspec.sim.scene.model import Joint
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.shapes import Sphere
 
 ROOT = Path(__file__).parents[2]
 

@@ -17,16 +17,16 @@ from wmspec.check.make import HERE, action, compound, factor, joint, observe, ro
 from wmspec.check.record import from_json, to_json
 from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
-from wmspec.materials import MATERIALS
-from wmspec.scene.model import Follow, Force, Impulse, Launch, Scene, Steer, Teleport
-from wmspec.scene.transform import apply, rotate
-from wmspec.shapes import Box, Mesh
+from wmspec.sim.materials import MATERIALS
+from wmspec.sim.scene.model import Follow, Force, Impulse, Launch, Scene, Steer, Teleport
+from wmspec.sim.scene.model.transform import apply, rotate
+from wmspec.sim.shapes import Box, Mesh
+from wmspec.sim.usd import read
 from wmspec.stage.diff import diff
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
 from wmspec.stage.write import write_stages
-from wmspec.usd import read
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 TABLE = thing("object", "table", shape="box", size=(2, 2, 0.1), at=(0, 0, -0.05), friction=0.4, fixed=True)

@@ -17,11 +17,11 @@ from wmspec.execute import scene_cache
 from wmspec.execute.keys import form_key, look_key, physics_key
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.layout.values import Values
-from wmspec.scene.model import Scene
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.usd import read
 from wmspec.stage.document import Document
 from wmspec.stage.episode import built
 from wmspec.stage.layers import compose
-from wmspec.usd import read
 
 
 def documents(spec: TaskSpec, instances: int, most: int | None = None) -> Iterator[Document]:

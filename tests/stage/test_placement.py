@@ -17,12 +17,12 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
 from wmspec.layout import scatter
 from wmspec.layout.values import Values
-from wmspec.scene.model import Array, Body, Scene
-from wmspec.scene.transform import apply
-from wmspec.shapes.facets import tessellate
+from wmspec.sim.scene.model import Array, Body, Scene
+from wmspec.sim.scene.model.transform import apply
+from wmspec.sim.shapes.facets import tessellate
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.usd import read
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 ANGLES = st.floats(-3.1, 3.1)

@@ -6,7 +6,7 @@ import pytest
 
 from tests.stage.stages import stage
 from wmspec.core.diagnostics import StageError
-from wmspec.usd import read
+from wmspec.sim.usd import read
 
 BALL = 'def Sphere "%s" ( prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"] ) { %s }\n'
 JOINT = 'def PhysicsRevoluteJoint "j" { %s\n %s }\n'

@@ -8,7 +8,7 @@ from typing import TypedDict
 from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import drawing
 from wmspec.execute.render_cache import RenderCache
-from wmspec.scene.model import Look
+from wmspec.sim.scene.model import Look
 
 #: How few and how many pixels the side of a picture may have.
 LEAST_SIDE, MOST_SIDE = 16, 4096

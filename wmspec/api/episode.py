@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from pxr import Usd, UsdUtils
 
-import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
+import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.api.drawing import Drawing, renderer_of
 from wmspec.compare.regimes import entered
 from wmspec.compare.tolerance import Tolerances
@@ -22,13 +22,13 @@ from wmspec.core.places import FilePlace
 from wmspec.execute import archive
 from wmspec.execute.backends import info
 from wmspec.execute.trace_cache import TraceCache
-from wmspec.scene.appearance import shown_at
-from wmspec.scene.bounds import middle
-from wmspec.scene.camera import find
-from wmspec.scene.capability import approximated, require
-from wmspec.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
-from wmspec.usd import read
-from wmspec.usd.files import opened
+from wmspec.sim.scene.capability import approximated, require
+from wmspec.sim.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
+from wmspec.sim.scene.model.bounds import middle
+from wmspec.sim.scene.render.appearance import shown_at
+from wmspec.sim.scene.render.camera import find
+from wmspec.sim.usd import read
+from wmspec.sim.usd.files import opened
 from wmspec.write import film, typeset
 from wmspec.write.overlay import annotated
 

@@ -24,7 +24,7 @@ from wmspec.design.design import share
 from wmspec.execute.backends import chosen, drawing, versions
 from wmspec.execute.cluster import ray_cluster
 from wmspec.execute.pool import Effort
-from wmspec.scene.model import Look
+from wmspec.sim.scene.model import Look
 from wmspec.write.dataset import Dataset
 from wmspec.write.generate import generate as make
 from wmspec.write.manifest import Summary

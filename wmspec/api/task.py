@@ -258,7 +258,7 @@ class Instance:
     def native(self, engine: str) -> dict[str, str]:
         """The episode in an engine's own form, file name -> text, usable without wmspec."""
         from wmspec.execute.backends import backend
-        from wmspec.usd import read
+        from wmspec.sim.usd import read
 
         return backend(engine).native(read(self.stage()))
 

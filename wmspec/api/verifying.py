@@ -14,7 +14,7 @@ from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import is_name
 from wmspec.execute.backends import chosen, drawing, versions
-from wmspec.scene.model import Look
+from wmspec.sim.scene.model import Look
 from wmspec.write import files
 from wmspec.write.plan import Plan
 from wmspec.write.plan import Task as PlannedTask

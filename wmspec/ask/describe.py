@@ -11,9 +11,9 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.layout.geometry import volume
 from wmspec.layout.values import Values
 from wmspec.layout.view import front, seen
-from wmspec.materials import SHADES
-from wmspec.materials.colors import rgb
-from wmspec.scene.model import Array
+from wmspec.sim.materials import SHADES
+from wmspec.sim.materials.colors import rgb
+from wmspec.sim.scene.model import Array
 
 #: One object is larger than another if its edges are so many times as long; further aside by so much (m).
 LARGER, ASIDE = 1.15, 0.03

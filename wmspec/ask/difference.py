@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wmspec.scene.color import to_linear
-from wmspec.scene.model import Array
+from wmspec.sim.scene.model import Array
+from wmspec.sim.scene.render.color import to_linear
 
 #: Linear sRGB to CIE XYZ, and the white of D65 (IEC 61966-2-1).
 _XYZ = np.array(

@@ -7,7 +7,7 @@ import numpy as np
 from wmspec.ask.observed import Observed
 from wmspec.core.diagnostics import WmsError
 from wmspec.layout.view import UPRIGHT, quarters
-from wmspec.scene.transform import compose, rotate
+from wmspec.sim.scene.model.transform import compose, rotate
 
 _X, _UP, _AHEAD = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0])
 

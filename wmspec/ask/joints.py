@@ -6,9 +6,9 @@ import numpy as np
 
 from wmspec.ask.observed import Observed
 from wmspec.core.diagnostics import WmsError
-from wmspec.scene.articulations import coordinate
-from wmspec.scene.model import Joint, JointKind, Pose
-from wmspec.scene.transform import compose, identity, inverse
+from wmspec.sim.scene.joints.articulations import coordinate
+from wmspec.sim.scene.model import Joint, JointKind, Pose
+from wmspec.sim.scene.model.transform import compose, identity, inverse
 
 
 def angle(observed: Observed, name: str, at: float | None = None) -> float:

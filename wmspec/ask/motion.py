@@ -11,7 +11,7 @@ from wmspec.ask.bearing import Bearing
 from wmspec.ask.observed import MOVED, STILL, Observed
 from wmspec.ask.trajectory import form
 from wmspec.core.diagnostics import WmsError
-from wmspec.scene.model import Array
+from wmspec.sim.scene.model import Array
 
 
 def speed(

@@ -9,9 +9,9 @@ import numpy as np
 
 from wmspec.ask.views import View
 from wmspec.core.diagnostics import WmsError
-from wmspec.scene.bounds import middle, upright
-from wmspec.scene.model import Array, Body, Frame, Pose, Scene, Trace
-from wmspec.scene.transform import identity
+from wmspec.sim.scene.model import Array, Body, Frame, Pose, Scene, Trace
+from wmspec.sim.scene.model.bounds import middle, upright
+from wmspec.sim.scene.model.transform import identity
 
 #: What gets no further than this (m) from where it was has not moved: engines let things at rest creep by 0.3 mm.
 MOVED = 0.002

@@ -9,8 +9,8 @@ import numpy as np
 from wmspec.ask.observed import REST, STILL, Observed
 from wmspec.core.diagnostics import WmsError
 from wmspec.layout.view import seen
-from wmspec.scene.model import Array
-from wmspec.scene.transform import conjugate, rotate
+from wmspec.sim.scene.model import Array
+from wmspec.sim.scene.model.transform import conjugate, rotate
 
 UP = np.array([0.0, 0.0, 1.0])
 #: Two directions are told apart if one is so many times as long as the other.

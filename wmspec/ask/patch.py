@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from wmspec.scene.model import Frame
+from wmspec.sim.scene.model import Frame
 
 T = TypeVar("T")
 

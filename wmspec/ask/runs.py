@@ -20,13 +20,13 @@ from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.layout.values import Values
-from wmspec.scene.appearance import shown_at, vanished
-from wmspec.scene.bounds import bounds, middle, own_middle
-from wmspec.scene.kept import kept
-from wmspec.scene.model import Array, Body, Frame, Geom, Pose, Scene, Shot, Trace
-from wmspec.scene.overlap import overlap
-from wmspec.scene.transform import compose as placed
-from wmspec.scene.transform import rotate
+from wmspec.sim.scene.model import Array, Body, Frame, Geom, Pose, Scene, Shot, Trace
+from wmspec.sim.scene.model.bounds import bounds, middle, own_middle
+from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.model.transform import compose as placed
+from wmspec.sim.scene.model.transform import rotate
+from wmspec.sim.scene.physics.overlap import overlap
+from wmspec.sim.scene.render.appearance import shown_at, vanished
 
 #: Bodies that lie deeper (m) in one another at the start would be thrown apart, by each engine in its own way.
 DEEP = 0.001

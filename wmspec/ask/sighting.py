@@ -8,7 +8,7 @@ from wmspec.ask.model import Sighting
 from wmspec.ask.patch import patch
 from wmspec.ask.runs import Run
 from wmspec.layout.values import Values
-from wmspec.scene.model import Frame
+from wmspec.sim.scene.model import Frame
 
 #: The properties whose words may tell an object from others.
 _TELLING = ("color", "shape", "material")

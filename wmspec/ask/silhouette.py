@@ -8,13 +8,13 @@ from itertools import product
 import numpy as np
 from PIL import Image, ImageDraw
 
-from wmspec.scene.bounds import upright
-from wmspec.scene.camera import find, project
-from wmspec.scene.kept import kept
-from wmspec.scene.model import Array, Body, Camera, Pose, Scene
-from wmspec.scene.transform import apply, compose, identity
-from wmspec.shapes import Shape
-from wmspec.shapes.facets import tessellate
+from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.model.transform import apply, compose, identity
+from wmspec.sim.scene.render.camera import find, project
+from wmspec.sim.shapes import Shape
+from wmspec.sim.shapes.facets import tessellate
 
 #: How wide silhouettes are drawn (px), the smaller ones larger than they are seen, because a polygon covers its edge.
 WIDE, MOST_FINER = 1024, 16

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from wmspec.scene.model import Array
+from wmspec.sim.scene.model import Array
 
 #: What strays less than this (m), or than this share of the path's extent, is no corner.
 STRAY, STRAY_SHARE = 0.005, 0.02

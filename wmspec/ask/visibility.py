@@ -12,7 +12,7 @@ from wmspec.ask.observed import Observed
 from wmspec.ask.patch import known, patch
 from wmspec.ask.silhouette import Silhouette, box, silhouette
 from wmspec.ask.views import View
-from wmspec.scene.model import Frame
+from wmspec.sim.scene.model import Frame
 
 #: What lies so many pixels around a body is what it stands out from, in a picture of 256 x 256.
 AROUND = 3 / 256

@@ -21,7 +21,7 @@ from wmspec.check.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES,
 from wmspec.core.diagnostics import Note, Remedy, suggestion
 from wmspec.core.places import Location, Span
 from wmspec.parse import syntax as s
-from wmspec.shapes import SHAPES
+from wmspec.sim.shapes import SHAPES
 
 _ARTICLE = re.compile(r"(the|an?)\b\s*", re.IGNORECASE)
 _MODELS = {"joint": tuple(JOINTS), "robot": tuple(ROBOTS)}

@@ -33,8 +33,8 @@ from wmspec.check.types import (
     Vector,
 )
 from wmspec.check.units import ACCELERATION, ANGULAR_SPEED, DENSITY, INERTIA, MASS, NUMBER, SPEED, TIME, Dimension, told
-from wmspec.materials import MATERIALS, SHADES
-from wmspec.shapes import SHAPES
+from wmspec.sim.materials import MATERIALS, SHADES
+from wmspec.sim.shapes import SHAPES
 
 #: sRGB in 0..1. Told apart at a glance, named as a person would name them.
 COLORS: dict[str, tuple[float, float, float]] = {

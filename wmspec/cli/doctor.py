@@ -41,7 +41,7 @@ def _capabilities(as_json: bool) -> None:
     import json
 
     from wmspec.execute.backends import info, names
-    from wmspec.scene.capability import NEARLY, table
+    from wmspec.sim.scene.capability import NEARLY, table
 
     engines = [info(name) for name in names()]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.compare.tolerance import Tolerances
-from wmspec.scene.model import Contact, Scene, Trace
+from wmspec.sim.scene.model import Contact, Scene, Trace
 
 Array = NDArray[np.float64]
 

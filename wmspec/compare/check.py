@@ -21,7 +21,7 @@ from wmspec.design.design import Design, Instance
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
-from wmspec.scene.model import Scene, Trace
+from wmspec.sim.scene.model import Scene, Trace
 
 #: The pictures on which `visible`, `occluded` and `contrast` are measured (px).
 SIDE = 256

@@ -11,8 +11,8 @@ from wmspec.compare.explain import cause
 from wmspec.compare.model import Comparison, Event, Gap, Rest
 from wmspec.compare.regimes import regimes
 from wmspec.compare.tolerance import Tolerances
-from wmspec.scene.model import Body, Scene, Trace
-from wmspec.scene.turn import turned
+from wmspec.sim.scene.model import Body, Scene, Trace
+from wmspec.sim.scene.render.turn import turned
 
 
 def compare(run: str, scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) -> Comparison:

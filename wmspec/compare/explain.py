@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from wmspec.compare.allow import impacts
 from wmspec.compare.model import Cause, Event, Gap, Rest
-from wmspec.scene.contact import colliders, mix
-from wmspec.scene.model import Body, Contact, Friction, Scene, Trace
+from wmspec.sim.scene.model import Body, Contact, Friction, Scene, Trace
+from wmspec.sim.scene.physics.contact import colliders, mix
 
 #: With a friction of 0.5 two rolling balls that meet end three times as far apart as with this.
 SMOOTH = 0.1

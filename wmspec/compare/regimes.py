@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from wmspec.compare.allow import closing, impacts, sample
 from wmspec.compare.model import Regime
 from wmspec.execute.backends import info, names
-from wmspec.scene.articulations import trees
-from wmspec.scene.capability import (
+from wmspec.sim.scene.capability import (
     DOUBLE_PENDULUMS,
     FAST_SPINS,
     HEAVY_LANDINGS,
@@ -24,12 +23,24 @@ from wmspec.scene.capability import (
     Capability,
     approximated,
 )
-from wmspec.scene.contact import colliders, mix
-from wmspec.scene.hard import BALANCED, BOUNCY, HEAVIER, KEPT, LANDS, SPINS, STEEP, SWINGS, disc, leaning
-from wmspec.scene.landings import dull, landings
-from wmspec.scene.model import Body, Contact, Force, Impulse, JointKind, Launch, Pose, Release, Scene, Trace, Vanish
-from wmspec.scene.transform import conjugate, rotate
-from wmspec.shapes.cylinder import Cylinder
+from wmspec.sim.scene.joints.articulations import trees
+from wmspec.sim.scene.model import Body, Contact, Force, Impulse, JointKind, Launch, Pose, Release, Scene, Trace, Vanish
+from wmspec.sim.scene.model.transform import conjugate, rotate
+from wmspec.sim.scene.physics.contact import colliders, mix
+from wmspec.sim.scene.physics.initial_drops import dull, landings
+from wmspec.sim.scene.regime_thresholds import (
+    BALANCED,
+    BOUNCY,
+    HEAVIER,
+    KEPT,
+    LANDS,
+    SPINS,
+    STEEP,
+    SWINGS,
+    disc,
+    leaning,
+)
+from wmspec.sim.shapes.cylinder import Cylinder
 
 ROW = "what strikes bodies that touch each other is answered by all of them at once"
 #: m/s: slower is at rest.

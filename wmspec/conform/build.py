@@ -150,7 +150,7 @@ def prism(sides: int, radius: float, height: float) -> str:
 
 def floor(turn: Sequence[float] = UPRIGHT) -> str:
     """A slab of 1 m whose top goes through the origin."""
-    from wmspec.scene.transform import rotate
+    from wmspec.sim.scene.model.transform import rotate
 
     x, y, z = rotate([*turn], [0.0, 0.0, -0.5]).tolist()  # type: ignore[arg-type]
     return body("floor", box(40.0, 40.0, 1.0), (x, y, z), turn, mass=None)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmspec.scene.model import Array
-from wmspec.scene.transform import rotate, turned
+from wmspec.sim.scene.model import Array
+from wmspec.sim.scene.model.transform import rotate, turned
 
 RATE = 240  # samples a second
 
@@ -40,7 +40,7 @@ class Track:
 
     def turn(self, time: float) -> float:
         """By how much (rad, 0..pi) it has turned since the start."""
-        from wmspec.scene.transform import conjugate, multiply
+        from wmspec.sim.scene.model.transform import conjugate, multiply
 
         whole = multiply(self.orientation[sample(time)], conjugate(self.orientation[0]))
         return float(np.linalg.norm(turned(whole)))

@@ -122,7 +122,7 @@ def _turns_over(moments: Vector, spin: Vector) -> float:
     """When (s) the middle axis of a free body is first at right angles to where it began."""
     from scipy.integrate import solve_ivp
 
-    from wmspec.scene.transform import multiply, rotate
+    from wmspec.sim.scene.model.transform import multiply, rotate
 
     a, b, c = moments
 

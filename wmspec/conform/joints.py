@@ -11,7 +11,7 @@ from wmspec.conform.build import G, ball, body, box, joint, stage
 from wmspec.conform.case import RATE, Case, Measure, Run
 from wmspec.conform.contacts import LANDAU, MECHANICS
 from wmspec.core.space import Vector
-from wmspec.scene.model import Array
+from wmspec.sim.scene.model import Array
 
 _ARM = 0.5  # m, from the pivot to the middle of the bob
 _INERTIA = (0.01, 0.01, 0.01)

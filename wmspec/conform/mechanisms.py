@@ -12,8 +12,8 @@ from wmspec.conform.case import RATE, Case, Measure, Run
 from wmspec.conform.contacts import LANDAU, MECHANICS
 from wmspec.conform.joints import swing
 from wmspec.core.space import Vector
-from wmspec.scene.model import Array
-from wmspec.scene.transform import rotate
+from wmspec.sim.scene.model import Array
+from wmspec.sim.scene.model.transform import rotate
 
 _SMALL = box(0.1, 0.1, 0.1)
 _CONSTRAINED = "Lagrange's equations with a constraint"

@@ -87,7 +87,7 @@ def by_backend(engine: str) -> Runner:
     def execute(case: Case) -> Run:
         from pxr import Usd
 
-        from wmspec.usd import read
+        from wmspec.sim.usd import read
 
         stage = Usd.Stage.CreateInMemory()
         stage.GetRootLayer().ImportFromString(case.stage)

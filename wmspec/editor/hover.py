@@ -17,11 +17,11 @@ from wmspec.core.places import Source, Span
 from wmspec.editor.complete import shown_type, takes
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names, Occurrence
-from wmspec.materials import MATERIALS
 from wmspec.parse import syntax as s
 from wmspec.parse.parser import words
 from wmspec.parse.tables import tables
 from wmspec.parse.words import Token
+from wmspec.sim.materials import MATERIALS
 
 
 @dataclass(frozen=True)

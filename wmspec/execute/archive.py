@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd
 
-import wmspec.usd.schema  # noqa: F401  importing it registers the schemas
+import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.limits import TRACE, TooLarge
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_name, plain
-from wmspec.scene.model import Contact, Trace
+from wmspec.sim.scene.model import Contact, Trace
 
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
 

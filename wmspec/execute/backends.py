@@ -11,9 +11,9 @@ from typing import cast, get_args
 from wmspec import __version__
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.native_output import silence
-from wmspec.photo import library as photo
-from wmspec.scene.backend import Backend, Info
-from wmspec.scene.model import Look
+from wmspec.sim.photo import library as photo
+from wmspec.sim.scene.backend import Backend, Info
+from wmspec.sim.scene.model import Look
 
 GROUP = "wmspec.backends"
 

@@ -17,8 +17,8 @@ from itertools import chain
 from wmspec.execute import probe, remedy
 from wmspec.execute.backends import engine_version, info, names
 from wmspec.execute.remedy import System
-from wmspec.photo import library
-from wmspec.scene.backend import Info
+from wmspec.sim.photo import library
+from wmspec.sim.scene.backend import Info
 
 PATIENCE = 300.0  # seconds: an engine may compile its shaders anew in every process, minutes on a busy machine
 OLDEST_PYTHON = (3, 11)

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from wmspec.scene.digest import digest
-from wmspec.scene.model import Body, Scene, Shot, Surface
+from wmspec.sim.scene.model import Body, Scene, Shot, Surface
+from wmspec.sim.scene.model.digest import digest
 
 _PLAIN = Surface()
 

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import backend
-from wmspec.scene.camera import look_at
-from wmspec.scene.inertia import inertia
-from wmspec.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
-from wmspec.scene.transform import identity
-from wmspec.shapes import Box
+from wmspec.sim.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.scene.physics.inertia import inertia
+from wmspec.sim.scene.render.camera import look_at
+from wmspec.sim.shapes import Box
 
 GRAVITY = 9.81
 SIZE = 64
@@ -58,8 +58,8 @@ def execute(engine: str) -> str:
 
 def photo(_: str = "") -> str:
     """Draw the cube in the look "photo". Raises WmsError unless it is red, in the middle of the picture."""
-    from wmspec.photo.library import variant
-    from wmspec.photo.tracer import Tracer
+    from wmspec.sim.photo.library import variant
+    from wmspec.sim.photo.tracer import Tracer
 
     scene = falling_cube()
     rgb = Tracer(scene, (SIZE, SIZE)).draw(Shot("eye", tuple(b.pose for b in scene.bodies)))

@@ -7,7 +7,7 @@ import platform
 import sys
 from dataclasses import dataclass
 
-from wmspec.scene.backend import Graphics, Info
+from wmspec.sim.scene.backend import Graphics, Info
 
 PACKAGES = "mesa-vulkan-drivers libegl-mesa0 libgl1-mesa-dri libegl1 libgl1 libvulkan1"
 DEBIAN_WITH_OLD_MESA = {"bookworm": "bookworm-backports"}  # Debian 12: Mesa 22.3, and 25.0 in its backports

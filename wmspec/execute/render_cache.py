@@ -6,7 +6,7 @@ from collections import OrderedDict
 
 from wmspec.execute.backends import backend
 from wmspec.execute.keys import form_key, look_key, shot_key
-from wmspec.scene.model import Frame, Look, Renderer, Scene, Shot
+from wmspec.sim.scene.model import Frame, Look, Renderer, Scene, Shot
 
 #: How much (bytes) the pictures take that are remembered, and how many renderers are open.
 REMEMBERED, OPEN = 96_000_000, 4
@@ -75,7 +75,7 @@ class RenderCache:
         parity = backend(self.engine).renderer(scene, *self.size)
         if self._look == "parity":
             return parity
-        from wmspec.photo.renderer import Renderer as Photo
+        from wmspec.sim.photo.renderer import Renderer as Photo
 
         return Photo(scene, parity, self.size, self._samples)
 

@@ -18,12 +18,12 @@ from typing import Any
 from wmspec.check.ir import TaskSpec
 from wmspec.core.diagnostics import WmsError
 from wmspec.layout.values import Values
-from wmspec.scene.model import Body, Camera, Scene
+from wmspec.sim.scene.model import Body, Camera, Scene
+from wmspec.sim.usd import read
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.episode import built
 from wmspec.stage.layers import bare, compose
 from wmspec.stage.object_cache import ObjectCache
-from wmspec.usd import read
 
 _OBJECTS, _MATERIALS, _CAMERAS = "/World/Objects/", "/World/Materials/", "/World/Cameras/"
 _EPISODE, _LIGHTS = "/World/Episode", "/World/Lights"
@@ -79,7 +79,7 @@ class SceneCache:
         return self._built[key][1]
 
     def scene(self, document: Document) -> Scene:
-        """The scene of a document, as `wmspec.usd.read` reads it from the whole stage.
+        """The scene of a document, as `wmspec.sim.usd.read` reads it from the whole stage.
 
         Raises StageError with all that is wrong.
         """

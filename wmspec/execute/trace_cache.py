@@ -6,7 +6,7 @@ from collections import OrderedDict
 
 from wmspec.execute.backends import backend
 from wmspec.execute.keys import physics_key
-from wmspec.scene.model import Scene, Trace
+from wmspec.sim.scene.model import Scene, Trace
 
 
 class TraceCache:

@@ -15,7 +15,7 @@ from wmspec.importers.tree import Placed, Tree
 from wmspec.importers.turns import angles, clean
 from wmspec.importers.write import Writer
 from wmspec.parse import syntax as s
-from wmspec.shapes import word
+from wmspec.sim.shapes import word
 
 #: What a spec may say of a link and of a joint of an asset, instead of its file.
 OF_LINK = (

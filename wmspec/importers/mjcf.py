@@ -18,7 +18,7 @@ from wmspec.importers.mjcf_joints import Joints
 from wmspec.importers.model import MOST_LINKS, MOST_SHAPES, Asset, Faults, Joint, Link
 from wmspec.importers.tree import WORLD
 from wmspec.importers.turns import X
-from wmspec.scene.transform import identity
+from wmspec.sim.scene.model.transform import identity
 
 _READ = ("compiler", "default", "asset", "worldbody", "actuator")
 _LEFT_OUT = ("option", "size", "visual", "statistic", "sensor", "keyframe", "custom")

@@ -9,8 +9,8 @@ import numpy as np
 
 from wmspec.importers.markup import Element, Reader
 from wmspec.importers.model import Faults
-from wmspec.scene.model import Array, Pose
-from wmspec.scene.transform import multiply, turning
+from wmspec.sim.scene.model import Array, Pose
+from wmspec.sim.scene.model.transform import multiply, turning
 
 #: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
 Find = Callable[[Element, str], str]

@@ -9,11 +9,11 @@ import numpy as np
 from wmspec.importers.markup import Element
 from wmspec.importers.mjcf_defaults import Defaults
 from wmspec.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, conditional
-from wmspec.scene.inertia import inertia, principal
-from wmspec.scene.model import Inertia, Pose
-from wmspec.scene.transform import multiply, quaternion
-from wmspec.shapes import Box, Capsule, Cylinder, Sphere
-from wmspec.shapes import Shape as Solid
+from wmspec.sim.scene.model import Inertia, Pose
+from wmspec.sim.scene.model.transform import multiply, quaternion
+from wmspec.sim.scene.physics.inertia import inertia, principal
+from wmspec.sim.shapes import Box, Capsule, Cylinder, Sphere
+from wmspec.sim.shapes import Shape as Solid
 
 _GEOM = (
     "name", "type", "size", "pos", "quat", "euler", "axisangle", "fromto", "mass", "density", "friction", "rgba",

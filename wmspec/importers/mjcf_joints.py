@@ -11,7 +11,7 @@ from wmspec.importers.markup import Element
 from wmspec.importers.mjcf_defaults import Defaults
 from wmspec.importers.model import Joint
 from wmspec.importers.turns import X
-from wmspec.scene.model import Pose
+from wmspec.sim.scene.model import Pose
 
 _KINDS: dict[str, Literal["hinge", "slider", "ball", "free"]] = {
     "hinge": "hinge",

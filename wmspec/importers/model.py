@@ -12,8 +12,8 @@ from typing import Literal
 
 from wmspec.core.diagnostics import Diagnostic
 from wmspec.core.places import FilePlace
-from wmspec.scene.model import Array, Inertia, Pose
-from wmspec.shapes import Shape as Solid
+from wmspec.sim.scene.model import Array, Inertia, Pose
+from wmspec.sim.shapes import Shape as Solid
 
 Color = tuple[float, float, float]
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from wmspec.core.places import FilePlace
 from wmspec.importers.model import Asset, Faults, Joint, Link
-from wmspec.scene.model import Inertia, Pose
-from wmspec.scene.transform import apply, compose, identity, multiply, rotate
+from wmspec.sim.scene.model import Inertia, Pose
+from wmspec.sim.scene.model.transform import apply, compose, identity, multiply, rotate
 
 #: The name of a root that is the world itself.
 WORLD = "world"

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from wmspec.scene.model import Array, Pose
-from wmspec.scene.transform import multiply, rotation, turning
+from wmspec.sim.scene.model import Array, Pose
+from wmspec.sim.scene.model.transform import multiply, rotation, turning
 
 X, Y, Z = np.eye(3)
 

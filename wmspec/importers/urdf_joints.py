@@ -9,7 +9,7 @@ import numpy as np
 from wmspec.importers.markup import Element, Reader
 from wmspec.importers.model import Joint
 from wmspec.importers.urdf_links import origin
-from wmspec.scene.model import Array
+from wmspec.sim.scene.model import Array
 
 _KINDS: dict[str, Literal["hinge", "slider", "fixed", "free"]] = {
     "revolute": "hinge",

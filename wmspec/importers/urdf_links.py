@@ -10,10 +10,10 @@ import numpy as np
 from wmspec.importers.markup import Element, Reader
 from wmspec.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, conditional
 from wmspec.importers.turns import posed
-from wmspec.scene.inertia import principal
-from wmspec.scene.model import Inertia, Pose
-from wmspec.scene.transform import multiply, rotation
-from wmspec.shapes import Box, Capsule, Cylinder, Sphere
+from wmspec.sim.scene.model import Inertia, Pose
+from wmspec.sim.scene.model.transform import multiply, rotation
+from wmspec.sim.scene.physics.inertia import principal
+from wmspec.sim.shapes import Box, Capsule, Cylinder, Sphere
 
 #: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
 Find = Callable[[Element, str], str]

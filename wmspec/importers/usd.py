@@ -30,19 +30,19 @@ from wmspec.importers.model import (
 )
 from wmspec.importers.usd_file import REST, bounded, note, stage_of
 from wmspec.importers.usd_tree import Stage
-from wmspec.scene.model import Body, Motion
-from wmspec.shapes import Mesh
-from wmspec.usd import joints, meshes
-from wmspec.usd.bodies import body
-from wmspec.usd.colliders import touched
-from wmspec.usd.filters import filtered
-from wmspec.usd.frames import World, split
-from wmspec.usd.geoms import Materials
-from wmspec.usd.masses import body_inertia
-from wmspec.usd.prims import Names, applied, refuse
-from wmspec.usd.shapes import Placed, placed
-from wmspec.usd.unsupported import TYPES
-from wmspec.usd.walk import Owner, Piece, Walk
+from wmspec.sim.scene.model import Body, Motion
+from wmspec.sim.shapes import Mesh
+from wmspec.sim.usd import joints, meshes
+from wmspec.sim.usd.bodies import body
+from wmspec.sim.usd.colliders import touched
+from wmspec.sim.usd.filters import filtered
+from wmspec.sim.usd.frames import World, split
+from wmspec.sim.usd.geoms import Materials
+from wmspec.sim.usd.masses import body_inertia
+from wmspec.sim.usd.prims import Names, applied, refuse
+from wmspec.sim.usd.shapes import Placed, placed
+from wmspec.sim.usd.stage_index import Owner, Piece, Walk
+from wmspec.sim.usd.unsupported import TYPES
 
 #: What is the spec's business, and no part of an asset.
 _ASIDE = frozenset(

@@ -13,12 +13,12 @@ from wmspec.core.diagnostics import Diagnostic, Report, StageError, suggestion
 from wmspec.core.limits import POINTS, PRIMS, TooLarge
 from wmspec.core.places import FilePlace
 from wmspec.importers.model import Broken, Faults
-from wmspec.shapes import Mesh
-from wmspec.usd import meshes
-from wmspec.usd.files import opened, text_of
-from wmspec.usd.frames import World, split
-from wmspec.usd.prims import refuse, value
-from wmspec.usd.unsupported import incomplete
+from wmspec.sim.shapes import Mesh
+from wmspec.sim.usd import meshes
+from wmspec.sim.usd.files import opened, text_of
+from wmspec.sim.usd.frames import World, split
+from wmspec.sim.usd.prims import refuse, value
+from wmspec.sim.usd.unsupported import incomplete
 
 #: What stands behind the path of a mesh for those of its faces that are in no subset.
 REST = ".rest"

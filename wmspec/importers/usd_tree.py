@@ -18,12 +18,12 @@ from wmspec.importers.model import MOST_LINKS, Asset, Faults, Joint, Link, Shape
 from wmspec.importers.tree import WORLD
 from wmspec.importers.turns import X
 from wmspec.importers.usd_file import note
-from wmspec.scene import model
-from wmspec.scene.articulations import coordinate, relative
-from wmspec.scene.model import Body, Pose
-from wmspec.scene.transform import compose, identity, inverse, rotate
-from wmspec.shapes import Sphere
-from wmspec.usd.prims import Names
+from wmspec.sim.scene import model
+from wmspec.sim.scene.joints.articulations import coordinate, relative
+from wmspec.sim.scene.model import Body, Pose
+from wmspec.sim.scene.model.transform import compose, identity, inverse, rotate
+from wmspec.sim.shapes import Sphere
+from wmspec.sim.usd.prims import Names
 
 Pair = tuple[str, str]
 

@@ -12,7 +12,7 @@ from wmspec.layout.cavities import fits
 from wmspec.layout.motion import angle
 from wmspec.layout.surfaces import WORLD
 from wmspec.layout.view import gaze, seen
-from wmspec.materials import colors
+from wmspec.sim.materials import colors
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

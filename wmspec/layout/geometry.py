@@ -11,8 +11,8 @@ from wmspec.core.canonical import dumped, loaded
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import HERE, Pose, turn
 from wmspec.layout.solids import Piece
-from wmspec.shapes import SHAPES, Shape
-from wmspec.shapes.shape import UnfitError
+from wmspec.sim.shapes import SHAPES, Shape
+from wmspec.sim.shapes.shape import UnfitError
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -14,7 +14,7 @@ from wmspec.core.space import Vector
 from wmspec.importers.mesh_files import harmless
 from wmspec.importers.prim_names import parted
 from wmspec.parse.load import located
-from wmspec.shapes import Mesh
+from wmspec.sim.shapes import Mesh
 
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
     import numpy as np

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import product
 
 from wmspec.core.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times
-from wmspec.shapes import Shape
-from wmspec.shapes.shape import AXES
+from wmspec.sim.shapes import Shape
+from wmspec.sim.shapes.shape import AXES
 
 #: The lowest and the highest corner (m) of an upright box.
 Box = tuple[Vector, Vector]

@@ -18,7 +18,7 @@ from wmspec.core.limits import SECONDS
 from wmspec.core.places import Location
 from wmspec.core.space import Pose
 from wmspec.layout import functions, placement
-from wmspec.materials import MATERIALS, colors
+from wmspec.sim.materials import MATERIALS, colors
 
 T = TypeVar("T")
 

@@ -16,7 +16,7 @@ from wmspec.lint.asked import asked
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
 from wmspec.lint.visibility import moved
-from wmspec.shapes.box import Box
+from wmspec.sim.shapes.box import Box
 
 
 @rule("WMS605")

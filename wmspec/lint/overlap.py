@@ -12,10 +12,10 @@ from wmspec.core.space import Vector, add, cross, rotate, times
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import Piece, bounds
 from wmspec.layout.values import Values
-from wmspec.shapes import Shape
+from wmspec.sim.shapes import Shape
 
 if TYPE_CHECKING:  # most scenes need no more than the axes, and checking those should not wait for numpy
-    from wmspec.scene import model
+    from wmspec.sim.scene import model
 
 #: So deep (m) objects may be in one another: less is a matter of rounding, and of resting on a curved thing.
 SLACK = 1e-3
@@ -107,7 +107,7 @@ def _depth(a: Piece, b: Piece) -> float:
     """
     if any(_overlap(a, b, d) <= SLACK for d in _directions(a, b)):
         return 0.0
-    from wmspec.scene.overlap import overlap
+    from wmspec.sim.scene.physics.overlap import overlap
 
     (first, at), (second, there) = _placed(a), _placed(b)
     return overlap(first, at, second, there, SLACK)
@@ -139,6 +139,6 @@ def _placed(piece: Piece) -> tuple[Shape, model.Pose]:
     """A convex piece, and where it is as a scene says it."""
     import numpy as np
 
-    from wmspec.scene import model
+    from wmspec.sim.scene import model
 
     return piece.solid, model.Pose(np.array(piece.pose.position), np.array(piece.pose.orientation))

@@ -16,7 +16,7 @@ from wmspec.layout.values import Values
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
 from wmspec.lint.visibility import boxes_of, boxes_of_matter, mentioned, subjects
-from wmspec.shapes import Shape
+from wmspec.sim.shapes import Shape
 
 #: Heavier (kg) than anything on a table, in a room or on a road that a question is about; and lighter.
 HEAVY, LIGHT = 20_000.0, 1e-6

@@ -16,10 +16,22 @@ from wmspec.layout.values import Values
 from wmspec.lint.overlap import separation
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene
-from wmspec.scene.hard import BALANCED, BOUNCY, ENTERED, FAST, FINEST, HEAVIER, LANDS, SPINS, STEEP, disc, leaning
-from wmspec.shapes.cylinder import Cylinder
-from wmspec.shapes.shape import AXES
-from wmspec.shapes.sphere import Sphere
+from wmspec.sim.scene.regime_thresholds import (
+    BALANCED,
+    BOUNCY,
+    ENTERED,
+    FAST,
+    FINEST,
+    HEAVIER,
+    LANDS,
+    SPINS,
+    STEEP,
+    disc,
+    leaning,
+)
+from wmspec.sim.shapes.cylinder import Cylinder
+from wmspec.sim.shapes.shape import AXES
+from wmspec.sim.shapes.sphere import Sphere
 
 #: How long (s) an impact takes where it takes longest: what is met within that time is met at once.
 IMPACT = 0.003

@@ -7,7 +7,7 @@ from functools import cache
 
 from wmspec.core.space import Pose, Vector, turn
 from wmspec.layout.solids import Piece
-from wmspec.shapes import SHAPES
+from wmspec.sim.shapes import SHAPES
 
 PAINT = ""
 """The colour of what is painted as the car is."""

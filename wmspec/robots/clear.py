@@ -18,7 +18,7 @@ from wmspec.robots.grasps import CLOSED, FIRM
 from wmspec.robots.limbs import limbs
 from wmspec.robots.planning import OPENS, PUSHES, TAKES, Plan, Reach, State, matrix, moving
 from wmspec.robots.riders import gang, riders
-from wmspec.shapes.shape import Shape
+from wmspec.sim.shapes.shape import Shape
 
 SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
 ROUND = 0.006  # m: the same of two hands, whose corners are round

@@ -17,8 +17,8 @@ from wmspec.core.places import FilePlace
 from wmspec.importers.model import Asset, Joint, Shape
 from wmspec.importers.read import structure
 from wmspec.robots.arm import Arm, Array, about, shift
-from wmspec.scene.model import Pose
-from wmspec.scene.transform import compose, inverse, quaternion, rotation
+from wmspec.sim.scene.model import Pose
+from wmspec.sim.scene.model.transform import compose, inverse, quaternion, rotation
 
 Triple = tuple[float, float, float]
 Above0 = Annotated[float, Field(gt=0)]

@@ -12,7 +12,7 @@ from wmspec.core.space import HERE
 from wmspec.layout.geometry import mass, pieces
 from wmspec.layout.solids import bounds
 from wmspec.robots.arm import Array, about, shift
-from wmspec.shapes.sphere import Sphere
+from wmspec.sim.shapes.sphere import Sphere
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

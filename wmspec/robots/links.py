@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from wmspec.robots.arm import Arm, Array, about, shift
-from wmspec.scene.transform import quaternion
-from wmspec.shapes.facets import smooth
+from wmspec.sim.scene.model.transform import quaternion
+from wmspec.sim.shapes.facets import smooth
 
 PAD = 0.019  # m: so much of the end of a finger presses
 

@@ -17,8 +17,8 @@ from wmspec.layout.meshes import load
 from wmspec.robots.arm import Arm, Array, shift
 from wmspec.robots.description import Described, described
 from wmspec.robots.links import articulate, body, box, finger, material, mesh_prim, pad
-from wmspec.scene.transform import apply
-from wmspec.shapes.facets import tessellate
+from wmspec.sim.scene.model.transform import apply
+from wmspec.sim.shapes.facets import tessellate
 
 ROOT, GREY, DARK = "/arm", (0.8, 0.8, 0.82), (0.25, 0.25, 0.27)
 KEY = "wms:arm"

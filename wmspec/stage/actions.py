@@ -13,7 +13,7 @@ from wmspec.layout import motion
 from wmspec.layout.geometry import pieces
 from wmspec.layout.surfaces import WORLD, holder, under
 from wmspec.layout.values import Values
-from wmspec.materials.colors import rgb
+from wmspec.sim.materials.colors import rgb
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.joints import has_drive, joined, joint_path
 from wmspec.stage.objects import object_path

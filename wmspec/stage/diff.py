@@ -12,7 +12,7 @@ from typing import Any
 
 from pxr import Sdf, Usd
 
-import wmspec.usd.schema  # noqa: F401  USD has to know the fallbacks of our own types
+import wmspec.sim.usd.schema  # noqa: F401  USD has to know the fallbacks of our own types
 
 STAGE_METADATA = (
     "upAxis",

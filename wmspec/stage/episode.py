@@ -11,13 +11,13 @@ from wmspec.core.diagnostics import ImpossibleValue, Note, Report, WmsError
 from wmspec.design.design import Instance
 from wmspec.layout.motion import carrier_sources, carriers
 from wmspec.layout.values import Values
+from wmspec.sim.usd.version import FORMAT_VERSION
 from wmspec.stage.actions import add_action
 from wmspec.stage.cameras import add_camera, add_light, camera_path
 from wmspec.stage.document import Document
 from wmspec.stage.joints import add_joint, no_loops
 from wmspec.stage.object_cache import ObjectCache
 from wmspec.stage.objects import add_object
-from wmspec.usd.version import FORMAT_VERSION
 
 RATE = 240
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
-import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
+import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.stage.document import Attribute, Document, Prim, Relation
 
 

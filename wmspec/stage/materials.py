@@ -6,9 +6,9 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.layout.values import Values
-from wmspec.materials import MATERIALS
-from wmspec.materials.colors import linear, rgb
 from wmspec.parse.load import located
+from wmspec.sim.materials import MATERIALS
+from wmspec.sim.materials.colors import linear, rgb
 from wmspec.stage.document import Document, Prim
 
 

@@ -13,7 +13,7 @@ from wmspec.layout.placement import frame
 from wmspec.layout.solids import Piece
 from wmspec.layout.support import supported
 from wmspec.layout.values import Values
-from wmspec.shapes.polygons import Polygons
+from wmspec.sim.shapes.polygons import Polygons
 from wmspec.stage import masses, materials
 from wmspec.stage.document import Document, Prim
 

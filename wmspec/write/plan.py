@@ -12,7 +12,7 @@ from typing import Any
 from wmspec.ask.consensus import Consensus
 from wmspec.check.ir import TaskSpec
 from wmspec.core.diagnostics import WmsError
-from wmspec.scene.model import Look
+from wmspec.sim.scene.model import Look
 
 #: The version of the folder's layout and of its columns.
 FORMAT = 2

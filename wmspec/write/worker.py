@@ -17,7 +17,7 @@ from wmspec.design.design import Design
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
-from wmspec.scene.model import Look
+from wmspec.sim.scene.model import Look
 from wmspec.write.rows import Row, encode
 
 

@@ -11,10 +11,10 @@ from tests.language.specs import task_of
 from wmspec.core.rng import Level
 from wmspec.design.design import Design
 from wmspec.execute.backends import backend
-from wmspec.scene.model import Array, Body, Scene, Trace
+from wmspec.sim.scene.model import Array, Body, Scene, Trace
+from wmspec.sim.usd import read
 from wmspec.stage.episode import document
 from wmspec.stage.layers import compose
-from wmspec.usd import read
 
 FOLDER = Path(__file__).parent
 

@@ -22,11 +22,11 @@ from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
 from wmspec.design.about import named
 from wmspec.execute.keys import look_key
-from wmspec.scene.appearance import shown_at
-from wmspec.scene.digest import digest
-from wmspec.scene.kept import kept
-from wmspec.scene.model import Body, Frame, Pose, Scene
-from wmspec.scene.turn import axis, visibly_turned
+from wmspec.sim.scene.model import Body, Frame, Pose, Scene
+from wmspec.sim.scene.model.digest import digest
+from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.render.appearance import shown_at
+from wmspec.sim.scene.render.turn import axis, visibly_turned
 
 #: Two option pictures in which fewer pixels than this show something different look alike.
 LEAST_DIFFERENT = 100 / 256**2
@@ -48,7 +48,7 @@ class PictureAnswer(Answer):
     them is and how it is turned (`outcomes`: options, bodies, 7; NaN for what is not there), its `looks`, a hash of
     everything else that the picture shows, and the kind of the outcome (`outcome_kinds`, empty if there are none).
 
-    `axes` (bodies, 3) are about what bodies turn unseen, as `wmspec.scene.turn.axis` says it. A turn of 1 rad counts as
+    `axes` (bodies, 3) are about what bodies turn unseen, as `wmspec.sim.scene.render.turn.axis` says it. A turn of 1 rad counts as
     much as `lever` metres; 0 where turns do not count.
     """
 
