@@ -29,14 +29,14 @@ from tests.dataset.made import make, plan
 from tests.trust.made import resaved, rewritten, signed, wmspec
 from wmspec.api.episode import load_episode, open_stage, run
 from wmspec.api.loading import load
-from wmspec.check.task import check_program
 from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.places import Source
 from wmspec.evaluate import results
 from wmspec.execute import archive
 from wmspec.gallery.gallery import folder as gallery_folder
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import load_source
 from wmspec.lint.dry_run import dry_run
-from wmspec.parse.load import load_source
 from wmspec.recast.recast import recast
 from wmspec.report import replies
 from wmspec.sim.scene.model import Trace

@@ -25,14 +25,14 @@ from wmspec.ask.robustness import NUDGE
 from wmspec.ask.runs import EnginePair, Run, execute, nudged
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.physics import prepare
-from wmspec.check.record import to_json
-from wmspec.check.task import check_program
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
 from wmspec.design.design import Design
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
-from wmspec.parse.load import load_source
+from wmspec.lang.check.ir.record import to_json
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import load_source
 from wmspec.sim.scene.model import Scene
 from wmspec.write.rows import png
 from wmspec.write.units import units

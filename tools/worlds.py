@@ -24,14 +24,14 @@ import numpy as np
 from PIL import Image
 
 import wmspec
-from wmspec.check.task import check
 from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
 from wmspec.execute.backends import default, names
 from wmspec.execute.render_cache import RenderCache
-from wmspec.parse.load import library_folder, read_source
-from wmspec.parse.parser import parse
-from wmspec.parse.syntax import Template
+from wmspec.lang.check.statements.task import check
+from wmspec.lang.parse.load import library_folder, read_source
+from wmspec.lang.parse.parser import parse
+from wmspec.lang.parse.syntax import Template
 from wmspec.sim.scene.model import Frame, Look, Scene, Shot
 from wmspec.sim.scene.model.bounds import upright
 from wmspec.sim.usd import read

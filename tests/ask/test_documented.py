@@ -9,7 +9,7 @@ from wmspec.ask import observed, outcome, robustness, runs, trajectory
 from wmspec.ask import visibility_gate as gate
 from wmspec.ask.kinds import pictures
 from wmspec.ask.model import Reason
-from wmspec.check.functions import FUNCTIONS
+from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.write.card import REASONS
 
 PAGE = (Path(__file__).parents[2] / "docs/questions.md").read_text()

@@ -12,8 +12,8 @@ from tests.engines import ENGINES
 from tests.language.specs import task_from
 from wmspec.ask.asking import Asking
 from wmspec.ask.runs import execute
-from wmspec.check.evaluate import evaluate
 from wmspec.design.design import Design
+from wmspec.lang.check.ir.evaluate import evaluate
 
 G = 9.81
 #: A rod of 30 cm that hangs by its end falls from level; what is asked are plain quantities, so nothing is drawn.

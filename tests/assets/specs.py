@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.check.ir import TaskSpec
-from wmspec.check.task import check
 from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.statements.task import check
 from wmspec.sim.scene.model import Array, Body, Scene
 from wmspec.sim.scene.model.transform import rotation
 from wmspec.sim.usd import read

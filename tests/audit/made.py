@@ -15,11 +15,11 @@ from wmspec.ask.ask import groups
 from wmspec.ask.kinds.labels import LabelAnswer
 from wmspec.ask.kinds.numbers import NumberAnswer
 from wmspec.ask.model import Change, Option, Picture, QuestionRow
-from wmspec.check.ir import TaskSpec
-from wmspec.check.task import check
 from wmspec.core.diagnostics import Report
 from wmspec.core.rng import permuted
 from wmspec.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.statements.task import check
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Task
 from wmspec.write.rows import encode

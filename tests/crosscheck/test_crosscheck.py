@@ -10,7 +10,6 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from tests.language.specs import task_from
-from wmspec.check.ir import QuestionKind
 from wmspec.compare.check import check
 from wmspec.compare.model import Checked, Verdict
 from wmspec.compare.summary import Share, doubtful, lines, suspects
@@ -18,6 +17,7 @@ from wmspec.compare.tolerance import Tolerances
 from wmspec.compare.verbalize import dispute
 from wmspec.design.design import Design
 from wmspec.execute.trace_cache import TraceCache
+from wmspec.lang.check.ir.ir import QuestionKind
 
 HERE = Path(__file__).parent
 PAIR = ("mujoco", "sapien")

@@ -12,10 +12,10 @@ from wmspec.ask.ask import groups
 from wmspec.ask.kinds.labels import LabelAnswer
 from wmspec.ask.kinds.pictures import PictureAnswer
 from wmspec.ask.model import Change, Option, Picture, QuestionRow, Rejected, Vote
-from wmspec.check.ir import TaskSpec
-from wmspec.check.task import check
 from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design, Instance
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.statements.task import check
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard, Task
 from wmspec.write.rows import Row, encode

@@ -13,7 +13,7 @@ from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import Source
 from wmspec.editor.start import about, first_spec, templates
-from wmspec.parse.format import format_spec
+from wmspec.lang.parse.format import format_spec
 
 
 @pytest.mark.parametrize("template", templates())

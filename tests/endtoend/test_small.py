@@ -13,7 +13,7 @@ import pytest
 import wmspec
 from tests.engines import installed
 from wmspec.ask.verbalize import say
-from wmspec.check.make import observe, task, thing
+from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.layout.values import Values
 from wmspec.write.words import human
 

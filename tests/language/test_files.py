@@ -6,9 +6,9 @@ import pytest
 import trimesh
 from PIL import Image
 
-from wmspec.check.ir import Operation, Ref, TaskSpec, Value
-from wmspec.check.task import check
 from wmspec.core.diagnostics import Report, WmsError
+from wmspec.lang.check.ir.ir import Operation, Ref, TaskSpec, Value
+from wmspec.lang.check.statements.task import check
 from wmspec.layout.meshes import load
 
 TASK = "use tabletop\ntask t : custom {{\n  {0}\n  observe front at [0 s]\n}}\n"

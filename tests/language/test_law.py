@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from pxr import Usd
 
 from tests.language.specs import DEEDS, SPECS, busy_text, random_spec, task_from, task_of
-from wmspec.check.ir import TaskSpec
-from wmspec.check.record import from_json, to_json
 from wmspec.design.depend import Dependencies, dependencies
 from wmspec.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.record import from_json, to_json
 from wmspec.stage.diff import Difference, diff
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from tests.language.specs import random_text, task_from
-from wmspec.check.make import action, observe, task, thing
 from wmspec.design.design import Design
+from wmspec.lang.check.statements.builder import action, observe, task, thing
 from wmspec.layout.geometry import pieces
 from wmspec.layout.values import Values
 from wmspec.lint.overlap import SLACK, Overlap, overlaps

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 import wmspec
-from wmspec.check import ir
-from wmspec.check.task import check
 from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.statements.task import check
 from wmspec.layout.values import Values
 
 LIBRARY = '''

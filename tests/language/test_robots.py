@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.language.specs import SPECS, task_from, task_of
-from wmspec.check.ir import TaskSpec
 from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.layout.values import Values
 from wmspec.robots.obstacles import hull, obstacles
 from wmspec.robots.travel import CLEAR, GIRTH, WALKERS, Travel, travels

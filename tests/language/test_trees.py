@@ -5,9 +5,9 @@ from hypothesis import given
 from tests.language.trees import bare, files, written
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
-from wmspec.parse.format import format_spec
-from wmspec.parse.parser import parse
-from wmspec.parse.syntax import File
+from wmspec.lang.parse.format import format_spec
+from wmspec.lang.parse.parser import parse
+from wmspec.lang.parse.syntax import File
 
 
 def _read(text: str) -> File:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.check.make import observe, task, thing
+from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.layout.values import Values
 from wmspec.layout.view import facing, front, seen
 from wmspec.stage.cameras import _looking

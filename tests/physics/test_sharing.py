@@ -14,11 +14,11 @@ from tests.engines import ENGINES, installed
 from tests.language.specs import SPECS, task_of
 from tests.physics.test_determinism import digest
 from tests.physics.test_native import limbs, lively
-from wmspec.check.ir import Choices
 from wmspec.design.design import Design
 from wmspec.execute.backends import backend
 from wmspec.execute.keys import physics_key
 from wmspec.execute.trace_cache import TraceCache
+from wmspec.lang.check.ir.ir import Choices
 from wmspec.sim.scene.model import Friction, Geom, Light, Scene, Surface
 from wmspec.sim.usd import read
 from wmspec.stage.episode import document

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from wmspec.ask.difference import ciede2000, lab
-from wmspec.check.vocabulary import COLORS, WORDS
+from wmspec.lang.check.tables.colors import rgb
+from wmspec.lang.check.tables.vocabulary import COLORS, WORDS
 from wmspec.sim.materials import SAFE, SHADES
-from wmspec.sim.materials.colors import rgb
 from wmspec.sim.scene.render.color import to_linear, to_srgb
 
 #: Machado, Oliveira and Fernandes, "A physiologically-based model for simulation of color vision deficiency", IEEE TVCG

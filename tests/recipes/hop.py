@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from wmspec.check.ir import Thing
+from wmspec.lang.check.ir.ir import Thing
 from wmspec.layout.values import Values
 from wmspec.stage.document import Prim
 

@@ -14,7 +14,7 @@ def test_adding_a_diagnostic(tmp_path: Path) -> None:
     for file in (ROOT / "pyproject.toml", *(ROOT / "tests").glob("*.py")):
         shutil.copy(file, tmp_path / file.relative_to(ROOT))
 
-    codes = tmp_path / "wmspec/parse/codes"
+    codes = tmp_path / "wmspec/lang/parse/codes"
     _insert(codes / "__init__.py", "}", '    "WMS699": "object called moon",\n')
     (codes / "WMS699.md").write_text(PAGE.format(wrong=SPEC.format("moon"), right=SPEC.format("ball")))
     rules = tmp_path / "wmspec/lint/task_rules.py"

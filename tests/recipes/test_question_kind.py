@@ -22,8 +22,8 @@ def test_adding_a_question_kind(tmp_path: Path) -> None:
     for part in ("wmspec", "backends", "grammar", "specs"):
         shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
 
-    _replace(tmp_path / "wmspec/check/ir.py", '"numbers", "pictures"]', '"numbers", "pictures", "names"]')
-    rules = tmp_path / "wmspec/check/question_kinds.py"
+    _replace(tmp_path / "wmspec/lang/check/ir/ir.py", '"numbers", "pictures"]', '"numbers", "pictures", "names"]')
+    rules = tmp_path / "wmspec/lang/check/statements/question_kinds.py"
     _replace(rules, '    "labels": QuestionRules(', RULES + '    "labels": QuestionRules(')
     _replace(rules, "import PICTURE,", "import OBJECT, PICTURE,")
     (tmp_path / "wmspec/ask/kinds/names.py").write_text(MODULE)
@@ -58,8 +58,8 @@ from wmspec.ask.asking import Asking
 from wmspec.ask.kinds.kind import Kind, in_words
 from wmspec.ask.model import Answer
 from wmspec.ask.runs import Run
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import QuestionKind
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import QuestionKind
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.ask.ask import groups
-from wmspec.check.ir import TaskSpec
-from wmspec.check.task import check
 from wmspec.core.diagnostics import Report
 from wmspec.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.statements.task import check
 from wmspec.report.intervals import rng
 from wmspec.write.dataset import Dataset
 from wmspec.write.pictures import png

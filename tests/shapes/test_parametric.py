@@ -12,9 +12,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.engines import ENGINES, installed
-from wmspec.check.make import observe, task, thing
 from wmspec.core.diagnostics import ImpossibleValue, StageError
 from wmspec.design.design import Design
+from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.layout.geometry import pieces
 from wmspec.layout.values import Values
 from wmspec.sim.scene.model import Scene

@@ -12,11 +12,11 @@ import trimesh
 from PIL import Image
 from pxr import Usd
 
-from wmspec.check import ir
-from wmspec.check.make import HERE, action, compound, factor, joint, observe, robot, task, thing
-from wmspec.check.record import from_json, to_json
 from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.ir.record import from_json, to_json
+from wmspec.lang.check.statements.builder import HERE, action, compound, factor, joint, observe, robot, task, thing
 from wmspec.sim.materials import MATERIALS
 from wmspec.sim.scene.model import Follow, Force, Impulse, Launch, Scene, Steer, Teleport
 from wmspec.sim.scene.model.transform import apply, rotate

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from trimesh.exchange.dae import export_collada
 
-from wmspec.check.vocabulary import FILES
+from wmspec.lang.check.tables.vocabulary import FILES
 from wmspec.layout.meshes import load
 
 

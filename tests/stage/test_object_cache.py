@@ -9,9 +9,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from tests.language.specs import SPECS, random_spec, task_from, task_of
-from wmspec.check.ir import TaskSpec
 from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.layout.values import Values
 from wmspec.stage import object_cache
 from wmspec.stage.document import Document

@@ -10,12 +10,12 @@ from hypothesis import HealthCheck, given, settings
 
 from tests.language.specs import SPECS, random_spec, task_from, task_of
 from tests.stage.same import difference
-from wmspec.check.ir import TaskSpec
 from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
 from wmspec.execute import scene_cache
 from wmspec.execute.keys import form_key, look_key, physics_key
 from wmspec.execute.scene_cache import SceneCache
+from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.layout.values import Values
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.usd import read

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from wmspec.check import ir
-from wmspec.check.make import action, compound, objects, observe, task, thing
 from wmspec.core.diagnostics import WmsError
 from wmspec.design.design import Design
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.statements.builder import action, compound, objects, observe, task, thing
 from wmspec.layout import scatter
 from wmspec.layout.values import Values
 from wmspec.sim.scene.model import Array, Body, Scene

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from wmspec.api.loading import Tell, load_all, of_dimensions, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
-from wmspec.check.record import to_json
 from wmspec.compare.model import Checked
 from wmspec.compare.record import junit, record
 from wmspec.compare.summary import Doubtful, Line, Suspect, doubtful, lines, suspects
@@ -22,6 +21,7 @@ from wmspec.compare.verbalize import complaints
 from wmspec.core.diagnostics import WmsError
 from wmspec.execute.backends import chosen, only_here
 from wmspec.execute.pool import Effort
+from wmspec.lang.check.ir.record import to_json
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,14 +8,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack, overload
 
-from wmspec.check.ir import Choices, Counterfactual, Interval, TaskSpec
-from wmspec.check.ir import Factor as DeclaredFactor
 from wmspec.core import wm_abench
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.rng import Level
 from wmspec.design.design import Design
 from wmspec.design.design import Instance as Drawn
-from wmspec.parse.load import Program
+from wmspec.lang.check.ir.ir import Choices, Counterfactual, Interval, TaskSpec
+from wmspec.lang.check.ir.ir import Factor as DeclaredFactor
+from wmspec.lang.parse.load import Program
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -145,7 +145,7 @@ class Task(Sequence["Instance"]):
 
     def to_json(self, indent: int | None = 2) -> str:
         """The checked task as JSON, whose schema `wmspec schema` prints."""
-        from wmspec.check.record import to_json
+        from wmspec.lang.check.ir.record import to_json
 
         return to_json(self.spec, indent)
 

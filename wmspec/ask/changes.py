@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from wmspec.ask.model import Change
 from wmspec.ask.verbalize import say
-from wmspec.check.ir import Counterfactual, Varied
-from wmspec.check.orbits import level_words
+from wmspec.lang.check.ir.ir import Counterfactual, Varied
+from wmspec.lang.check.statements.orbits import level_words
 from wmspec.layout.values import Values
 
 

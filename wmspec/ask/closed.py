@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from wmspec.ask.ask import ask
 from wmspec.ask.model import QuestionRow, Rejected
 from wmspec.ask.runs import EnginePair
-from wmspec.check.ir import TaskSpec
 from wmspec.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
 
 #: What comes of the questions of an instance.
 Answers = Sequence[QuestionRow | Rejected]

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache, lru_cache
 
 from wmspec.ask.difference import ciede2000, lab
-from wmspec.check.vocabulary import COLORS
 from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.tables.colors import rgb
+from wmspec.lang.check.tables.vocabulary import COLORS
 from wmspec.layout.geometry import volume
 from wmspec.layout.values import Values
 from wmspec.layout.view import front, seen
 from wmspec.sim.materials import SHADES
-from wmspec.sim.materials.colors import rgb
 from wmspec.sim.scene.model import Array
 
 #: One object is larger than another if its edges are so many times as long; further aside by so much (m).

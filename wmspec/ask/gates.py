@@ -6,8 +6,8 @@ from math import log
 
 from wmspec.ask.measure import Measured
 from wmspec.ask.model import Reject
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Margin, Question
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import Margin, Question
 
 
 def passed(question: Question, measured: Measured) -> float | None:

@@ -8,9 +8,9 @@ from pkgutil import resolve_name
 from typing import Any
 
 from wmspec.ask.observed import Observed
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.types import POINT3
 from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.tables.functions import FUNCTIONS
+from wmspec.lang.check.types.types import POINT3
 from wmspec.layout.values import Values
 
 

@@ -8,8 +8,8 @@ from wmspec.ask.asking import Asking
 from wmspec.ask.kinds import KINDS
 from wmspec.ask.model import Answer, Reject
 from wmspec.ask.runs import Run, free, nudged
-from wmspec.check.evaluate import evaluate
 from wmspec.core.diagnostics import GraphicsError, WmsError
+from wmspec.lang.check.ir.evaluate import evaluate
 
 #: Unless the spec says how far: by 0.5 mm, once, where something free moves. A spec's own distance is tried twice.
 NUDGE, NUDGES, NUDGES_SAID = 0.0005, 1, 2

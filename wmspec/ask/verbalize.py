@@ -9,9 +9,10 @@ from typing import Any
 
 from wmspec.ask.bearing import Bearing
 from wmspec.ask.describe import color_word, described, together
-from wmspec.check import ir, units
-from wmspec.check.evaluate import Environment, evaluate
-from wmspec.check.vocabulary import WORDS
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.ir.evaluate import Environment, evaluate
+from wmspec.lang.check.tables.vocabulary import WORDS
+from wmspec.lang.check.types import units
 from wmspec.layout.values import Values
 
 #: Which unit a quantity is said in, and how many of it make one SI unit.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from wmspec.check.evaluate import Environment, evaluate
-from wmspec.check.ir import Channel, TaskSpec
+from wmspec.lang.check.ir.evaluate import Environment, evaluate
+from wmspec.lang.check.ir.ir import Channel, TaskSpec
 
 #: A camera and a time (s).
 View = tuple[str, float]

@@ -25,8 +25,8 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
     """
     from wmspec.api.loading import spec_files
     from wmspec.core.diagnostics import SpecError
-    from wmspec.parse.format import format_spec
-    from wmspec.parse.load import read_source
+    from wmspec.lang.parse.format import format_spec
+    from wmspec.lang.parse.load import read_source
 
     changed = failed = 0
     for path in [Path("-")] if specs == (Path("-"),) else spec_files(specs):

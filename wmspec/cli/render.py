@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.check.vocabulary import STAGES
 from wmspec.cli.common import (
     instance_of,
     instance_option,
@@ -24,6 +23,7 @@ from wmspec.cli.common import (
 from wmspec.cli.run import duration_option, seconds_of, tell_notes
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
+from wmspec.lang.check.tables.vocabulary import STAGES
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.check.vocabulary import STAGES
 from wmspec.cli.common import (
     instance_of,
     instance_option,
@@ -23,6 +22,7 @@ from wmspec.cli.common import (
 )
 from wmspec.core.diagnostics import EngineError, StageError, WmsError
 from wmspec.core.limits import SECONDS
+from wmspec.lang.check.tables.vocabulary import STAGES
 
 if TYPE_CHECKING:
     from wmspec.api import Episode
@@ -123,7 +123,7 @@ def tell_notes(episodes: Sequence[Episode]) -> None:
 
 def seconds_of(text: str) -> float:
     """The time (s) that is meant."""
-    from wmspec.check.units import TIME, UnknownUnit, parse_unit
+    from wmspec.lang.check.types.units import TIME, UnknownUnit, parse_unit
 
     number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
     try:

@@ -11,7 +11,6 @@ from wmspec.ask.asking import Asking
 from wmspec.ask.kinds import KINDS
 from wmspec.ask.model import TRUTH
 from wmspec.ask.runs import EnginePair, Run, values_of
-from wmspec.check.ir import Counterfactual, Question, TaskSpec
 from wmspec.compare.answers import EngineAnswer, agree, answer, difference
 from wmspec.compare.compare import compare
 from wmspec.compare.model import Cause, Checked, Comparison, Failure, Pair, Verdict
@@ -21,6 +20,7 @@ from wmspec.design.design import Design, Instance
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
+from wmspec.lang.check.ir.ir import Counterfactual, Question, TaskSpec
 from wmspec.sim.scene.model import Scene, Trace
 
 #: The pictures on which `visible`, `occluded` and `contrast` are measured (px).

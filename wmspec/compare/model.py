@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from wmspec.check.ir import QuestionKind
 from wmspec.core.rng import Level
+from wmspec.lang.check.ir.ir import QuestionKind
 
 #: The names of two engines, in the order in which they were asked for.
 Pair = tuple[str, str]

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from itertools import combinations
 
-from wmspec.check.ir import TaskSpec
-from wmspec.check.record import from_json
 from wmspec.compare.check import check
 from wmspec.compare.model import Checked, Failure, Pair
 from wmspec.compare.tolerance import Tolerances
 from wmspec.design.design import Design
 from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.execute.trace_cache import TraceCache
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.record import from_json
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,18 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 
-from wmspec.check.units import ANGLE, LENGTH, NUMBER, SPEED, TIME, Dimension, UnknownUnit, convert, parse_unit
 from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.lang.check.types.units import (
+    ANGLE,
+    LENGTH,
+    NUMBER,
+    SPEED,
+    TIME,
+    Dimension,
+    UnknownUnit,
+    convert,
+    parse_unit,
+)
 
 
 @dataclass(frozen=True)

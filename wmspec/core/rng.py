@@ -7,7 +7,7 @@ from bisect import bisect_right
 from itertools import accumulate
 from math import isqrt
 
-from wmspec.check.ir import Choices, Domain, Interval, Normal, Scalar
+from wmspec.lang.check.ir.ir import Choices, Domain, Interval, Normal, Scalar
 
 #: A value that a factor or nuisance can have: a number, a truth value, a word, or a point.
 Level = Scalar | tuple[float, ...]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from wmspec.check.evaluate import evaluate, parts
-from wmspec.check.ir import Expr, Question, Ref, Said, Value
 from wmspec.design.depend import dependencies
+from wmspec.lang.check.ir.evaluate import evaluate, parts
+from wmspec.lang.check.ir.ir import Expr, Question, Ref, Said, Value
 from wmspec.layout.values import Values
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, combinations, islice
 
-from wmspec.check.ir import Choices, TaskSpec
 from wmspec.core.diagnostics import Note, SpecError
 from wmspec.core.rng import Level
 from wmspec.design.blocks import Blocks, Groups, Repeated, TooManyTied
@@ -14,6 +13,7 @@ from wmspec.design.constrain import Constraint
 from wmspec.design.constraint_chain import MOST_COUNTED, Chain, TooMuch
 from wmspec.design.describe import told
 from wmspec.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
+from wmspec.lang.check.ir.ir import Choices, TaskSpec
 
 _EVEN = "tie what is crossed to nothing, or remove `balance`"
 #: So many sets of conditions are looked through for the smallest that leaves nothing.

@@ -9,13 +9,13 @@ from itertools import product
 from math import prod
 from typing import Any
 
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Choices, Expr, Factor, Operation, TaskSpec
 from wmspec.core.diagnostics import ImpossibleValue, SpecError, WmsError
 from wmspec.core.places import Location
 from wmspec.core.rng import Level
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import Choices, Expr, Factor, Operation, TaskSpec
 from wmspec.layout.values import Values
 
 #: The most combinations on which conditions are tried, for all conditions of a task: about half a second.

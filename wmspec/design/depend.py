@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator
 
-from wmspec.check.evaluate import parts
-from wmspec.check.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
-from wmspec.check.vocabulary import BY_MATERIAL, MEASURES
+from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
+from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
 from wmspec.layout.motion import CARRYING
 from wmspec.layout.values import INHERITED
 

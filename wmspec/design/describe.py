@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from wmspec.check import units
-from wmspec.check.ir import Factor
 from wmspec.core.rng import Level
+from wmspec.lang.check.ir.ir import Factor
+from wmspec.lang.check.types import units
 
 if TYPE_CHECKING:
     from wmspec.design.design import Design, Instance

@@ -10,11 +10,11 @@ from functools import cached_property
 from itertools import zip_longest
 from typing import overload
 
-from wmspec.check.ir import Choices, Items, TaskSpec
 from wmspec.core.diagnostics import SpecError
 from wmspec.core.rng import Level, Permutation, quantile, uniform
 from wmspec.design.arrange import blocks
 from wmspec.design.constrain import constraints
+from wmspec.lang.check.ir.ir import Choices, Items, TaskSpec
 
 
 @dataclass(frozen=True)

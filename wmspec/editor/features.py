@@ -22,8 +22,8 @@ from wmspec.editor.protocol import uri_of
 from wmspec.editor.rename import meant, renamed
 from wmspec.editor.server import Server, read
 from wmspec.execute.pool import Lost
-from wmspec.parse import syntax as s
-from wmspec.parse.format import format_spec
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.format import format_spec
 
 T = TypeVar("T")
 

@@ -13,8 +13,8 @@ from wmspec.core.diagnostics import Report
 from wmspec.core.node import Node
 from wmspec.core.places import Span
 from wmspec.editor.document import Document, children
-from wmspec.parse import syntax as s
-from wmspec.parse.parser import parse_expression
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.parser import parse_expression
 
 _HOLE = re.compile(r"(?<!\\)\{([^{}]*)\}")
 _DECLARING = (s.Factor, s.Let, s.Parameter, s.Block, s.Template, s.Action, s.Part, s.Task, s.Variant, s.Question,

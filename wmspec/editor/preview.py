@@ -10,7 +10,7 @@ from wmspec.api.task import Instance, Task
 from wmspec.core.diagnostics import WmsError
 from wmspec.editor import sheet
 from wmspec.editor.document import Document
-from wmspec.parse import syntax as s
+from wmspec.lang.parse import syntax as s
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,10 @@ from wmspec.core.node import Node
 from wmspec.core.places import FilePlace, Place, Span
 from wmspec.editor.complete import Offer, Sort
 from wmspec.editor.document import Document, children
-from wmspec.parse import codes
-from wmspec.parse import syntax as s
-from wmspec.parse.codes import CODES
-from wmspec.parse.load import located
+from wmspec.lang.parse import codes
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.codes import CODES
+from wmspec.lang.parse.load import located
 
 #: Where the page of each code is, as `wmspec explain` shows it.
 PAGES = Path(codes.__file__).parent

@@ -7,8 +7,8 @@ from importlib.resources import files
 
 from wmspec.core.diagnostics import Report, WmsError, suggestion
 from wmspec.core.places import Source
-from wmspec.parse import syntax as s
-from wmspec.parse.parser import parse
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.parser import parse
 
 SUFFIX = ".wms"
 

@@ -6,11 +6,16 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from wmspec.check.expressions import Expressions
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.property_schema import slots, thing_type
-from wmspec.check.typed import Failed
-from wmspec.check.types import (
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source, Span
+from wmspec.editor.cursor import symbol
+from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.expressions.typed import Failed
+from wmspec.lang.check.tables.functions import FUNCTIONS
+from wmspec.lang.check.tables.property_schema import slots, thing_type
+from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
+from wmspec.lang.check.tables.vocabulary import JOINTS, PLANS, PROPERTIES, SETS, SETTINGS, TOLERANCES, Slot
+from wmspec.lang.check.types.types import (
     A_LENGTH,
     A_NUMBER,
     A_TIME,
@@ -24,14 +29,9 @@ from wmspec.check.types import (
     Type,
     Vector,
 )
-from wmspec.check.verbs import ROBOTS, VERBS, Verb
-from wmspec.check.vocabulary import JOINTS, PLANS, PROPERTIES, SETS, SETTINGS, TOLERANCES, Slot
-from wmspec.core.diagnostics import Report
-from wmspec.core.places import Source, Span
-from wmspec.editor.cursor import symbol
-from wmspec.parse import syntax as s
-from wmspec.parse.machine import Part, Tree
-from wmspec.parse.parser import parse_expression
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.machine import Part, Tree
+from wmspec.lang.parse.parser import parse_expression
 
 _BLOCKS = {kind.upper(): kind for kind in (*PROPERTIES, *SETS)} | {"TEMPLATE": "object"}
 _OPEN = ("LPAR", "LSQB", "LBRACE")

@@ -16,7 +16,7 @@ from wmspec.core.diagnostics import Diagnostic, Report, WmsError
 from wmspec.core.places import Source
 from wmspec.editor import sheet
 from wmspec.execute.pool import Helper, Lost
-from wmspec.parse.load import load_source, read_source, shown
+from wmspec.lang.parse.load import load_source, read_source, shown
 
 #: How often the files are looked at (s), and how long one instance may take.
 PERIOD, PATIENCE = 0.2, 60.0

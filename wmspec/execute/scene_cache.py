@@ -15,8 +15,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from wmspec.check.ir import TaskSpec
 from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.layout.values import Values
 from wmspec.sim.scene.model import Body, Camera, Scene
 from wmspec.sim.usd import read

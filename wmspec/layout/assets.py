@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmspec.check import units
-from wmspec.check.ir import Thing
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import HERE, Pose, Vector, about, times, turn, unit
+from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.types import units
 from wmspec.layout import geometry
 from wmspec.layout.solids import Piece
 

@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from wmspec.check.evaluate import NoValue
+from wmspec.lang.check.ir.evaluate import NoValue
+from wmspec.lang.check.tables import colors
 from wmspec.layout import geometry
 from wmspec.layout.cavities import fits
 from wmspec.layout.motion import angle
 from wmspec.layout.surfaces import WORLD
 from wmspec.layout.view import gaze, seen
-from wmspec.sim.materials import colors
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from wmspec.check.types import article, either
-from wmspec.check.vocabulary import MEASURES
 from wmspec.core.canonical import dumped, loaded
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import HERE, Pose, turn
+from wmspec.lang.check.tables.vocabulary import MEASURES
+from wmspec.lang.check.types.types import article, either
 from wmspec.layout.solids import Piece
 from wmspec.sim.shapes import SHAPES, Shape
 from wmspec.sim.shapes.shape import UnfitError

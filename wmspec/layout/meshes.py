@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from wmspec.check.vocabulary import FILES, MOST_LENGTH, STAGES
 from wmspec.core.diagnostics import ImpossibleValue, WmsError
 from wmspec.core.limits import POINTS
 from wmspec.core.space import Vector
-from wmspec.importers.mesh_files import harmless
-from wmspec.importers.prim_names import parted
-from wmspec.parse.load import located
+from wmspec.lang.check.tables.vocabulary import FILES, MOST_LENGTH, STAGES
+from wmspec.lang.importers.mesh_files import harmless
+from wmspec.lang.importers.prim_names import parted
+from wmspec.lang.parse.load import located
 from wmspec.sim.shapes import Mesh
 
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
@@ -102,7 +102,7 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
 
 def _of_stage(path: str) -> Mesh:
     """The triangles of a mesh in a USD file. Raises ImpossibleValue if it is broken."""
-    from wmspec.importers.usd_file import mesh
+    from wmspec.lang.importers.usd_file import mesh
 
     name, prim = parted(path)
     read = mesh(located(name), None, name, prim)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from wmspec.check.ir import TaskSpec, Thing
-from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import HEADINGS
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Pose, Vector, add, heading, multiply, times, turn
+from wmspec.lang.check.ir.ir import TaskSpec, Thing
+from wmspec.lang.check.tables.verbs import VERBS
+from wmspec.lang.check.tables.vocabulary import HEADINGS
 from wmspec.layout import paths
 from wmspec.layout.geometry import own_turn
 from wmspec.layout.placement import rest

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from wmspec.check import units
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import UP
+from wmspec.lang.check.types import units
 from wmspec.layout import assets
 from wmspec.layout.geometry import pieces
 from wmspec.layout.placement import frame

@@ -7,18 +7,19 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, TypeVar, cast
 
-from wmspec.check.evaluate import NoValue, evaluate
-from wmspec.check.ir import Counterfactual, Expr, TaskSpec, Thing, Value
-from wmspec.check.types import A_LENGTH, A_TIME, POINT2, POINT3
-from wmspec.check.units import LENGTH, told
-from wmspec.check.verbs import VERBS
-from wmspec.check.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.limits import SECONDS
 from wmspec.core.places import Location
 from wmspec.core.space import Pose
+from wmspec.lang.check.ir.evaluate import NoValue, evaluate
+from wmspec.lang.check.ir.ir import Counterfactual, Expr, TaskSpec, Thing, Value
+from wmspec.lang.check.tables import colors
+from wmspec.lang.check.tables.verbs import VERBS
+from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
+from wmspec.lang.check.types.types import A_LENGTH, A_TIME, POINT2, POINT3
+from wmspec.lang.check.types.units import LENGTH, told
 from wmspec.layout import functions, placement
-from wmspec.sim.materials import MATERIALS, colors
+from wmspec.sim.materials import MATERIALS
 
 T = TypeVar("T")
 

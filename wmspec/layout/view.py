@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wmspec.check.evaluate import NoValue
 from wmspec.core.space import add, rotate, times
+from wmspec.lang.check.ir.evaluate import NoValue
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

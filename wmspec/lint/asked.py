@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from wmspec.check.evaluate import NoValue, evaluate
-from wmspec.check.ir import Call, Operation, Question
-from wmspec.check.measured import measured
+from wmspec.lang.check.expressions.measured import measured
+from wmspec.lang.check.ir.evaluate import NoValue, evaluate
+from wmspec.lang.check.ir.ir import Call, Operation, Question
 from wmspec.layout.values import Values
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from wmspec.check.ir import Counterfactual, Question
 from wmspec.core.diagnostics import Note
+from wmspec.lang.check.ir.ir import Counterfactual, Question
 from wmspec.layout.values import Values
 from wmspec.lint.action_rules import target_beyond_limit
 from wmspec.lint.asked import asked, pictured

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from wmspec.check.ir import TaskSpec
 from wmspec.core.diagnostics import Report
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.parse.load import pointed
 from wmspec.layout.values import Values
 from wmspec.lint import (
     action_rules,
@@ -26,7 +27,6 @@ from wmspec.lint.option_rules import Tried, compared
 from wmspec.lint.rule import Linter
 from wmspec.lint.scene_rules import Scene
 from wmspec.lint.task_rules import Task
-from wmspec.parse.load import pointed
 from wmspec.stage import episode
 
 #: How many instances are tried. Of so many things all are built, a third of them with every counterfactual; else fewer.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from wmspec.check import units
-from wmspec.check.evaluate import evaluate, parts
-from wmspec.check.ir import Question, Ref, Said, last_shown
+from wmspec.lang.check.ir.evaluate import evaluate, parts
+from wmspec.lang.check.ir.ir import Question, Ref, Said, last_shown
+from wmspec.lang.check.types import units
 from wmspec.lint.asked import asked, pictured
 from wmspec.lint.rule import Breach, rule
 from wmspec.lint.scene_rules import Scene

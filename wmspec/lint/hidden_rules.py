@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from wmspec.check.evaluate import evaluate
 from wmspec.core.diagnostics import Note
 from wmspec.core.space import Pose, Vector, add, inverse, rotate, times
 from wmspec.design.about import named
+from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.layout.geometry import every_piece, pieces
 from wmspec.layout.solids import bounds, corners
 from wmspec.layout.values import Values

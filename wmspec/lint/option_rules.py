@@ -7,15 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
-from wmspec.check import units
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Question
-from wmspec.check.measured import measured
-from wmspec.check.types import AN_ANGLE
 from wmspec.core.diagnostics import WmsError
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told_of
 from wmspec.design.design import Design, Instance
+from wmspec.lang.check.expressions.measured import measured
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import Question
+from wmspec.lang.check.types import units
+from wmspec.lang.check.types.types import AN_ANGLE
 from wmspec.layout.values import Values
 from wmspec.lint.asked import asked
 from wmspec.lint.rule import Breach, rule

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator
 from itertools import combinations, pairwise
 
-from wmspec.check import units
-from wmspec.check.evaluate import evaluate
 from wmspec.core.diagnostics import Note
 from wmspec.core.space import Vector, add, dot, inverse, rotate, times, unit
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.types import units
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import bounds
 from wmspec.layout.values import Values

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator
 from itertools import combinations, permutations
 
-from wmspec.check import units
-from wmspec.check.ir import Thing
 from wmspec.core.diagnostics import Note
 from wmspec.core.space import ORIGIN, UP, add, dot, rotate, times, unit
+from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.types import units
 from wmspec.layout.geometry import mass, pieces
 from wmspec.layout.solids import Piece, bounds
 from wmspec.layout.values import Values

@@ -26,7 +26,7 @@ class Breach:
 
 @dataclass(frozen=True)
 class Rule(Generic[T]):
-    """A rule on a task, a design, a scene and so on (`T`): its code is one of `wmspec.parse.codes`."""
+    """A rule on a task, a design, a scene and so on (`T`): its code is one of `wmspec.lang.parse.codes`."""
 
     code: str
     severity: Severity

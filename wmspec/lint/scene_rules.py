@@ -7,16 +7,16 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
-from wmspec.check import units
-from wmspec.check.evaluate import NoValue, evaluate, parts
-from wmspec.check.ir import Call, Expr, Question
-from wmspec.check.measured import measured
-from wmspec.check.verbs import VERBS
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location
 from wmspec.design.depend import Dependencies
 from wmspec.design.describe import told_of
 from wmspec.design.design import Design, Instance
+from wmspec.lang.check.expressions.measured import measured
+from wmspec.lang.check.ir.evaluate import NoValue, evaluate, parts
+from wmspec.lang.check.ir.ir import Call, Expr, Question
+from wmspec.lang.check.tables.verbs import VERBS
+from wmspec.lang.check.types import units
 from wmspec.layout.values import Values
 from wmspec.layout.view import facing, front
 from wmspec.lint.asked import asked, pictured

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from wmspec.check.ir import Choices, Expr, Said, TaskSpec
-from wmspec.check.measured import measured
 from wmspec.design.depend import Dependencies
+from wmspec.lang.check.expressions.measured import measured
+from wmspec.lang.check.ir.ir import Choices, Expr, Said, TaskSpec
 from wmspec.lint.rule import Breach, rule
 
 

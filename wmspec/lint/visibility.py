@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from wmspec.check.evaluate import parts
-from wmspec.check.ir import Expr, Property, Ref, Said, TaskSpec, Thing, Value
 from wmspec.core.space import Vector, add, cross, dot, heading, times
+from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.ir import Expr, Property, Ref, Said, TaskSpec, Thing, Value
 from wmspec.layout.geometry import pieces
 from wmspec.layout.motion import CARRYING, after, angle, before, way
 from wmspec.layout.solids import Box, bounds, corners

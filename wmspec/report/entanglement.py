@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.check.vocabulary import WORDS
+from wmspec.lang.check.tables.vocabulary import WORDS
 from wmspec.report.intervals import Floats, ratio, rng
 from wmspec.report.questions import Questions
 from wmspec.report.replies import Replies

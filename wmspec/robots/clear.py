@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.check.ir import Thing
+from wmspec.lang.check.ir.ir import Thing
 from wmspec.layout.geometry import pieces, touchable
 from wmspec.layout.values import Values
 from wmspec.robots.arm import Arm, Array, about, shift

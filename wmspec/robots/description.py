@@ -14,8 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.places import FilePlace
-from wmspec.importers.model import Asset, Joint, Shape
-from wmspec.importers.read import structure
+from wmspec.lang.importers.model import Asset, Joint, Shape
+from wmspec.lang.importers.read import structure
 from wmspec.robots.arm import Arm, Array, about, shift
 from wmspec.sim.scene.model import Pose
 from wmspec.sim.scene.model.transform import compose, inverse, quaternion, rotation

@@ -8,8 +8,8 @@ from math import sqrt
 
 import numpy as np
 
-from wmspec.check.ir import Thing
 from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.lang.check.ir.ir import Thing
 from wmspec.layout import surfaces
 from wmspec.robots.arm import Array, down, shift
 from wmspec.robots.goods import Goods, goods, together

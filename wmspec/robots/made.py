@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics
 
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.importers.model import MeshFile, Shape
+from wmspec.lang.importers.model import MeshFile, Shape
 from wmspec.layout.meshes import load
 from wmspec.robots.arm import Arm, Array, shift
 from wmspec.robots.description import Described, described

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.check.ir import Thing
 from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.lang.check.ir.ir import Thing
 from wmspec.layout.motion import angle as heading
 from wmspec.robots.arm import Array, down, shift
 from wmspec.robots.goods import Goods, together

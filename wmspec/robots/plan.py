@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmspec.check.ir import Thing
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.parse.load import located
+from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.parse.load import located
 from wmspec.robots import grasps, moves
 from wmspec.robots.arm import Arm
 from wmspec.robots.clear import collision

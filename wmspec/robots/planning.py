@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wmspec.check.ir import Thing
 from wmspec.core.diagnostics import Diagnostic, ImpossibleValue, Note
 from wmspec.core.space import Pose
+from wmspec.lang.check.ir.ir import Thing
 from wmspec.robots.arm import Arm, Array
 from wmspec.robots.goods import Goods, goods
 from wmspec.robots.legs import Leg, OutOfReachError, joints, times

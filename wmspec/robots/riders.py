@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from wmspec.check.ir import Thing
 from wmspec.core.space import HERE
+from wmspec.lang.check.ir.ir import Thing
 from wmspec.layout.geometry import pieces
 from wmspec.layout.solids import bounds
 from wmspec.robots.arm import Array

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from wmspec.check.ir import Thing
 from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.lang.check.ir.ir import Thing
 
 if TYPE_CHECKING:
     from wmspec.layout.values import Values

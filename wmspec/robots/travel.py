@@ -12,9 +12,9 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from wmspec.check.ir import Thing
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Pose, Quaternion, Vector, add, rotate, turn
+from wmspec.lang.check.ir.ir import Thing
 from wmspec.robots.obstacles import Outline, around, hull, obstacles
 from wmspec.robots.roads import LONG, WIDE, OffRoadError, Traffic, road
 from wmspec.robots.schedule import in_turn, lasts

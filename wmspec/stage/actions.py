@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from pkgutil import resolve_name
 
-from wmspec.check.ir import Thing
-from wmspec.check.verbs import VERBS
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import UP, Vector, dot, heading, multiply, rotate, times, turn
+from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.tables.colors import rgb
+from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.layout import motion
 from wmspec.layout.geometry import pieces
 from wmspec.layout.surfaces import WORLD, holder, under
 from wmspec.layout.values import Values
-from wmspec.sim.materials.colors import rgb
 from wmspec.stage.document import Document, Prim
 from wmspec.stage.joints import has_drive, joined, joint_path
 from wmspec.stage.objects import object_path

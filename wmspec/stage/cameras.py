@@ -6,8 +6,8 @@ import math
 
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Vector
+from wmspec.lang.check.tables.colors import linear, rgb
 from wmspec.layout.values import Values
-from wmspec.sim.materials.colors import linear, rgb
 from wmspec.stage.document import Document
 from wmspec.stage.objects import object_path
 

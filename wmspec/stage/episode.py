@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import Counterfactual, TaskSpec
 from wmspec.core.diagnostics import ImpossibleValue, Note, Report, WmsError
 from wmspec.design.design import Instance
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import Counterfactual, TaskSpec
 from wmspec.layout.motion import carrier_sources, carriers
 from wmspec.layout.values import Values
 from wmspec.sim.usd.version import FORMAT_VERSION

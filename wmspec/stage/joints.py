@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from wmspec.check.ir import Thing
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
+from wmspec.lang.check.ir.ir import Thing
 from wmspec.layout import assets, placement
 from wmspec.layout.values import Values
 from wmspec.stage.document import Document, Prim

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.lang.check.tables.colors import linear, rgb
+from wmspec.lang.parse.load import located
 from wmspec.layout.values import Values
-from wmspec.parse.load import located
 from wmspec.sim.materials import MATERIALS
-from wmspec.sim.materials.colors import linear, rgb
 from wmspec.stage.document import Document, Prim
 
 

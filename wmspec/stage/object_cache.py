@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections import OrderedDict
 from typing import Any
 
-from wmspec.check.ir import TaskSpec
-from wmspec.check.vocabulary import PROPERTIES
 from wmspec.design.depend import dependencies
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.tables.vocabulary import PROPERTIES
 from wmspec.layout.values import Values
 from wmspec.stage.document import Document
 from wmspec.stage.objects import add_object

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from wmspec.check.vocabulary import COLLISIONS
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import HERE, LEVEL, Pose, Vector, rotate, times
+from wmspec.lang.check.tables.vocabulary import COLLISIONS
 from wmspec.layout import assets
 from wmspec.layout.geometry import every_piece, touchable
 from wmspec.layout.placement import frame

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from wmspec.check.ir import Counterfactual
 from wmspec.design.depend import Dependencies
+from wmspec.lang.check.ir.ir import Counterfactual
 from wmspec.stage.document import Document
 
 

@@ -6,14 +6,14 @@ along.
 
 from __future__ import annotations
 
-from wmspec.check.ir import Thing
 from wmspec.core.resources import resource
+from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.tables.colors import rgb
 from wmspec.layout.values import Values
 from wmspec.robots import car
 from wmspec.robots.plan import ARMS, arm_of, plan
 from wmspec.robots.stand import base
 from wmspec.robots.travel import travels
-from wmspec.sim.materials.colors import rgb
 from wmspec.stage import materials
 from wmspec.stage.document import Document
 from wmspec.stage.objects import geometry, object_path

@@ -9,11 +9,11 @@ from __future__ import annotations
 from hashlib import blake2b
 from pathlib import Path
 
-from wmspec.check.ir import Counterfactual
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.design.describe import told
 from wmspec.design.design import Design, Instance
+from wmspec.lang.check.ir.ir import Counterfactual
 from wmspec.stage.document import Document
 from wmspec.stage.episode import document
 from wmspec.stage.layers import base_layer, override_layer

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 
-from wmspec.check.ir import Choices, Factor, Interval, Normal
 from wmspec.core.rng import Level
+from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 from wmspec.write.baselines import Baselines
 from wmspec.write.files import EXAMPLES
 from wmspec.write.manifest import Summary, TaskSummary

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from itertools import groupby
 
 from wmspec.ask.model import Rejected
-from wmspec.check.ir import TaskSpec
-from wmspec.check.record import to_json
 from wmspec.execute.pool import Effort, Lost, by_units
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.record import to_json
 from wmspec.write.checkpoint import passing
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard

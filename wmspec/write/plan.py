@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import Any
 
 from wmspec.ask.consensus import Consensus
-from wmspec.check.ir import TaskSpec
 from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.sim.scene.model import Look
 
 #: The version of the folder's layout and of its columns.

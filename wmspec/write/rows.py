@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wmspec.ask.kinds import KINDS
 from wmspec.ask.model import Change, Picture, QuestionRow, Sighting, Strength, Vote
 from wmspec.ask.views import channels_of
-from wmspec.check.ir import Choices, Factor, TaskSpec
+from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.write.pictures import lossless, png
 
 Row = dict[str, Any]

@@ -12,10 +12,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from wmspec.ask.balance import MOST_DRAWS
 from wmspec.ask.closed import has_closed
-from wmspec.check.ir import TaskSpec
 from wmspec.core.diagnostics import WmsError
 from wmspec.design.depend import Dependencies
 from wmspec.design.design import Design, Instance
+from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.layout.values import Values
 from wmspec.stage.document import Document
 from wmspec.stage.episode import built

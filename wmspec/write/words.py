@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.types import TRUTH, Quantity, Vector
+from wmspec.lang.check.tables.functions import FUNCTIONS
+from wmspec.lang.check.types.types import TRUTH, Quantity, Vector
 
 #: SI units that people read better in another: its sign, and how many of it make one.
 READABLE = {"m": ("cm", 100.0), "rad": ("°", 180 / math.pi), "kg": ("g", 1000.0), "m/s": ("cm/s", 100.0)}

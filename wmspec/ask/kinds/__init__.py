@@ -1,4 +1,4 @@
-"""The kinds of questions, each alone in its module. A new one is a module, and a row here and in `wmspec.check`."""
+"""The kinds of questions, each alone in its module. A new one is a module, and a row here and in `wmspec.lang.check`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from wmspec.ask.kinds.kind import Kind
 from wmspec.ask.kinds.labels import Labels
 from wmspec.ask.kinds.numbers import Numbers
 from wmspec.ask.kinds.pictures import Pictures
-from wmspec.check.ir import QuestionKind
+from wmspec.lang.check.ir.ir import QuestionKind
 
 #: Every kind by its name in the IR.
 KINDS: dict[QuestionKind, Kind[Any]] = {"labels": Labels(), "numbers": Numbers(), "pictures": Pictures()}

@@ -11,7 +11,7 @@ from wmspec.ask.asking import AnswerSlot, Asking
 from wmspec.ask.model import Answer, Number, Option, Picture
 from wmspec.ask.runs import Run
 from wmspec.ask.verbalize import filled, say_option, si_unit
-from wmspec.check.ir import Counterfactual, Level, Question
+from wmspec.lang.check.ir.ir import Counterfactual, Level, Question
 
 
 @dataclass(frozen=True)

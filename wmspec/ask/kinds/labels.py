@@ -10,10 +10,10 @@ from wmspec.ask.asking import AnswerSlot, Asking
 from wmspec.ask.kinds.kind import Kind, Offered, in_words, quantity
 from wmspec.ask.model import Answer, Number, Option, Reject
 from wmspec.ask.runs import Run
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import QuestionKind
-from wmspec.check.types import TRUTH
-from wmspec.check.vocabulary import WORDS
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import QuestionKind
+from wmspec.lang.check.tables.vocabulary import WORDS
+from wmspec.lang.check.types.types import TRUTH
 
 #: Numbers that differ by less than this share of one another, or by less than that (SI), differ by rounding alone.
 ROUNDING_SHARE, ROUNDING = 1e-9, 1e-12

@@ -9,8 +9,8 @@ from wmspec.ask.asking import Asking
 from wmspec.ask.kinds.kind import Kind, in_words, quantity
 from wmspec.ask.model import Answer, Number
 from wmspec.ask.runs import Run
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import QuestionKind
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import QuestionKind
 
 
 @dataclass(frozen=True)

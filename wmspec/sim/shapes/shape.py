@@ -46,7 +46,7 @@ class UnfitError(ValueError):
 class Parameter:
     """A property that a shape has in the language besides `size`, `radius` and `height`; it may be left out.
 
-    `kind` is what it takes, in the words of `wmspec.check.vocabulary.PARAMETERS`.
+    `kind` is what it takes, in the words of `wmspec.lang.check.tables.vocabulary.PARAMETERS`.
     """
 
     kind: str
