@@ -22,8 +22,8 @@ from pathlib import Path
 from statistics import median
 
 from wmspec.api.loading import spec_files
+from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
-from wmspec.design.design import Design
 from wmspec.lang.check.statements.task import check
 from wmspec.lang.parse.load import catalogue_folders
 

@@ -29,6 +29,7 @@ from tests.dataset.made import make, plan
 from tests.trust.made import resaved, rewritten, signed, wmspec
 from wmspec.api.episode import load_episode, open_stage, run
 from wmspec.api.loading import load
+from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.places import Source
 from wmspec.evaluate import results
@@ -36,7 +37,6 @@ from wmspec.execute import archive
 from wmspec.gallery.gallery import folder as gallery_folder
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import load_source
-from wmspec.lint.dry_run import dry_run
 from wmspec.recast.recast import recast
 from wmspec.report import replies
 from wmspec.sim.scene.model import Trace

@@ -53,9 +53,9 @@ COMPILE = """
 import sys
 from pathlib import Path
 from wmspec.cli.common import one_task
-from wmspec.design.design import Design
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
 task = one_task(Path(sys.argv[1]))
 compose(document(task, Design(task, 0)[0])).Flatten().Export(sys.argv[2])
 """

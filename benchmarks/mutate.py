@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError
 from wmspec.core.places import Source, Span
 from wmspec.lang.check.statements.task import check_program
@@ -31,7 +32,6 @@ from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.load import library_folder, load_source
 from wmspec.lang.parse.parser import words
 from wmspec.lang.parse.tables import tables
-from wmspec.lint.dry_run import dry_run
 
 ROOT = Path(__file__).parent.parent
 OPENING, CLOSING = {"LPAR": "(", "LSQB": "[", "LBRACE": "{"}, {"RPAR": ")", "RSQB": "]", "RBRACE": "}"}

@@ -22,7 +22,7 @@ from benchmarks.loops import LOOPS
 from wmspec.api.making import planned
 from wmspec.ask.ask import ask
 from wmspec.ask.runs import EnginePair
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 from wmspec.execute.keys import look_key, physics_key, shot_key
 from wmspec.execute.pool import Effort
 from wmspec.execute.render_cache import RenderCache

@@ -25,9 +25,9 @@ from wmspec.ask.robustness import NUDGE
 from wmspec.ask.runs import EnginePair, Run, execute, nudged
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.physics import prepare
+from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
-from wmspec.design.design import Design
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.lang.check.ir.record import to_json

@@ -31,9 +31,9 @@ import sys
 from pathlib import Path
 try:
     from wmspec.cli.common import one_task
-    from wmspec.design.design import Design
-    from wmspec.stage.episode import document
-    from wmspec.stage.layers import compose
+    from wmspec.compile.design.design import Design
+    from wmspec.compile.stage.episode import document
+    from wmspec.compile.stage.layers import compose
 
     def tasks(path):
         task = one_task(path)

@@ -24,7 +24,7 @@ from wmspec.api.task import Task
 from wmspec.ask.model import Reject
 from wmspec.ask.runs import EnginePair, execute
 from wmspec.ask.views import views_of
-from wmspec.design.about import named
+from wmspec.compile.design.about import named
 from wmspec.sim.scene.model import Array
 
 HEADS = ("task", "together", "wide each", "quarters", "cut")

@@ -11,16 +11,16 @@ from pathlib import Path
 
 from PIL import Image
 
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import Report
-from wmspec.design.design import Design
 from wmspec.execute.backends import default
 from wmspec.execute.render_cache import RenderCache
 from wmspec.lang.check.statements.task import check
 from wmspec.sim.materials import MATERIALS
 from wmspec.sim.scene.model import Look, Shot
 from wmspec.sim.usd import read
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
 from wmspec.write import typeset
 from wmspec.write.typeset import Style
 

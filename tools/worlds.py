@@ -24,8 +24,10 @@ import numpy as np
 from PIL import Image
 
 import wmspec
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import Report
-from wmspec.design.design import Design
 from wmspec.execute.backends import default, names
 from wmspec.execute.render_cache import RenderCache
 from wmspec.lang.check.statements.task import check
@@ -35,8 +37,6 @@ from wmspec.lang.parse.syntax import Template
 from wmspec.sim.scene.model import Frame, Look, Scene, Shot
 from wmspec.sim.scene.model.bounds import upright
 from wmspec.sim.usd import read
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
 from wmspec.write import typeset
 from wmspec.write.typeset import Style
 

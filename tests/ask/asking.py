@@ -9,7 +9,7 @@ from tests.language.specs import task_from
 from wmspec.ask.ask import ask
 from wmspec.ask.model import QuestionRow, Rejected
 from wmspec.ask.runs import EnginePair, Run, execute
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.trace_cache import TraceCache
 

@@ -14,7 +14,7 @@ from wmspec.ask.bearing import ROUNDING, Bearing
 from wmspec.ask.kinds.labels import same
 from wmspec.ask.kinds.numbers import NumberAnswer, Numbers
 from wmspec.ask.verbalize import say
-from wmspec.layout.functions import FUNCTIONS
+from wmspec.compile.layout.functions import FUNCTIONS
 
 ANGLES = st.floats(-50, 50)
 

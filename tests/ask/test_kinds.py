@@ -17,7 +17,7 @@ from wmspec.ask.kinds import KINDS
 from wmspec.ask.model import TRUTH, QuestionRow
 from wmspec.compare.check import check
 from wmspec.compare.tolerance import Tolerances
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.lang.check.ir.ir import QuestionKind
 from wmspec.lang.check.statements.question_kinds import QUESTION_RULES

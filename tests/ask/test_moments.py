@@ -12,7 +12,7 @@ from tests.engines import ENGINES
 from tests.language.specs import task_from
 from wmspec.ask.asking import Asking
 from wmspec.ask.runs import execute
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 from wmspec.lang.check.ir.evaluate import evaluate
 
 G = 9.81

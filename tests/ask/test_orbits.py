@@ -16,7 +16,7 @@ from wmspec.ask.closed import ask_whole, kept_whole
 from wmspec.ask.kinds import KINDS
 from wmspec.ask.kinds.pictures import PictureAnswer
 from wmspec.ask.model import QuestionRow, Rejected
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 
 PUSHED = """
   factor load in [30 g called "light", 400 g called "heavy"]

@@ -6,9 +6,9 @@ import pytest
 
 import wmspec
 from wmspec.ask.runs import values_of
+from wmspec.compile.stage.episode import built
 from wmspec.core.resources import resource
 from wmspec.execute.scene_cache import SceneCache
-from wmspec.stage.episode import built
 
 TASKS = ("perception/space/positioning", "prediction/mechanistic/collide", "prediction/mechanistic/arm_push")
 

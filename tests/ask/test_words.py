@@ -8,7 +8,7 @@ from tests.ask.asking import SCENE
 from tests.language.specs import task_from
 from wmspec.ask.describe import Ambiguous, described, together
 from wmspec.ask.verbalize import question_text, say, say_option, written
-from wmspec.layout.values import Values
+from wmspec.compile.layout.values import Values
 
 TASK = """{objects}
   object other {{ shape: cone  color: green  on: table at (0, 20 cm) }}

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from tests.assets.specs import CABINET, HERE
 from tests.work import calls
+from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.places import Source
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import load_source
-from wmspec.lint.dry_run import dry_run
 
 TEXTS = [file.read_text() for file in (CABINET, HERE / "pendulum.urdf", HERE / "arm.urdf", HERE / "crane.xml")]
 FRAGMENTS = st.sampled_from(

@@ -149,8 +149,8 @@ WAYS = ("convexHull", "convexDecomposition", "boundingCube", "boundingSphere")
 
 def ways(folder: Path, text: str) -> list[str]:
     """How the meshes of the object `a` are touched, as the stage says."""
-    from wmspec.design.design import Design
-    from wmspec.stage.episode import document
+    from wmspec.compile.design.design import Design
+    from wmspec.compile.stage.episode import document
 
     task = spec(text, folder)
     prims = document(task, Design(task)[0]).prims

@@ -15,9 +15,9 @@ from wmspec.ask.ask import groups
 from wmspec.ask.kinds.labels import LabelAnswer
 from wmspec.ask.kinds.numbers import NumberAnswer
 from wmspec.ask.model import Change, Option, Picture, QuestionRow
+from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.core.rng import permuted
-from wmspec.design.design import Design
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check
 from wmspec.write.dataset import Dataset

@@ -168,7 +168,7 @@ def test_a_favoured_place_fails_and_the_deciding_factor_is_told(audited: Make) -
 def copied(contrary: bool, noise: int = 0, darker: int = 0) -> Ask:
     """The question of instance 40 is asked again as one other instance, two rows of its pixels so much `darker`."""
     from tests.audit.made import blank, spec
-    from wmspec.design.design import Design
+    from wmspec.compile.design.design import Design
 
     def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
         if asked.index != 41:

@@ -13,16 +13,16 @@ from wmspec.compare.allow import impacts
 from wmspec.compare.compare import compare
 from wmspec.compare.model import Comparison
 from wmspec.compare.tolerance import Tolerances, tolerances
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import WmsError
-from wmspec.design.design import Design
 from wmspec.execute.backends import backend
 from wmspec.sim.scene.model import Body, Geom, Pose, Scene, Trace
 from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.scene.render.turn import turned
 from wmspec.sim.shapes import Box, Cylinder, Shape, Sphere
 from wmspec.sim.usd import read
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
 
 HERE = Path(__file__).parent
 LIMITS = Tolerances()

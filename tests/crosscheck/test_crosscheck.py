@@ -15,7 +15,7 @@ from wmspec.compare.model import Checked, Verdict
 from wmspec.compare.summary import Share, doubtful, lines, suspects
 from wmspec.compare.tolerance import Tolerances
 from wmspec.compare.verbalize import dispute
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.lang.check.ir.ir import QuestionKind
 

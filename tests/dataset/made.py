@@ -12,8 +12,8 @@ from wmspec.ask.ask import groups
 from wmspec.ask.kinds.labels import LabelAnswer
 from wmspec.ask.kinds.pictures import PictureAnswer
 from wmspec.ask.model import Change, Option, Picture, QuestionRow, Rejected, Vote
+from wmspec.compile.design.design import Design, Instance
 from wmspec.core.diagnostics import Report
-from wmspec.design.design import Design, Instance
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check
 from wmspec.write.dataset import Dataset

@@ -12,8 +12,8 @@ import pytest
 
 from tests.dataset.made import filling, make, plan
 from tests.dataset.test_dataset import contents
+from wmspec.compile.design.design import share
 from wmspec.core.diagnostics import WmsError
-from wmspec.design.design import share
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Task
 from wmspec.write.reuse import Before

@@ -14,8 +14,8 @@ import wmspec
 from wmspec.ask.balance import MOST_DRAWS, balanced, together
 from wmspec.ask.kinds.labels import LabelAnswer
 from wmspec.ask.model import Option, QuestionRow, Rejected
+from wmspec.compile.design.design import Design
 from wmspec.core.rng import bits
-from wmspec.design.design import Design
 from wmspec.lang.check.ir.ir import Plan
 
 SPEC = """

@@ -6,11 +6,11 @@ import pytest
 from click.testing import CliRunner
 
 from wmspec.cli import main
+from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Report
 from wmspec.lang.check.statements.task import check
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.pages import Example, page
-from wmspec.lint.dry_run import dry_run
 
 FOLDER = Path(__file__).parents[2] / "wmspec/lang/parse/codes"
 

@@ -8,11 +8,11 @@ import pytest
 from click.testing import CliRunner
 
 from wmspec.cli import main
+from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Diagnostic, Report
 from wmspec.core.places import Location, Source, Span
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import load_source
-from wmspec.lint.dry_run import dry_run
 
 SPEC = """use room
 

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 import wmspec
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.values import Values
 from wmspec.core.diagnostics import Report
-from wmspec.design.design import Design
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.statements.task import check
-from wmspec.layout.values import Values
 
 LIBRARY = '''
 """A shop."""

@@ -10,6 +10,7 @@ import pytest
 
 from tests.language.specs import SPECS
 from tests.language.test_format import without_places
+from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
 from wmspec.lang.check.ir.ir import TaskSpec
@@ -21,7 +22,6 @@ from wmspec.lang.parse.format import format_spec
 from wmspec.lang.parse.load import load_source, read_source
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import Task
-from wmspec.lint.dry_run import dry_run
 
 ROOT = Path(__file__).parents[2]
 PAGE_PATH = ROOT / "docs/language.md"

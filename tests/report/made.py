@@ -14,8 +14,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.ask.ask import groups
+from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
-from wmspec.design.design import Design
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check
 from wmspec.report.intervals import rng

@@ -12,8 +12,13 @@ import trimesh
 from PIL import Image
 from pxr import Usd
 
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.diff import diff
+from wmspec.compile.stage.document import Document
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.compile.stage.write import write_stages
 from wmspec.core.diagnostics import WmsError
-from wmspec.design.design import Design
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.record import from_json, to_json
 from wmspec.lang.check.statements.builder import HERE, action, compound, factor, joint, observe, robot, task, thing
@@ -22,11 +27,6 @@ from wmspec.sim.scene.model import Follow, Force, Impulse, Launch, Scene, Steer,
 from wmspec.sim.scene.model.transform import apply, rotate
 from wmspec.sim.shapes import Box, Mesh
 from wmspec.sim.usd import read
-from wmspec.stage.diff import diff
-from wmspec.stage.document import Document
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.stage.write import write_stages
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 TABLE = thing("object", "table", shape="box", size=(2, 2, 0.1), at=(0, 0, -0.05), friction=0.4, fixed=True)

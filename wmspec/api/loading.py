@@ -9,10 +9,10 @@ from os import PathLike
 from pathlib import Path
 
 from wmspec.api.task import Task
+from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.core.places import FilePlace, Source
 from wmspec.core.safe_io import inside
-from wmspec.design.design import Design
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import Program, load_source
 from wmspec.lang.parse.load import load as load_program
@@ -108,7 +108,7 @@ def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnos
 
 def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:
     """What the report says, and what becomes of each task; their scenes are `tried` first."""
-    from wmspec.lint.dry_run import dry_run
+    from wmspec.compile.lint.dry_run import dry_run
 
     sizes: list[tuple[str, int]] = []
     designs: dict[str, Design] = {}

@@ -16,11 +16,11 @@ from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.ask.consensus import Consensus
+from wmspec.compile.design.design import share
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import INSTANCES
 from wmspec.core.resources import resource
 from wmspec.core.wm_abench import instances
-from wmspec.design.design import share
 from wmspec.execute.backends import chosen, drawing, versions
 from wmspec.execute.cluster import ray_cluster
 from wmspec.execute.pool import Effort

@@ -8,11 +8,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack, overload
 
+from wmspec.compile.design.design import Design
+from wmspec.compile.design.design import Instance as Drawn
 from wmspec.core import wm_abench
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.rng import Level
-from wmspec.design.design import Design
-from wmspec.design.design import Instance as Drawn
 from wmspec.lang.check.ir.ir import Choices, Counterfactual, Interval, TaskSpec
 from wmspec.lang.check.ir.ir import Factor as DeclaredFactor
 from wmspec.lang.parse.load import Program
@@ -129,7 +129,7 @@ class Task(Sequence["Instance"]):
     def images(self) -> int:
         """How many pictures are shown with a question, before its options."""
         from wmspec.ask.views import views_of
-        from wmspec.layout.values import Values
+        from wmspec.compile.layout.values import Values
 
         first = self.design[0]
         return len(views_of(self.spec, Values(self.spec, first.values, None, first.key)))
@@ -195,7 +195,7 @@ class Instance:
         return f"<Instance {self.index} of {self.task.name}: {self}>"
 
     def __str__(self) -> str:
-        from wmspec.design.describe import told
+        from wmspec.compile.design.describe import told
 
         return told(self.task.design.factors, self.factors)
 
@@ -241,8 +241,8 @@ class Instance:
 
         Raises WmsError with its place if a value is impossible, or something cannot be executed.
         """
-        from wmspec.stage.episode import document
-        from wmspec.stage.layers import compose
+        from wmspec.compile.stage.episode import document
+        from wmspec.compile.stage.layers import compose
 
         return compose(document(self.task.spec, self.drawn, self.task.change(counterfactual)))
 
@@ -251,7 +251,7 @@ class Instance:
 
         Returns their paths. Raises WmsError if it cannot be written.
         """
-        from wmspec.stage.write import write_stages
+        from wmspec.compile.stage.write import write_stages
 
         return write_stages(self.task.design, self.drawn, folder)
 

@@ -16,10 +16,10 @@ from wmspec.ask.sighting import sightings
 from wmspec.ask.verbalize import question_text, written
 from wmspec.ask.views import View, channels_of
 from wmspec.ask.visibility_gate import chains, shown, shown_in
+from wmspec.compile.design.about import named
+from wmspec.compile.design.design import Design, Instance
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.core.rng import Permutation, bits, permuted
-from wmspec.design.about import named
-from wmspec.design.design import Design, Instance
 from wmspec.lang.check.expressions.measured import measured as is_measured
 from wmspec.lang.check.expressions.measured import moments
 from wmspec.lang.check.ir.evaluate import evaluate

@@ -13,10 +13,10 @@ from wmspec.ask.model import Reject
 from wmspec.ask.observed import Observed
 from wmspec.ask.runs import EnginePair, Run
 from wmspec.ask.views import View, views_of
+from wmspec.compile.layout.values import Values
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
 from wmspec.lang.check.ir.ir import Counterfactual, Question
-from wmspec.layout.values import Values
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from operator import add
 
 from wmspec.ask.closed import Answers
 from wmspec.ask.model import QuestionRow, Rejected
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 
 #: So many draws of a group are tried.
 MOST_DRAWS = 32

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from wmspec.ask.model import Change
 from wmspec.ask.verbalize import say
+from wmspec.compile.layout.values import Values
 from wmspec.lang.check.ir.ir import Counterfactual, Varied
 from wmspec.lang.check.statements.orbits import level_words
-from wmspec.layout.values import Values
 
 
 def change_of(change: Counterfactual, orbit: Sequence[Varied], before: Values, after: Values) -> Change:

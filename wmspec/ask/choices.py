@@ -5,9 +5,9 @@ from __future__ import annotations
 from wmspec.ask import outcome
 from wmspec.ask.gaze import gaze
 from wmspec.ask.measure import Measured
+from wmspec.compile.layout.functions import extreme
+from wmspec.compile.layout.view import front
 from wmspec.core.diagnostics import WmsError
-from wmspec.layout.functions import extreme
-from wmspec.layout.view import front
 
 #: What an option can say where two are too near to one another to choose.
 NEITHER = "neither"

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from wmspec.ask.ask import ask
 from wmspec.ask.model import QuestionRow, Rejected
 from wmspec.ask.runs import EnginePair
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 from wmspec.lang.check.ir.ir import TaskSpec
 
 #: What comes of the questions of an instance.

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache, lru_cache
 
 from wmspec.ask.difference import ciede2000, lab
+from wmspec.compile.layout.geometry import volume
+from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.view import front, seen
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.vocabulary import COLORS
-from wmspec.layout.geometry import volume
-from wmspec.layout.values import Values
-from wmspec.layout.view import front, seen
 from wmspec.sim.materials import SHADES
 from wmspec.sim.scene.model import Array
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from wmspec.ask.observed import Observed
+from wmspec.compile.layout.view import UPRIGHT, quarters
 from wmspec.core.diagnostics import WmsError
-from wmspec.layout.view import UPRIGHT, quarters
 from wmspec.sim.scene.model.transform import compose, rotate
 
 _X, _UP, _AHEAD = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0])

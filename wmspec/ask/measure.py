@@ -8,10 +8,10 @@ from pkgutil import resolve_name
 from typing import Any
 
 from wmspec.ask.observed import Observed
+from wmspec.compile.layout.values import Values
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.types.types import POINT3
-from wmspec.layout.values import Values
 
 
 class Measured:

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from wmspec.ask.observed import REST, STILL, Observed
+from wmspec.compile.layout.view import seen
 from wmspec.core.diagnostics import WmsError
-from wmspec.layout.view import seen
 from wmspec.sim.scene.model import Array
 from wmspec.sim.scene.model.transform import conjugate, rotate
 

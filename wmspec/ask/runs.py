@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from wmspec.ask.model import Reject
 from wmspec.ask.observed import MOVED, Observed
 from wmspec.ask.views import View
+from wmspec.compile.design.design import Design, Instance
+from wmspec.compile.layout.values import Values
 from wmspec.core.diagnostics import EngineError, WmsError
 from wmspec.core.rng import uniform
-from wmspec.design.design import Design, Instance
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.lang.check.ir.ir import Counterfactual
-from wmspec.layout.values import Values
 from wmspec.sim.scene.model import Array, Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.sim.scene.model.bounds import bounds, middle, own_middle
 from wmspec.sim.scene.model.memoize import kept

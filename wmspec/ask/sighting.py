@@ -7,7 +7,7 @@ from collections.abc import Collection
 from wmspec.ask.model import Sighting
 from wmspec.ask.patch import patch
 from wmspec.ask.runs import Run
-from wmspec.layout.values import Values
+from wmspec.compile.layout.values import Values
 from wmspec.sim.scene.model import Frame
 
 #: The properties whose words may tell an object from others.

@@ -9,11 +9,11 @@ from typing import Any
 
 from wmspec.ask.bearing import Bearing
 from wmspec.ask.describe import color_word, described, together
+from wmspec.compile.layout.values import Values
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import Environment, evaluate
 from wmspec.lang.check.tables.vocabulary import WORDS
 from wmspec.lang.check.types import units
-from wmspec.layout.values import Values
 
 #: Which unit a quantity is said in, and how many of it make one SI unit.
 _UNITS = {

@@ -9,7 +9,7 @@ from wmspec.ask.model import Reject
 from wmspec.ask.observed import Observed
 from wmspec.ask.patch import patch
 from wmspec.ask.views import View
-from wmspec.layout.values import Values
+from wmspec.compile.layout.values import Values
 from wmspec.sim.scene.render.appearance import vanished
 
 #: A body that covers less of a picture than this cannot be seen in it. (A 6 x 6 patch of 256 x 256 pixels.)

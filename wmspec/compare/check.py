@@ -15,8 +15,8 @@ from wmspec.compare.answers import EngineAnswer, agree, answer, difference
 from wmspec.compare.compare import compare
 from wmspec.compare.model import Cause, Checked, Comparison, Failure, Pair, Verdict
 from wmspec.compare.tolerance import Tolerances
+from wmspec.compile.design.design import Design, Instance
 from wmspec.core.diagnostics import WmsError
-from wmspec.design.design import Design, Instance
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache

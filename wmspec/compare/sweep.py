@@ -11,7 +11,7 @@ from itertools import combinations
 from wmspec.compare.check import check
 from wmspec.compare.model import Checked, Failure, Pair
 from wmspec.compare.tolerance import Tolerances
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.lang.check.ir.ir import TaskSpec

@@ -15,15 +15,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from wmspec.compile.layout.values import Values
+from wmspec.compile.stage.document import Document, Prim
+from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.layers import bare, compose
+from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
-from wmspec.layout.values import Values
 from wmspec.sim.scene.model import Body, Camera, Scene
 from wmspec.sim.usd import read
-from wmspec.stage.document import Document, Prim
-from wmspec.stage.episode import built
-from wmspec.stage.layers import bare, compose
-from wmspec.stage.object_cache import ObjectCache
 
 _OBJECTS, _MATERIALS, _CAMERAS = "/World/Objects/", "/World/Materials/", "/World/Cameras/"
 _EPISODE, _LIGHTS = "/World/Episode", "/World/Lights"

@@ -12,14 +12,14 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from wmspec.ask.balance import MOST_DRAWS
 from wmspec.ask.closed import has_closed
+from wmspec.compile.design.depend import Dependencies
+from wmspec.compile.design.design import Design, Instance
+from wmspec.compile.layout.values import Values
+from wmspec.compile.stage.document import Document
+from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.one_factor import changed_by
 from wmspec.core.diagnostics import WmsError
-from wmspec.design.depend import Dependencies
-from wmspec.design.design import Design, Instance
 from wmspec.lang.check.ir.ir import TaskSpec
-from wmspec.layout.values import Values
-from wmspec.stage.document import Document
-from wmspec.stage.episode import built
-from wmspec.stage.one_factor import changed_by
 
 #: A unit has so many instances at most (but a closed set is never parted): what a worker gets at a time.
 MOST = 32

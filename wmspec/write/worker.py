@@ -12,7 +12,7 @@ from wmspec.ask.closed import Answers, has_closed, kept_whole
 from wmspec.ask.consensus import Consensus, consensus
 from wmspec.ask.model import QuestionRow, Rejected
 from wmspec.ask.runs import EnginePair
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
 from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache

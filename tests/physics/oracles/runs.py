@@ -8,13 +8,13 @@ from functools import cache
 from pathlib import Path
 
 from tests.language.specs import task_of
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
 from wmspec.core.rng import Level
-from wmspec.design.design import Design
 from wmspec.execute.backends import backend
 from wmspec.sim.scene.model import Array, Body, Scene, Trace
 from wmspec.sim.usd import read
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
 
 FOLDER = Path(__file__).parent
 

@@ -18,7 +18,7 @@ from wmspec.ask.measure import Measured
 from wmspec.ask.model import TRUTH, Answer, Option, OptionKind, Picture, Reject
 from wmspec.ask.runs import Run
 from wmspec.ask.sighting import sightings
-from wmspec.design.about import named
+from wmspec.compile.design.about import named
 from wmspec.execute.keys import look_key
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied

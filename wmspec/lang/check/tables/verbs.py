@@ -56,12 +56,12 @@ VERBS: dict[str, Verb] = {
             "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
             "rolling": Slot((TRUTH,), "whether a round object sets off rolling instead of sliding", "false"),
         },
-        lasts=False, author="wmspec.stage.actions:launch",
+        lasts=False, author="wmspec.compile.stage.actions:launch",
     ),
     "slide": Verb(
         "sets the object sliding on what it rests on, as fast as makes friction stop it after the distance",
         {"object": _OBJECT, "direction": _DIRECTION, "distance": Slot((A_LENGTH,), "how far it slides", above=0)},
-        lasts=False, author="wmspec.stage.actions:slide", staged="launch",
+        lasts=False, author="wmspec.compile.stage.actions:slide", staged="launch",
     ),
     "glide": Verb(
         "carries the object along a straight line at constant speed, pushing whatever is in its way",
@@ -70,7 +70,7 @@ VERBS: dict[str, Verb] = {
             "direction": _DIRECTION,
             "speed": Slot((Quantity(SPEED),), "how fast it goes", least=0, most=100),
         },
-        lasts=True, author="wmspec.stage.actions:glide", carries=True,
+        lasts=True, author="wmspec.compile.stage.actions:glide", carries=True,
     ),
     "follow": Verb(
         "carries the object along a path at constant speed, from where it is",
@@ -82,7 +82,7 @@ VERBS: dict[str, Verb] = {
             "width": Slot((A_LENGTH,), "how far the path strays to the side", "10 cm", above=0),
             "facing": Slot((TRUTH,), "whether it turns with the path, as a car does; else it keeps its turn", "false"),
         },
-        lasts=True, author="wmspec.stage.actions:follow", carries=True,
+        lasts=True, author="wmspec.compile.stage.actions:follow", carries=True,
     ),
     "teleport": Verb(
         "puts the object somewhere else at once",
@@ -91,7 +91,7 @@ VERBS: dict[str, Verb] = {
             "to": Slot((POINT2, POINT3, PLACE), "where to, as in its `at`"),
             "yaw": Slot((AN_ANGLE,), "how it is turned there; as before if left out", optional=True),
         },
-        lasts=False, author="wmspec.stage.actions:teleport", carries=True,
+        lasts=False, author="wmspec.compile.stage.actions:teleport", carries=True,
     ),
     "impulse": Verb(
         "strikes the object in its centre of mass",
@@ -101,7 +101,7 @@ VERBS: dict[str, Verb] = {
             "impulse": Slot((Quantity(IMPULSE),), "mass times the change of velocity", least=0),
             "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
         },
-        lasts=False, author="wmspec.stage.actions:impulse",
+        lasts=False, author="wmspec.compile.stage.actions:impulse",
     ),
     "force": Verb(
         "pulls the object at its centre of mass",
@@ -111,29 +111,29 @@ VERBS: dict[str, Verb] = {
             "force": Slot((Quantity(FORCE),), "how strongly", least=0),
             "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
         },
-        lasts=True, author="wmspec.stage.actions:force",
+        lasts=True, author="wmspec.compile.stage.actions:force",
     ),
-    "release": Verb("holds the object where it is until then, and lets go", {"object": _OBJECT}, lasts=False, author="wmspec.stage.actions:release", holds=True),
+    "release": Verb("holds the object where it is until then, and lets go", {"object": _OBJECT}, lasts=False, author="wmspec.compile.stage.actions:release", holds=True),
     "drop": Verb(
         "holds the object above where it would rest until then, and lets go",
         {"object": _OBJECT, "height": Slot((A_LENGTH,), "how far above", above=0, most=100)},
-        lasts=False, author="wmspec.stage.actions:release", staged="release", holds=True,
+        lasts=False, author="wmspec.compile.stage.actions:release", staged="release", holds=True,
     ),
     "drive": Verb(
         "sends a joint's drive to another target",
         {"joint": Slot((JOINT,), "which joint"), "target": Slot((AN_ANGLE, A_LENGTH), "where to")},
-        lasts=False, author="wmspec.stage.actions:drive",
+        lasts=False, author="wmspec.compile.stage.actions:drive",
     ),
-    "stop": Verb("makes the object stand still at once", {"object": _OBJECT}, lasts=False, author="wmspec.stage.actions:stop", staged="launch"),
+    "stop": Verb("makes the object stand still at once", {"object": _OBJECT}, lasts=False, author="wmspec.compile.stage.actions:stop", staged="launch"),
     "paint": Verb(
         "gives all of the object another colour",
         {"object": Slot((OBJECT,), "what is painted"), "color": Slot((COLOR,), "which colour")},
-        lasts=False, author="wmspec.stage.actions:paint", whatever=True,
+        lasts=False, author="wmspec.compile.stage.actions:paint", whatever=True,
     ),
     "vanish": Verb(
         "takes the object away: from then on nothing touches or shows it",
         {"object": Slot((OBJECT,), "what vanishes")},
-        lasts=False, author="wmspec.stage.actions:vanish", whatever=True,
+        lasts=False, author="wmspec.compile.stage.actions:vanish", whatever=True,
     ),
 }  # fmt: skip
 
