@@ -16,7 +16,7 @@ from pathlib import Path
 os.environ.setdefault("LP_NUM_THREADS", "0")
 
 from wmspec.api.making import planned
-from wmspec.execute.pool import Effort
+from wmspec.runtime.workers.pool import Effort
 from wmspec.write.generate import job_of
 from wmspec.write.plan import Plan, Task
 from wmspec.write.units import units

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wmspec.execute.backends import backend, names
+from wmspec.runtime.engines.registry import backend, names
 from wmspec.sim.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
 from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.scene.render.camera import look_at

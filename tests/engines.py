@@ -6,7 +6,7 @@ from importlib.util import find_spec
 
 import pytest
 
-from wmspec.execute.backends import backend, info, names
+from wmspec.runtime.engines.registry import backend, info, names
 from wmspec.sim.scene.backend import Backend
 
 ENGINES = names()

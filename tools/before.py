@@ -60,7 +60,7 @@ import sys
 from pathlib import Path
 import numpy as np
 from pxr import Usd
-from wmspec.execute.backends import backend
+from wmspec.runtime.engines.registry import backend
 try:
     import wmspec.sim.usd.schema
     from wmspec.sim.usd import read

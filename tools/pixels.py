@@ -15,9 +15,9 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import Report
-from wmspec.execute.backends import info, names
-from wmspec.execute.render_cache import RenderCache
 from wmspec.lang.check.statements.task import check
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.engines.registry import info, names
 from wmspec.sim.scene.model import Look, Scene, Shot
 from wmspec.sim.usd import read
 from wmspec.write import typeset

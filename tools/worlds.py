@@ -28,12 +28,12 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import Report
-from wmspec.execute.backends import default, names
-from wmspec.execute.render_cache import RenderCache
 from wmspec.lang.check.statements.task import check
 from wmspec.lang.parse.load import library_folder, read_source
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import Template
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.engines.registry import default, names
 from wmspec.sim.scene.model import Frame, Look, Scene, Shot
 from wmspec.sim.scene.model.bounds import upright
 from wmspec.sim.usd import read

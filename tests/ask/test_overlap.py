@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmspec.ask.runs import DEEP, _near, _touched
+from wmspec.runtime.questions.runs import DEEP, _near, _touched
 from wmspec.sim.scene.model import Body, Geom, Pose
 from wmspec.sim.scene.model.bounds import bounds
 from wmspec.sim.scene.model.transform import apply, compose

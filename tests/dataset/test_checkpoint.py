@@ -12,9 +12,9 @@ import pytest
 
 from tests.dataset.made import filling, make, plan
 from tests.dataset.test_dataset import contents, largest_file
-from wmspec.ask.model import Rejected
 from wmspec.core.diagnostics import WmsError
-from wmspec.execute.pool import Effort
+from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.workers.pool import Effort
 from wmspec.write.dataset import Dataset
 from wmspec.write.generate import generate
 from wmspec.write.plan import Shard

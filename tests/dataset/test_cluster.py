@@ -15,8 +15,8 @@ from wmspec.api import generate
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.resources import resource
-from wmspec.execute.cluster import ray_cluster
-from wmspec.execute.pool import Lost, by_units
+from wmspec.runtime.workers.cluster import ray_cluster
+from wmspec.runtime.workers.pool import Lost, by_units
 
 ray = pytest.importorskip("ray")
 startable = pytest.mark.skipif(

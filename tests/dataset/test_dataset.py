@@ -21,8 +21,8 @@ import yaml
 from PIL import Image
 
 from tests.dataset.made import filling, make, plan
-from wmspec.ask.model import Rejected
 from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.questions.model import Rejected
 from wmspec.write.card import card
 from wmspec.write.dataset import Dataset
 from wmspec.write.manifest import Summary

@@ -7,7 +7,7 @@ import pytest
 
 import wmspec
 from wmspec.core.resources import resource
-from wmspec.execute.pool import Effort, Lost
+from wmspec.runtime.workers.pool import Effort, Lost
 from wmspec.write.estimate import _few, _rate, _seconds, _spread, _Trial, _Unit
 from wmspec.write.plan import Task
 from wmspec.write.units import units

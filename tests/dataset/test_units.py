@@ -5,8 +5,8 @@ import random
 import pytest
 
 import wmspec
-from wmspec.ask.closed import has_closed
 from wmspec.core.resources import resource
+from wmspec.runtime.questions.closed_sets import has_closed
 from wmspec.write.units import MOST, units
 
 TASKS = {

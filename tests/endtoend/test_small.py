@@ -12,9 +12,9 @@ import pytest
 
 import wmspec
 from tests.engines import installed
-from wmspec.ask.verbalize import say
 from wmspec.compile.layout.values import Values
 from wmspec.lang.check.statements.builder import observe, task, thing
+from wmspec.runtime.questions.verbalize import say
 from wmspec.write.words import human
 
 BALL = "object ball { shape: sphere  size: 6 cm  color: red  on: table }"

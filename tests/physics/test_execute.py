@@ -11,7 +11,7 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.core.diagnostics import WmsError
-from wmspec.execute.backends import info
+from wmspec.runtime.engines.registry import info
 from wmspec.sim.scene.capability import approximated, require
 from wmspec.sim.scene.model import Array, Body, Friction, Geom, Glide, Launch, Pose, Scene, Trace
 from wmspec.sim.scene.model.transform import rotate

@@ -18,10 +18,10 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.compile.stage.write import write_stages
-from wmspec.execute.backends import backend
-from wmspec.execute.keys import physics_key
-from wmspec.execute.trace_cache import TraceCache
 from wmspec.lang.check.ir.ir import Choices
+from wmspec.runtime.caches.cache_keys import physics_key
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Friction, Geom, Light, Scene, Surface
 from wmspec.sim.usd import read
 

@@ -13,7 +13,7 @@ import hashlib, sys
 from tests.endtoend.test_commands import SPEED
 from tests.language.specs import task_of
 from wmspec.compile.design.design import Design
-from wmspec.execute.backends import backend
+from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Shot
 from wmspec.sim.usd import read
 from wmspec.compile.stage.episode import document

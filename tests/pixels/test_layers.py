@@ -9,7 +9,7 @@ import pytest
 
 from tests.engines import installed
 from tests.pixels.scenes import body, scene, views
-from wmspec.execute.backends import backend
+from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Frame, Shot, Surface
 from wmspec.sim.shapes import Sphere
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from wmspec.ask.difference import ciede2000, lab
 from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.vocabulary import COLORS, WORDS
+from wmspec.runtime.questions.difference import ciede2000, lab
 from wmspec.sim.materials import SAFE, SHADES
 from wmspec.sim.scene.render.color import to_linear, to_srgb
 

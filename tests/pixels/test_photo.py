@@ -21,8 +21,8 @@ from wmspec.api.making import planned
 from wmspec.api.verifying import verify
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
-from wmspec.execute.backends import drawing
-from wmspec.execute.render_cache import RenderCache
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.engines.registry import drawing
 from wmspec.sim.materials import TEXTURES
 from wmspec.sim.photo import library
 from wmspec.sim.photo.light import directions, panels, surroundings

@@ -13,12 +13,12 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.ask.ask import groups
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check
 from wmspec.report.intervals import rng
+from wmspec.runtime.questions.ask import groups
 from wmspec.write.dataset import Dataset
 from wmspec.write.pictures import png
 from wmspec.write.plan import Plan, Task

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pxr import Usd
 
-from wmspec.conform.score import cases
 from wmspec.core.diagnostics import StageError
+from wmspec.runtime.conformance.score import cases
 from wmspec.sim.scene.joints.articulations import trees
 from wmspec.sim.scene.joints.com_frame import com_frame
 from wmspec.sim.scene.joints.coordinates import coordinates

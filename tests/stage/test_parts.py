@@ -16,10 +16,10 @@ from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import built
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import WmsError
-from wmspec.execute import scene_cache
-from wmspec.execute.keys import form_key, look_key, physics_key
-from wmspec.execute.scene_cache import SceneCache
 from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.runtime.caches import scene_cache
+from wmspec.runtime.caches.cache_keys import form_key, look_key, physics_key
+from wmspec.runtime.caches.scene_cache import SceneCache
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.usd import read
 

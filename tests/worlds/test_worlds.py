@@ -13,7 +13,7 @@ from PIL import Image, ImageFilter
 import wmspec
 from tests.engines import ENGINES, installed
 from tools import worlds
-from wmspec.execute.backends import default
+from wmspec.runtime.engines.registry import default
 from wmspec.sim.scene.model import Frame, Scene
 from wmspec.sim.usd import read
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from wmspec.api.task import Task as Task
     from wmspec.core.diagnostics import SpecError as SpecError
     from wmspec.core.diagnostics import WmsError as WmsError
-    from wmspec.execute.backends import register as register
+    from wmspec.runtime.engines.registry import register as register
 
 #: Every public name and the module in which it is.
 HOMES = {
@@ -54,7 +54,7 @@ HOMES = {
     "load_episode": "wmspec.api.episode",
     "open_stage": "wmspec.api.episode",
     "progress_bar": "wmspec.api.progress",
-    "register": "wmspec.execute.backends",
+    "register": "wmspec.runtime.engines.registry",
     "run": "wmspec.api.episode",
 }
 

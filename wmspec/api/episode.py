@@ -15,13 +15,13 @@ from pxr import Usd, UsdUtils
 
 import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.api.drawing import Drawing, renderer_of
-from wmspec.compare.regimes import entered
-from wmspec.compare.tolerance import Tolerances
 from wmspec.core.diagnostics import Diagnostic, StageError, WmsError, suggestion
 from wmspec.core.places import FilePlace
-from wmspec.execute import archive
-from wmspec.execute.backends import info
-from wmspec.execute.trace_cache import TraceCache
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.compare.regimes import entered
+from wmspec.runtime.compare.tolerance import Tolerances
+from wmspec.runtime.engines import archive
+from wmspec.runtime.engines.registry import info
 from wmspec.sim.scene.capability import approximated, require
 from wmspec.sim.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
 from wmspec.sim.scene.model.bounds import middle

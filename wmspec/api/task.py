@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from wmspec.api.drawing import Drawing
     from wmspec.api.episode import Episode
-    from wmspec.ask.model import QuestionRow, Rejected
+    from wmspec.runtime.questions.model import QuestionRow, Rejected
 
 
 @dataclass(frozen=True)
@@ -128,8 +128,8 @@ class Task(Sequence["Instance"]):
     @property
     def images(self) -> int:
         """How many pictures are shown with a question, before its options."""
-        from wmspec.ask.views import views_of
         from wmspec.compile.layout.values import Values
+        from wmspec.runtime.questions.views import views_of
 
         first = self.design[0]
         return len(views_of(self.spec, Values(self.spec, first.values, None, first.key)))
@@ -257,7 +257,7 @@ class Instance:
 
     def native(self, engine: str) -> dict[str, str]:
         """The episode in an engine's own form, file name -> text, usable without wmspec."""
-        from wmspec.execute.backends import backend
+        from wmspec.runtime.engines.registry import backend
         from wmspec.sim.usd import read
 
         return backend(engine).native(read(self.stage()))
@@ -278,9 +278,9 @@ class Instance:
         """
         from wmspec.api.drawing import renderer_of
         from wmspec.api.episode import executor
-        from wmspec.ask.closed import ask_whole
-        from wmspec.ask.model import Rejected
-        from wmspec.ask.runs import EnginePair
+        from wmspec.runtime.questions.closed_sets import ask_whole
+        from wmspec.runtime.questions.model import Rejected
+        from wmspec.runtime.questions.runs import EnginePair
 
         pair = EnginePair(executor(engine), renderer_of(engine, **drawing))
         answers = ask_whole(self.task.design.redrawn(self.drawn.redrawn), self.index, pair)

@@ -13,7 +13,7 @@ from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import is_name
-from wmspec.execute.backends import chosen, drawing, versions
+from wmspec.runtime.engines.registry import chosen, drawing, versions
 from wmspec.sim.scene.model import Look
 from wmspec.write import files
 from wmspec.write.plan import Plan

@@ -18,7 +18,7 @@ from wmspec.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, 
 from wmspec.audit.stability import stability
 from wmspec.audit.summary import summary
 from wmspec.core.diagnostics import WmsError
-from wmspec.execute.pool import Effort, Lost, in_order
+from wmspec.runtime.workers.pool import Effort, Lost, in_order
 from wmspec.write.reader import DatasetReader
 
 #: A task that takes longer (s) than this is given up.

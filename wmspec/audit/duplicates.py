@@ -10,9 +10,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.ask.bearing import Bearing
 from wmspec.audit.cases import SIDE, Case, Small, Unit
 from wmspec.audit.model import Finding
+from wmspec.runtime.questions.bearing import Bearing
 
 #: Two pixels of small pictures differ if a channel differs by more than this (of 255).
 LEAST_STEP = 8

@@ -13,7 +13,7 @@ import click
 from wmspec.api.progress import progress_bar
 
 if TYPE_CHECKING:
-    from wmspec.execute.pool import Effort
+    from wmspec.runtime.workers.pool import Effort
     from wmspec.write.estimate import Cost
     from wmspec.write.plan import Plan
 

@@ -108,7 +108,7 @@ def _episodes(
     """What happened, once for each engine that executes it, or as it was written to disk."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
-    from wmspec.execute.backends import chosen
+    from wmspec.runtime.engines.registry import chosen
 
     suffix = source.suffix.lower()
     if suffix == ".npz":

@@ -75,7 +75,7 @@ def run_command(
     Exits with 1 if some of several engines refuse it: the others' results are given all the same.
     """
     from wmspec.api import run
-    from wmspec.execute.backends import chosen
+    from wmspec.runtime.engines.registry import chosen
 
     engines = chosen(backend)
     if output is not None and len(engines) > 1:

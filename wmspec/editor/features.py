@@ -21,9 +21,9 @@ from wmspec.editor.preview import Preview, pointed_at
 from wmspec.editor.protocol import uri_of
 from wmspec.editor.rename import meant, renamed
 from wmspec.editor.server import Server, read
-from wmspec.execute.pool import Lost
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.format import format_spec
+from wmspec.runtime.workers.pool import Lost
 
 T = TypeVar("T")
 

@@ -17,7 +17,7 @@ from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
     from wmspec.api.task import Instance, Task
-    from wmspec.ask.model import QuestionRow
+    from wmspec.runtime.questions.model import QuestionRow
 
 
 @dataclass(frozen=True)

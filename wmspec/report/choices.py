@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec.ask.model import FORESEEN
 from wmspec.report.intervals import Estimate, estimate, means, ratio, resampled
 from wmspec.report.replies import Replies
+from wmspec.runtime.questions.model import FORESEEN
 
 #: What a counterfactual may change, beside several at once. A change is written as its kind and what it changed.
 BOTH, OTHER = "both", "other"

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from wmspec.ask.model import FORESEEN
+from wmspec.runtime.questions.model import FORESEEN
 from wmspec.write.reader import DatasetReader
 from wmspec.write.rows import Row
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from wmspec.ask.model import PASSING, Rejected
+from wmspec.runtime.questions.model import PASSING, Rejected
 from wmspec.write import files
 from wmspec.write.plan import Plan, Shard
 from wmspec.write.rows import schema, table

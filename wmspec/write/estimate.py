@@ -8,8 +8,8 @@ from contextlib import closing
 from dataclasses import dataclass
 from time import perf_counter
 
-from wmspec.ask.model import Rejected
-from wmspec.execute.pool import Effort, Lost, in_order
+from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.workers.pool import Effort, Lost, in_order
 from wmspec.write.generate import job_of, nothing
 from wmspec.write.manifest import by_reason
 from wmspec.write.plan import Plan, Task

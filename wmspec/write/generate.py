@@ -12,10 +12,10 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from itertools import groupby
 
-from wmspec.ask.model import Rejected
-from wmspec.execute.pool import Effort, Lost, by_units
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import to_json
+from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.workers.pool import Effort, Lost, by_units
 from wmspec.write.checkpoint import passing
 from wmspec.write.dataset import Dataset
 from wmspec.write.plan import Plan, Shard

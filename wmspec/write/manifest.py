@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from wmspec.ask.model import Rejected
+from wmspec.runtime.questions.model import Rejected
 from wmspec.write.plan import Plan, Task
 from wmspec.write.shards import Record
 from wmspec.write.worker import Balance, Sharing

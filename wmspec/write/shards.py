@@ -14,8 +14,8 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.ask.model import Rejected
 from wmspec.core.safe_io import read_plain
+from wmspec.runtime.questions.model import Rejected
 from wmspec.write import files
 from wmspec.write.plan import Plan, Shard
 from wmspec.write.rows import Row, identity, schema, table

@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from wmspec.ask.balance import MOST_DRAWS
-from wmspec.ask.closed import has_closed
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.values import Values
@@ -20,6 +18,8 @@ from wmspec.compile.stage.episode import built
 from wmspec.compile.stage.one_factor import changed_by
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.runtime.questions.balance import MOST_DRAWS
+from wmspec.runtime.questions.closed_sets import has_closed
 
 #: A unit has so many instances at most (but a closed set is never parted): what a worker gets at a time.
 MOST = 32

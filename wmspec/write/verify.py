@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from PIL import Image
 
-from wmspec.execute.pool import Effort, Lost, by_units
+from wmspec.runtime.workers.pool import Effort, Lost, by_units
 from wmspec.write.generate import job_of
 from wmspec.write.plan import Plan
 from wmspec.write.reader import CHANNELS, PICTURES, DatasetReader

@@ -12,7 +12,7 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.rng import Level
-from wmspec.execute.backends import backend
+from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Array, Body, Scene, Trace
 from wmspec.sim.usd import read
 

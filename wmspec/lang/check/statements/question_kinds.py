@@ -1,4 +1,4 @@
-"""What the kinds of questions may say: a row each. How they are asked and compared stands in `wmspec.ask.kinds`."""
+"""What the kinds of questions may say: a row each. How they are asked and compared stands in `wmspec.runtime.questions.kinds`."""
 
 from __future__ import annotations
 
