@@ -32,6 +32,7 @@ from wmspec.api.loading import load
 from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.places import Source
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.evaluate import results
 from wmspec.gallery.gallery import folder as gallery_folder
 from wmspec.lang.check.statements.task import check_program
@@ -41,7 +42,6 @@ from wmspec.report import replies
 from wmspec.runtime.engines import archive
 from wmspec.sim.scene.model import Trace
 from wmspec.sim.usd import read
-from wmspec.write.reader import DatasetReader
 
 ROOT = Path(__file__).parent.parent
 MESHES = ("obj", "stl", "ply", "off", "glb", "gltf", "dae")

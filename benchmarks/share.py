@@ -26,6 +26,9 @@ from wmspec.backends.mujoco.physics import prepare
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
+from wmspec.dataset.build.rows import png
+from wmspec.dataset.build.units import units
+from wmspec.dataset.build.worker import Job, Sharing, work
 from wmspec.lang.check.ir.record import to_json
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import load_source
@@ -34,9 +37,6 @@ from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.questions.robustness import NUDGE
 from wmspec.runtime.questions.runs import EnginePair, Run, execute, nudged
 from wmspec.sim.scene.model import Scene
-from wmspec.write.rows import png
-from wmspec.write.units import units
-from wmspec.write.worker import Job, Sharing, work
 
 TASK = """
 use room

@@ -15,14 +15,14 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import Report
+from wmspec.dataset.build import typeset
+from wmspec.dataset.build.typeset import Style
 from wmspec.lang.check.statements.task import check
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import default
 from wmspec.sim.materials import MATERIALS
 from wmspec.sim.scene.model import Look, Shot
 from wmspec.sim.usd import read
-from wmspec.write import typeset
-from wmspec.write.typeset import Style
 
 OUTPUT = Path(__file__).parent.parent / "docs/images/materials.jpg"
 SIDE = 190

@@ -28,6 +28,8 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import Report
+from wmspec.dataset.build import typeset
+from wmspec.dataset.build.typeset import Style
 from wmspec.lang.check.statements.task import check
 from wmspec.lang.parse.load import library_folder, read_source
 from wmspec.lang.parse.parser import parse
@@ -37,8 +39,6 @@ from wmspec.runtime.engines.registry import default, names
 from wmspec.sim.scene.model import Frame, Look, Scene, Shot
 from wmspec.sim.scene.model.bounds import upright
 from wmspec.sim.usd import read
-from wmspec.write import typeset
-from wmspec.write.typeset import Style
 
 IMAGES = Path(__file__).parent.parent / "docs/images"
 LIBRARIES = ("kitchenware", "food", "toys", "household", "furniture")

@@ -14,11 +14,11 @@ import pytest
 from tests.audit.made import Ask, make, make_all, picture, race, roll
 from tests.dataset.made import make as pictured
 from tests.dataset.made import plan
-from wmspec.audit.audit import audit
-from wmspec.audit.model import Audit, Finding
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.audit.audit import audit
+from wmspec.dataset.audit.model import Audit, Finding
+from wmspec.dataset.build.files import digest
 from wmspec.runtime.questions.model import Number, Picture, QuestionRow, Strength
-from wmspec.write.files import digest
 
 Make = Callable[..., Audit]
 

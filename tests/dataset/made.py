@@ -10,15 +10,15 @@ from PIL import Image, ImageDraw
 
 from wmspec.compile.design.design import Design, Instance
 from wmspec.core.diagnostics import Report
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.plan import Plan, Shard, Task
+from wmspec.dataset.build.rows import Row, encode
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check
 from wmspec.runtime.questions.ask import groups
 from wmspec.runtime.questions.kinds.labels import LabelAnswer
 from wmspec.runtime.questions.kinds.pictures import PictureAnswer
 from wmspec.runtime.questions.model import Change, Option, Picture, QuestionRow, Rejected, Vote
-from wmspec.write.dataset import Dataset
-from wmspec.write.plan import Plan, Shard, Task
-from wmspec.write.rows import Row, encode
 
 ENGINES = ("mujoco", "pybullet", "sapien")
 TASKS = ("collide", "motion_speed")

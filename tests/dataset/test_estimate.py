@@ -7,11 +7,11 @@ import pytest
 
 import wmspec
 from wmspec.core.resources import resource
+from wmspec.dataset.build.estimate import _few, _rate, _seconds, _spread, _Trial, _Unit
+from wmspec.dataset.build.plan import Task
+from wmspec.dataset.build.units import units
+from wmspec.dataset.build.worker import Balance
 from wmspec.runtime.workers.pool import Effort, Lost
-from wmspec.write.estimate import _few, _rate, _seconds, _spread, _Trial, _Unit
-from wmspec.write.plan import Task
-from wmspec.write.units import units
-from wmspec.write.worker import Balance
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import pytest
 
 import wmspec
 from wmspec.core.resources import resource
+from wmspec.dataset.build.units import MOST, units
 from wmspec.runtime.questions.closed_sets import has_closed
-from wmspec.write.units import MOST, units
 
 TASKS = {
     "positioning_tabletop": "perception/space/positioning.wms",  # closed sets in groups that cross more

@@ -13,9 +13,9 @@ import pytest
 import wmspec
 from tests.engines import installed
 from wmspec.compile.layout.values import Values
+from wmspec.dataset.build.words import human
 from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.runtime.questions.verbalize import say
-from wmspec.write.words import human
 
 BALL = "object ball { shape: sphere  size: 6 cm  color: red  on: table }"
 SPEC = "use tabletop\ntask t : custom {{ factor n in [1, 2]  {body}  observe front at [0 s, 0.1 s] }}"

@@ -25,12 +25,12 @@ from tests.evaluate.loopback import TRIES, loopback
 from tests.evaluate.made import in_numbers, in_pictures, in_words
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.evaluate import prompt, results
 from wmspec.evaluate.journal import Journal
 from wmspec.evaluate.model import Reply
 from wmspec.evaluate.question import Question, questions
 from wmspec.evaluate.request import Ask, Picture, Text
-from wmspec.write.reader import DatasetReader
 
 pytest.importorskip("openai")
 

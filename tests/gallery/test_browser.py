@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from tests.browser import opened
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.gallery.gallery import html
 from wmspec.gallery.gallery import page as one_page
 from wmspec.gallery.records import about, records
-from wmspec.write.reader import DatasetReader
 
 
 def counted(page: Any) -> int:

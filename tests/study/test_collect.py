@@ -16,6 +16,7 @@ from tests.endtoend.test_commands import wmspec
 from tests.evaluate.made import in_numbers
 from tests.study.visitor import letter
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.evaluate import results
 from wmspec.evaluate.agreement import fleiss_kappa, majority
 from wmspec.report import replies
@@ -25,7 +26,6 @@ from wmspec.study.collect import collect
 from wmspec.study.make import Options, make
 from wmspec.study.model import Study, load
 from wmspec.study.store import Store
-from wmspec.write.reader import DatasetReader
 
 
 def visit(folder: Path, name: str, off: int = 0, until: int = 10_000, checks: bool = True) -> None:

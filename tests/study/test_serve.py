@@ -13,6 +13,7 @@ import pytest
 
 from tests.study.visitor import Process, get, letter, post
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.study import store
 from wmspec.study.answers import Answer, Person
 from wmspec.study.collect import collect
@@ -20,7 +21,6 @@ from wmspec.study.make import Options, make
 from wmspec.study.model import load
 from wmspec.study.serve import LARGEST, Server
 from wmspec.study.store import Full, Store
-from wmspec.write.reader import DatasetReader
 
 ANNE = "a" * 32
 

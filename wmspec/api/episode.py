@@ -17,6 +17,8 @@ import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas, 
 from wmspec.api.drawing import Drawing, renderer_of
 from wmspec.core.diagnostics import Diagnostic, StageError, WmsError, suggestion
 from wmspec.core.places import FilePlace
+from wmspec.dataset.build import typeset, video
+from wmspec.dataset.build.overlay import annotated
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.compare.regimes import entered
 from wmspec.runtime.compare.tolerance import Tolerances
@@ -29,8 +31,6 @@ from wmspec.sim.scene.render.appearance import shown_at
 from wmspec.sim.scene.render.camera import find
 from wmspec.sim.usd import read
 from wmspec.sim.usd.files import opened
-from wmspec.write import film, typeset
-from wmspec.write.overlay import annotated
 
 
 @dataclass(frozen=True)
@@ -172,13 +172,13 @@ class Episode:
         Raises WmsError if it cannot be written.
         """
         path = Path(path)
-        if path.suffix.lower() not in film.WRITERS:
-            raise WmsError(f"a film is a file that ends in {' or '.join(film.WRITERS)}", FilePlace(str(path)))
+        if path.suffix.lower() not in video.WRITERS:
+            raise WmsError(f"a film is a file that ends in {' or '.join(video.WRITERS)}", FilePlace(str(path)))
         camera = camera or self.views()[0][0]
         moments = (i / rate for i in range(int(self.time[-1] * rate + 1e-9) + 1))
         pictures = (self.picture(camera, moment, overlay=overlay, **drawing) for moment in moments)
         try:
-            film.WRITERS[path.suffix.lower()](pictures, rate, path)
+            video.WRITERS[path.suffix.lower()](pictures, rate, path)
         except OSError as error:
             raise WmsError(f"cannot be written: {error.strerror or error}", FilePlace(str(path))) from None
         return path

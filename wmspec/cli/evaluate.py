@@ -80,11 +80,11 @@ def evaluate_command(
 
 
 def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
+    from wmspec.dataset.build.reader import DatasetReader
     from wmspec.evaluate import baselines, prompt, server
     from wmspec.evaluate.limits import Limits
     from wmspec.evaluate.question import Selection
     from wmspec.evaluate.run import Run, Settings
-    from wmspec.write.reader import DatasetReader
 
     opened = DatasetReader.open(dataset)
     opened.intact()

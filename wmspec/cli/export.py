@@ -33,10 +33,10 @@ def export_command(
     Requests are those of `wmspec evaluate`, and replies are read by the same parser, which lies in the folder. Its
     README says how to run it.
     """
+    from wmspec.dataset.build.reader import DatasetReader
     from wmspec.evaluate import prompt as prompts
     from wmspec.evaluate.question import Selection
     from wmspec.export.export import Export, export
-    from wmspec.write.reader import DatasetReader
 
     opened = DatasetReader.open(dataset)
     opened.intact()

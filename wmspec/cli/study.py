@@ -39,9 +39,9 @@ def study_command() -> None:
 @seed_option
 def make_command(dataset: Path, output: Path, **flags: object) -> None:
     """Write a study: who is shown which questions in which order, the page, and texts that you may replace."""
+    from wmspec.dataset.build.reader import DatasetReader
     from wmspec.study.make import Options, make
     from wmspec.study.page import unfinished
-    from wmspec.write.reader import DatasetReader
 
     fields = {{"task": "tasks", "engine": "engines"}.get(name, name): value for name, value in flags.items()}
     options = Options(**fields)  # type: ignore[arg-type]

@@ -50,9 +50,9 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
         _sheet(dataset, output, count)
         click.echo(output)
         return
+    from wmspec.dataset.build.reader import DatasetReader
     from wmspec.gallery.gallery import folder, page
     from wmspec.gallery.replies import read
-    from wmspec.write.reader import DatasetReader
 
     opened = DatasetReader.open(dataset)
     shown = (page if kind == ".html" else folder)(opened, count, output, read(results))
@@ -63,7 +63,7 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
 
 
 def _sheet(dataset: Path, output: Path, per_task: int) -> None:
-    from wmspec.write.sheet import contact_sheet
+    from wmspec.dataset.build.sheet import contact_sheet
 
     picture = contact_sheet(dataset, per_task)
     try:

@@ -18,8 +18,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
+from wmspec.dataset.build.files import explained
 from wmspec.evaluate.model import Reply
-from wmspec.write.files import explained
 
 Key = tuple[str, int, int]
 Replies = dict[Key, Reply]

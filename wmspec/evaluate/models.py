@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.evaluate import baselines
 from wmspec.evaluate.model import Model
 from wmspec.evaluate.question import questions
 from wmspec.evaluate.server import Server, ServerModel
-from wmspec.write.reader import DatasetReader
 
 
 def open_model(

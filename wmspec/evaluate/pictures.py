@@ -10,7 +10,7 @@ from pathlib import Path
 from PIL import Image, ImageDraw, ImageFont
 
 from wmspec.core.safe_io import picture
-from wmspec.write import film, typeset
+from wmspec.dataset.build import typeset, video
 
 _LABEL, _GAP, _MARGIN = 26, 12, 16
 #: Pictures a second of a film.
@@ -37,7 +37,7 @@ def clip(pictures: Sequence[bytes]) -> bytes:
     """Pictures (PNG) as an mp4, `RATE` a second. Raises WmsError if `imageio-ffmpeg` is missing."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "clip.mp4"
-        film.mp4([opened(png) for png in pictures], RATE, path)
+        video.mp4([opened(png) for png in pictures], RATE, path)
         return path.read_bytes()
 
 

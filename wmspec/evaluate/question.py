@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.rng import bits
-from wmspec.write.pictures import as_png
-from wmspec.write.reader import PICTURES, DatasetReader
-from wmspec.write.rows import Row
+from wmspec.dataset.build.pictures import as_png
+from wmspec.dataset.build.reader import PICTURES, DatasetReader
+from wmspec.dataset.build.rows import Row
 
 _COLUMNS = (
     "id", "task", "dimension", "question_name", "engine", "index", "block", "text", "option_text", "option_name",

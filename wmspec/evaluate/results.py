@@ -18,12 +18,12 @@ import pyarrow.parquet as pq
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_name, plain, read_plain
+from wmspec.dataset.build.files import explained
 from wmspec.evaluate import reply as replies
 from wmspec.evaluate.journal import Key, Replies
 from wmspec.evaluate.model import Outcome, Reply
 from wmspec.evaluate.question import Question
 from wmspec.evaluate.request import Ask
-from wmspec.write.files import explained
 
 Row = dict[str, Any]
 Status = Literal["ok", "unparsed", "refused", "error"]

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from wmspec import __version__
+from wmspec.dataset.build import files
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.evaluate import reply as replies
 from wmspec.evaluate import results
 from wmspec.evaluate.journal import Journal, Replies, same
@@ -20,8 +22,6 @@ from wmspec.evaluate.prompt import Prompt
 from wmspec.evaluate.question import Question, Selection, questions
 from wmspec.evaluate.request import Ablation, Ask
 from wmspec.evaluate.results import Counts
-from wmspec.write import files
-from wmspec.write.reader import DatasetReader
 
 #: Told of every reply: how many are right so far, of how many, and what they cost.
 Progress = Callable[[int, int, float], None]

@@ -13,12 +13,12 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.resources import resource
+from wmspec.dataset.build import files
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.evaluate.prompt import Prompt
 from wmspec.evaluate.question import Selection
 from wmspec.evaluate.reply import LETTERS, ORDINALS
 from wmspec.export.rows import COLUMNS, Row, exported, write
-from wmspec.write import files
-from wmspec.write.reader import DatasetReader
 
 #: Says of a folder that it is an export, of what, and which files are its own.
 MARK = "export.json"

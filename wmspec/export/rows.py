@@ -10,10 +10,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.evaluate.prompt import Prompt
 from wmspec.evaluate.question import Question, questions
 from wmspec.evaluate.request import Ask, Clip, Picture, Text
-from wmspec.write.reader import DatasetReader
 
 Row = dict[str, Any]
 

@@ -9,12 +9,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.pictures import form, opened
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.webpage import encoded, webpage
 from wmspec.gallery.records import Record, about, records
 from wmspec.gallery.replies import NONE, Replies
-from wmspec.write.files import explained
-from wmspec.write.pictures import form, opened
-from wmspec.write.reader import DatasetReader
-from wmspec.write.webpage import encoded, webpage
 
 #: How good the pictures inside a page are, which are compressed: of 100.
 QUALITY = 88

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from wmspec.core.safe_io import picture
-from wmspec.write.rows import Row
+from wmspec.dataset.build.rows import Row
 
 #: The columns that tell it.
 IDS, NAMES = "context_ids", "context_names"

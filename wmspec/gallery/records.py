@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator
 from itertools import groupby
 from typing import Any
 
+from wmspec.dataset.build.reader import CHANNELS, DatasetReader
+from wmspec.dataset.build.rows import Row
+from wmspec.dataset.build.words import human, reading
 from wmspec.gallery.paths import IDS, paths
 from wmspec.gallery.replies import NONE, Replies
-from wmspec.write.reader import CHANNELS, DatasetReader
-from wmspec.write.rows import Row
-from wmspec.write.words import human, reading
 
 Record = dict[str, Any]
 

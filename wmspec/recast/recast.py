@@ -12,14 +12,14 @@ from wmspec import __version__
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_plain
+from wmspec.dataset.build import files
+from wmspec.dataset.build.croissant import Described, metadata
+from wmspec.dataset.build.rows import table
+from wmspec.dataset.build.schema import SHARD, manifest_fault
+from wmspec.dataset.build.shards import parquet
 from wmspec.recast.pictures import Pictures
 from wmspec.recast.rows import CAMERA, rows, schema
 from wmspec.recast.table import Entry, read
-from wmspec.write import files
-from wmspec.write.croissant import Described, metadata
-from wmspec.write.rows import table
-from wmspec.write.schema import SHARD, manifest_fault
-from wmspec.write.shards import parquet
 
 #: By what a manifest tells that its dataset was recast, and may be recast again.
 MADE_BY = "recast"

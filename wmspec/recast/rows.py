@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import pyarrow as pa
 
+from wmspec.dataset.build.rows import COLUMNS, Row, encoded, identity, table_schema
 from wmspec.recast.pictures import Pictures
 from wmspec.recast.table import Entry
-from wmspec.write.rows import COLUMNS, Row, encoded, identity, table_schema
 
 #: Who executed and drew: nobody. It is the name of the only "engine" of such a dataset, and its pictures' camera.
 CAMERA = "camera"

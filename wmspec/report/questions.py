@@ -9,9 +9,9 @@ from typing import Any
 
 import pandas as pd
 
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.rows import Row
 from wmspec.runtime.questions.model import FORESEEN
-from wmspec.write.reader import DatasetReader
-from wmspec.write.rows import Row
 
 _WANTED = (
     "id", "task", "dimension", "index", "question", "question_name", "engine", "text", "option_text", "option_kind",

@@ -8,11 +8,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from wmspec.dataset.build.files import explained
 from wmspec.report.figures.all import figures
 from wmspec.report.frames import latex, long, wide
 from wmspec.report.page import page
 from wmspec.report.report import Report
-from wmspec.write.files import explained
 
 
 def write(report: Report, folder: Path) -> Path:

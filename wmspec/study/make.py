@@ -10,13 +10,13 @@ from pathlib import Path
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
 from wmspec.core.safe_io import picture
+from wmspec.dataset.build import files
+from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.evaluate.question import Question, questions
 from wmspec.study import page, store
 from wmspec.study.assign import slots
 from wmspec.study.model import FILE, PAGE, Item, Kind, Study, load, save
-from wmspec.write import files
-from wmspec.write.files import explained
-from wmspec.write.reader import DatasetReader
 
 #: What an attentive person chooses when told to.
 _WORDS = ("apple", "boat", "candle", "door", "feather", "garden", "hammer", "island")

@@ -11,10 +11,10 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_plain
+from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.words import READABLE
 from wmspec.evaluate.question import Question
 from wmspec.evaluate.reply import LETTERS
-from wmspec.write.files import explained
-from wmspec.write.words import READABLE
 
 #: The study's file, the page's folder, and the folder of the texts that may be replaced.
 FILE, PAGE, TEXTS = "study.json", "page", "texts"

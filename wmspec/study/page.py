@@ -10,9 +10,9 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.resources import resource
 from wmspec.core.safe_io import plain
+from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.webpage import webpage
 from wmspec.study.model import PAGE, TEXTS, Item, Study
-from wmspec.write.files import explained
-from wmspec.write.webpage import webpage
 
 #: The longest text that is read, in bytes.
 _LONGEST = 64 << 10
