@@ -33,12 +33,12 @@ from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.places import Source
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.evaluate import results
-from wmspec.gallery.gallery import folder as gallery_folder
+from wmspec.eval.gallery.gallery import folder as gallery_folder
+from wmspec.eval.image_import.recast import recast
+from wmspec.eval.models import results
+from wmspec.eval.report import replies
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import load_source
-from wmspec.recast.recast import recast
-from wmspec.report import replies
 from wmspec.runtime.engines import archive
 from wmspec.sim.scene.model import Trace
 from wmspec.sim.usd import read

@@ -26,11 +26,11 @@ from tests.evaluate.made import in_numbers, in_pictures, in_words
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.evaluate import prompt, results
-from wmspec.evaluate.journal import Journal
-from wmspec.evaluate.model import Reply
-from wmspec.evaluate.question import Question, questions
-from wmspec.evaluate.request import Ask, Picture, Text
+from wmspec.eval.models import prompt, results
+from wmspec.eval.models.journal import Journal
+from wmspec.eval.models.model import Reply
+from wmspec.eval.models.question import Question, questions
+from wmspec.eval.models.request import Ask, Picture, Text
 
 pytest.importorskip("openai")
 

@@ -11,7 +11,7 @@ import pytest
 from tests.browser import opened
 from tests.dataset.made import make, plan
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.gallery.gallery import folder
+from wmspec.eval.gallery.gallery import folder
 
 __all__ = ["dataset", "gallery", "page"]
 

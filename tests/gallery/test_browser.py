@@ -11,9 +11,9 @@ import pytest
 
 from tests.browser import opened
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.gallery.gallery import html
-from wmspec.gallery.gallery import page as one_page
-from wmspec.gallery.records import about, records
+from wmspec.eval.gallery.gallery import html
+from wmspec.eval.gallery.gallery import page as one_page
+from wmspec.eval.gallery.records import about, records
 
 
 def counted(page: Any) -> int:

@@ -17,11 +17,11 @@ from tests.endtoend.test_commands import wmspec
 from tests.gallery.test_browser import chosen, counted, questions
 from wmspec.dataset.build.pictures import png
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.evaluate import results
-from wmspec.gallery.gallery import folder, html
-from wmspec.gallery.paths import paths
-from wmspec.gallery.records import about, records
-from wmspec.gallery.replies import read
+from wmspec.eval.gallery.gallery import folder, html
+from wmspec.eval.gallery.paths import paths
+from wmspec.eval.gallery.records import about, records
+from wmspec.eval.gallery.replies import read
+from wmspec.eval.models import results
 
 
 @pytest.fixture(scope="session")

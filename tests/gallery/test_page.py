@@ -12,8 +12,8 @@ import pytest
 from tests.endtoend.test_commands import wmspec
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.words import human, reading
-from wmspec.gallery.gallery import folder, html, page
-from wmspec.gallery.records import about, records
+from wmspec.eval.gallery.gallery import folder, html, page
+from wmspec.eval.gallery.records import about, records
 
 
 def test_every_instance_once_with_every_engine(dataset: DatasetReader) -> None:

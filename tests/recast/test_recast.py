@@ -18,7 +18,7 @@ from PIL import Image, ImageCms
 
 from wmspec.cli import main
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.recast.table import COLUMNS
+from wmspec.eval.image_import.table import COLUMNS
 
 DOCS = Path(__file__).parents[2] / "docs" / "recast"
 HEAD = "question,pictures,options,answer"

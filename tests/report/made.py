@@ -20,9 +20,9 @@ from wmspec.dataset.build.pictures import png
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.rows import COLUMNS, Row, identity, schema
+from wmspec.eval.report.intervals import rng
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check
-from wmspec.report.intervals import rng
 from wmspec.runtime.questions.ask import groups
 
 SPECS = Path(__file__).parent / "specs"

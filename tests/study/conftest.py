@@ -9,7 +9,7 @@ import pytest
 from tests.dataset.made import make as make_dataset
 from tests.dataset.made import plan
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.study.make import Options, make
+from wmspec.eval.study.make import Options, make
 
 
 @pytest.fixture(scope="session")

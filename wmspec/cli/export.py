@@ -34,9 +34,9 @@ def export_command(
     README says how to run it.
     """
     from wmspec.dataset.build.reader import DatasetReader
-    from wmspec.evaluate import prompt as prompts
-    from wmspec.evaluate.question import Selection
-    from wmspec.export.export import Export, export
+    from wmspec.eval.export.export import Export, export
+    from wmspec.eval.models import prompt as prompts
+    from wmspec.eval.models.question import Selection
 
     opened = DatasetReader.open(dataset)
     opened.intact()

@@ -51,8 +51,8 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
         click.echo(output)
         return
     from wmspec.dataset.build.reader import DatasetReader
-    from wmspec.gallery.gallery import folder, page
-    from wmspec.gallery.replies import read
+    from wmspec.eval.gallery.gallery import folder, page
+    from wmspec.eval.gallery.replies import read
 
     opened = DatasetReader.open(dataset)
     shown = (page if kind == ".html" else folder)(opened, count, output, read(results))
