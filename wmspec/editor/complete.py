@@ -10,10 +10,10 @@ from typing import Literal
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Span
+from wmspec.editor.completion_context import Reader, Wanted
 from wmspec.editor.cursor import Cursor, cursor
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names
-from wmspec.editor.wanted import Reader, Wanted
 from wmspec.lang.check.expressions.calls import signature
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.names import BLOCKS
