@@ -9,7 +9,7 @@ from tests.endtoend.test_commands import SPECS, SPEED, wmspec
 from tests.engines import installed
 from wmspec.api import load_all
 from wmspec.api.making import indices
-from wmspec.core.wm_abench import COLUMNS, REBUILT, column
+from wmspec.core.wm_abench import COLUMN_OF_TASK, COLUMNS, column
 
 VISION = SPECS / "perception/vision"
 
@@ -19,13 +19,13 @@ def test_the_numbers_are_the_papers() -> None:
     assert len({c.letters for c in COLUMNS}) == 23
     names = [c.name for c in COLUMNS]
     assert len(names) == len(set(names))
-    assert set(REBUILT.values()) <= set(names)
-    assert len(set(REBUILT.values())) == len(REBUILT), "two tasks rebuild the same one"
+    assert set(COLUMN_OF_TASK.values()) <= set(names)
+    assert len(set(COLUMN_OF_TASK.values())) == len(COLUMN_OF_TASK), "two tasks rebuild the same one"
 
 
 def test_every_rebuilt_task_has_at_least_the_papers_images_and_cases(tmp_path: Path) -> None:
     rows = {r["task"]: r for r in json.loads(wmspec("list", "--json", folder=tmp_path).stdout)}
-    assert set(REBUILT) <= set(rows), "a task of the table does not ship"
+    assert set(COLUMN_OF_TASK) <= set(rows), "a task of the table does not ship"
     for name, row in rows.items():
         there = column(name)
         assert (row["paper"] is None) == (there is None)

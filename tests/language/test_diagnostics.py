@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from wmspec.cli.sarif import sarif
 from wmspec.compile.lint import change_rules, design_rules, option_rules, scene_rules, task_rules
-from wmspec.core.diagnostics import Diagnostic, Note, Report, SpecError, StageError, WmsError, visible
+from wmspec.core.diagnostics import Diagnostic, Note, Report, SpecError, StageError, WmsError, escape_controls
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Source, Span
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.load import pointed
@@ -65,7 +65,7 @@ def test_a_report_tells_each_once_in_the_order_of_the_text(told: list[Diagnostic
 @given(diagnostics())
 def test_what_is_wrong_is_in_every_form_of_it(told: Diagnostic) -> None:
     for text in (str(told), told.render()):
-        shown = visible if text == told.render() else str  # what a terminal would obey is shown instead
+        shown = escape_controls if text == told.render() else str  # what a terminal would obey is shown instead
         assert shown(told.message) in text
         assert shown(told.help) in text
         assert told.place is None or shown(str(told.place)) in text

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import wmspec
 from wmspec.compile.lint.hidden_rules import _between
-from wmspec.core.space import Pose, turn
+from wmspec.core.space import Pose, from_ypr
 
 SPEC = """use room
 
@@ -64,7 +64,7 @@ def test_a_box_between_two_points_has_a_point_of_the_way_between_them(
     eye: tuple[float, float, float], point: tuple[float, float, float], yaw: float
 ) -> None:
     half = (0.5, 0.3, 0.4)
-    pose = Pose((0.1, 0.2, 0.3), turn(yaw, 0.0, 0.0))
+    pose = Pose((0.1, 0.2, 0.3), from_ypr(yaw, 0.0, 0.0))
     inside = [
         _inside(tuple(a + (b - a) * i / 200 for a, b in zip(eye, point, strict=True)), half, yaw) for i in range(201)
     ]

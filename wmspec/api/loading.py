@@ -12,7 +12,7 @@ from wmspec.api.task import Task
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.core.places import FilePlace, Source
-from wmspec.core.safe_io import inside
+from wmspec.core.safe_io import is_within
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import Program, load_source
 from wmspec.lang.parse.load import load as load_program
@@ -128,7 +128,7 @@ def spec_files(paths: Iterable[Path]) -> list[Path]:
     files: list[Path] = []
     for path in paths:
         if path.is_dir():
-            below = sorted(spec for spec in path.rglob("*.wms") if inside(path, spec))
+            below = sorted(spec for spec in path.rglob("*.wms") if is_within(path, spec))
             if not below:
                 raise WmsError("there is no .wms file in this folder", FilePlace(str(path)))
             files += below
@@ -180,6 +180,6 @@ def _checked(spec: Path | Source, seed: int, report: Report) -> list[Task]:
     own = Report()  # mistakes of one file do not keep another's tasks from being checked
     program = _program(spec, own)
     checked = check_program(program, own)
-    report.take(own)
+    report.merge(own)
     path = spec if isinstance(spec, Path) else None
     return [Task(task, program, path, seed) for task in checked]

@@ -19,7 +19,7 @@ from wmspec.compile.design.design import share
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import INSTANCES
 from wmspec.core.resources import resource
-from wmspec.core.wm_abench import instances
+from wmspec.core.wm_abench import instance_count
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.generate import generate as make
 from wmspec.dataset.build.manifest import Summary
@@ -182,7 +182,7 @@ def texts(tasks: Sequence[Task]) -> dict[str, str]:
 
 def indices(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:
     """The instances to make: all, or a sample as large as asked for or as the paper's, and of these a share."""
-    count = len(task) if full else per_task or instances(task.name, task.questions)
+    count = len(task) if full else per_task or instance_count(task.name, task.questions)
     if min(count or len(task), len(task)) > INSTANCES.most:
         raise WmsError(f"`{task.name}` {INSTANCES.sentence}", help=INSTANCES.help)
     chosen = range(len(task)) if count is None or count >= len(task) else sorted(task.design.sample(count))

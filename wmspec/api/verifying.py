@@ -12,7 +12,7 @@ from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import is_name
+from wmspec.core.safe_io import is_file_name
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
@@ -69,7 +69,7 @@ def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
         place = scratch / str(number)
         place.mkdir()
         for file, content in {**libraries, PurePosixPath(name).name: text}.items():
-            if not is_name(file.removesuffix(".wms")):
+            if not is_file_name(file.removesuffix(".wms")):
                 raise WmsError(f"{dataset.folder / files.MANIFEST} has a spec of the name {file[:80]!r}")
             (place / file).write_text(content, encoding="utf-8")
         paths.append(place / PurePosixPath(name).name)

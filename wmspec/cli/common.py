@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from wmspec.core.diagnostics import Paint, Part, WmsError, plain, suggestion
+from wmspec.core.diagnostics import Paint, Part, WmsError, suggestion, unpainted
 from wmspec.core.places import FilePlace, Source
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def balanced(question: str) -> str:
 def paint() -> Paint:
     """How diagnostics are coloured."""
     if not _in_colour():
-        return plain
+        return unpainted
     return lambda text, part: click.style(text, fg=_COLORS[part], bold=part != "caret")
 
 

@@ -21,7 +21,7 @@ from wmspec.cli.common import (
     tell,
 )
 from wmspec.core.diagnostics import EngineError, StageError, WmsError
-from wmspec.core.limits import SECONDS
+from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.lang.check.tables.vocabulary import STAGES
 
 if TYPE_CHECKING:
@@ -131,8 +131,8 @@ def seconds_of(text: str) -> float:
         seconds = float(number) * scale
     except (ValueError, UnknownUnit):
         dimension, seconds = TIME, 0.0
-    if dimension != TIME or not 0 < seconds <= SECONDS.most:
-        raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to {SECONDS.most} s")
+    if dimension != TIME or not 0 < seconds <= EPISODE_SECONDS.most:
+        raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to {EPISODE_SECONDS.most} s")
     return seconds
 
 

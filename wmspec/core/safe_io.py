@@ -1,4 +1,4 @@
-"""What others wrote, checked before it is used: a name as a name, a path as one that stays, a picture as a picture."""
+"""Guarded reads of untrusted names, paths, files and images."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.limits import PIXELS, RECORDS, Limit
+from wmspec.core.limits import PIXELS, TABLE_BYTES, Limit
 
 if TYPE_CHECKING:  # most specs have no pictures, and checking those should not wait for Pillow
     from PIL import Image
@@ -20,52 +20,52 @@ if TYPE_CHECKING:  # most specs have no pictures, and checking those should not 
 _NAME = re.compile(r"\w[\w.-]{0,99}")
 
 
-def is_name(text: object) -> bool:
-    """Whether a text can be (part of) the name of a file: letters, digits, `_`, and later also `-` and `.`."""
+def is_file_name(text: object) -> bool:
+    """Whether a text is safe as (part of) a file name: letters, digits and `_`, then also `-` and `.`; at most 100."""
     return isinstance(text, str) and _NAME.fullmatch(text) is not None
 
 
-def inside(folder: Path, path: Path) -> bool:
-    """Whether there is a file at a path that lies below the folder, wherever symbolic links lead."""
+def is_within(folder: Path, path: Path) -> bool:
+    """Whether a path is a file below the folder after symbolic links are resolved."""
     try:
         return path.is_file() and path.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError):  # a name that is too long, a null character, links in a circle
         return False
 
 
-class Endless(OSError):
-    """What is to be read is no file: a pipe waits for whoever writes to it, a device may go on for ever."""
+class NotARegularFile(OSError):
+    """The path is a pipe or a device: reading it may block or never end."""
 
 
-def plain(path: Path) -> Path:
-    """The path of a file that has an end: pipes and devices may have none. Raises OSError if there is no such file."""
+def regular_file(path: Path) -> Path:
+    """Return the path if it is a regular file. Raises OSError otherwise."""
     kind = path.stat().st_mode
     if stat.S_ISDIR(kind):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(kind):
-        raise Endless(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
+        raise NotARegularFile(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
     return path
 
 
-def read_plain(path: Path, limit: Limit = RECORDS) -> bytes:
-    """All of a file. Raises OSError if it cannot be read, is no plain file, or is larger than that."""
-    with plain(path).open("rb") as file:
+def read_bytes(path: Path, limit: Limit = TABLE_BYTES) -> bytes:
+    """Return the bytes of a regular file. Raises OSError if it is unreadable, irregular or above the limit."""
+    with regular_file(path).open("rb") as file:
         read = file.read(limit.most + 1)
     if len(read) > limit.most:
         raise OSError(errno.EINVAL, f"it {limit.sentence}", str(path))
     return read
 
 
-def picture(source: Path | bytes, *formats: str) -> Image.Image:
-    """A picture, read to its end: of one of Pillow's `formats`, PNG or JPEG if none are named.
+def load_image(source: Path | bytes, *formats: str) -> Image.Image:
+    """Decode an image completely. `formats` are Pillow's names, PNG and JPEG by default.
 
-    Raises WmsError if it is something else, damaged, or too large.
+    Raises WmsError if the image has another format, is damaged, or is too large.
     """
     from PIL import Image
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own limit is told below
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own limit is checked below
             image = Image.open(source if isinstance(source, Path) else io.BytesIO(source), "r", formats or _FORMATS)
             if image.width * image.height > PIXELS.most:
                 raise PIXELS.exceeded()

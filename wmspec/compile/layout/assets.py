@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from wmspec.compile.layout import geometry
 from wmspec.compile.layout.solids import Piece
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import HERE, Pose, Vector, about, times, turn, unit
+from wmspec.core.space import IDENTITY, Pose, Vector, from_axis_angle, from_ypr, scale, unit
 from wmspec.lang.check.ir.ir import Thing
 from wmspec.lang.check.types import units
 
@@ -36,14 +36,14 @@ def links(values: Values, owner: str) -> tuple[str, ...]:
 
 def within(values: Values, owner: str) -> Pose:
     """Where a link of an asset is at the start, seen from the asset's frame."""
-    return values.once((owner, "within"), lambda: _shift(values, owner).then(at_zero(values, owner)))
+    return values.once((owner, "within"), lambda: _shift(values, owner).compose(at_zero(values, owner)))
 
 
 def at_zero(values: Values, owner: str) -> Pose:
     """Where a link of an asset would be with all joints at 0, seen from the asset's frame; what is of none is there."""
     if owner in values.assets:
-        return HERE
-    return Pose(values.property(owner, "at"), turn(*geometry.own_turn(values, owner)))
+        return IDENTITY
+    return Pose(values.property(owner, "at"), from_ypr(*geometry.own_turn(values, owner)))
 
 
 def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
@@ -51,19 +51,19 @@ def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
     if owner not in values.assets:
         return geometry.pieces(values, owner)
     placed = ((within(values, link), geometry.pieces(values, link)) for link in links(values, owner))
-    return tuple(Piece(piece.solid, here.then(piece.pose)) for here, made in placed for piece in made)
+    return tuple(Piece(piece.solid, here.compose(piece.pose)) for here, made in placed for piece in made)
 
 
 def _shift(values: Values, owner: str) -> Pose:
     """What the joints from the asset's frame to a link, where they start, do to all that is beyond them."""
     of = base(values, owner) or owner
     holders = values.once((of, "holders"), lambda: _holders(values, of))
-    shift, link = HERE, owner
+    shift, link = IDENTITY, owner
     for _ in holders:  # at most through all of them
         if link not in holders:
             break
         joint = holders[link]
-        shift = _moved(values, joint).then(shift)
+        shift = _moved(values, joint).compose(shift)
         link = values.property(joint.name, "to") if values.has(joint.name, "to") else ""
     return shift
 
@@ -76,15 +76,15 @@ def _holders(values: Values, of: str) -> dict[str, Thing]:
 def _moved(values: Values, joint: Thing) -> Pose:
     """What a joint does to all that is beyond it, where it starts, seen from the asset's frame."""
     if joint.model not in ("hinge", "slider"):
-        return HERE
+        return IDENTITY
     start: float = values.property(joint.name, "start") if values.has(joint.name, "start") else 0.0
     within_limits(values, joint, start)
     axis: Vector = unit(values.property(joint.name, "axis"))
     if joint.model == "slider":
-        return Pose(times(start, axis))
+        return Pose(scale(start, axis))
     middle: Vector = values.property(joint.name, "at")
-    there = Pose(middle, about(axis, start))
-    return there.then(Pose(times(-1.0, middle)))
+    there = Pose(middle, from_axis_angle(axis, start))
+    return there.compose(Pose(scale(-1.0, middle)))
 
 
 def within_limits(values: Values, thing: Thing, start: float, help: str = "") -> None:

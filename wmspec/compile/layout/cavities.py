@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import Box, bounds
-from wmspec.core.space import HERE, Pose, Vector, inverse, multiply
+from wmspec.core.space import IDENTITY, Pose, Vector, inverse, multiply
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -26,7 +26,7 @@ def fits(values: Values, owner: str, container: str) -> bool:
     seen = multiply(inverse(values.pose(container).orientation), values.pose(owner).orientation)
     low, high = bounds(pieces(values, owner), Pose(orientation=seen))
     edges = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
-    return room(edges, bounds(inside, HERE), [bounds((piece,), HERE) for piece in inside])
+    return room(edges, bounds(inside, IDENTITY), [bounds((piece,), IDENTITY) for piece in inside])
 
 
 def room(edges: Vector, whole: Box, parts: Sequence[Box]) -> bool:

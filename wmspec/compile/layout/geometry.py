@@ -6,9 +6,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from wmspec.compile.layout.solids import Piece
-from wmspec.core.canonical import dumped, loaded
+from wmspec.core.canonical import dumps, loads
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import HERE, Pose, turn
+from wmspec.core.space import IDENTITY, Pose, from_ypr
 from wmspec.lang.check.tables.vocabulary import MEASURES
 from wmspec.lang.check.types.types import article, either
 from wmspec.sim.shapes import SHAPES, Shape
@@ -61,8 +61,8 @@ def _touched(values: Values, owner: str) -> tuple[Piece, ...]:
 def _pieces(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
     parts = values.parts(owner)
     if not parts:
-        return ((owner, Piece(_solid(values, owner), HERE)),)
-    poses = (Pose(values.property(p, "at"), turn(*own_turn(values, p))) for p in parts)
+        return ((owner, Piece(_solid(values, owner), IDENTITY)),)
+    poses = (Pose(values.property(p, "at"), from_ypr(*own_turn(values, p))) for p in parts)
     return tuple((p, Piece(_solid(values, p), pose)) for p, pose in zip(parts, poses, strict=True))
 
 
@@ -89,7 +89,7 @@ def _shape(values: Values, owner: str) -> Shape:
         many = f"only {having} has {'two' if edges == 2 else 'three'} edges"
         raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.place(owner, "size"))
     try:
-        return _formed(word, dumped(words))
+        return _formed(word, dumps(words))
     except UnfitError as error:
         place = values.place(owner, error.name) if error.name in words else values.place(owner)
         raise ImpossibleValue(f"the {word} `{owner}` {error}", place) from None
@@ -98,4 +98,4 @@ def _shape(values: Values, owner: str) -> Shape:
 @lru_cache(maxsize=1024)
 def _formed(word: str, words: bytes) -> Shape:
     """A shape, of which many things may be, by its name and its dumped measures. Raises UnfitError."""
-    return SHAPES[word].from_words(loaded(words))
+    return SHAPES[word].from_words(loads(words))

@@ -10,7 +10,7 @@ from wmspec.compile.layout.geometry import own_turn
 from wmspec.compile.layout.placement import rest
 from wmspec.compile.layout.surfaces import WORLD
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import Pose, Vector, add, heading, multiply, times, turn
+from wmspec.core.space import Pose, Vector, add, from_ypr, heading_vector, multiply, scale
 from wmspec.lang.check.ir.ir import TaskSpec, Thing
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import HEADINGS
@@ -67,10 +67,12 @@ def after(values: Values, move: Thing, stand: Stand) -> Stand:
     if move.verb == "follow":
         points, _, turns = way(values, move, stand.pose.position)
         gained = turns[-1] if turns else 0.0
-        pose = Pose(points[-1], multiply(turn(gained), stand.pose.orientation) if gained else stand.pose.orientation)
+        pose = Pose(
+            points[-1], multiply(from_ypr(gained), stand.pose.orientation) if gained else stand.pose.orientation
+        )
         return Stand(pose, stand.yaw + gained)
     speed, duration = values.property(move.name, "speed"), values.property(move.name, "duration")
-    gone = times(speed * duration, heading(angle(values.property(move.name, "direction"))))
+    gone = scale(speed * duration, heading_vector(angle(values.property(move.name, "direction"))))
     return replace(stand, pose=Pose(add(stand.pose.position, gone), stand.pose.orientation))
 
 
@@ -80,7 +82,7 @@ def landed(values: Values, action: Thing, stand: Stand) -> Stand:
     yaw = values.property(action.name, "yaw") if values.has(action.name, "yaw") else stand.yaw
     _, pitch, roll = own_turn(values, owner)
     if len(to) == 3 and to[0] != WORLD:
-        return Stand(Pose(to, turn(yaw, pitch, roll)), yaw)
+        return Stand(Pose(to, from_ypr(yaw, pitch, roll)), yaw)
     return Stand(rest(values, owner, to, yaw, pitch, roll), yaw)
 
 

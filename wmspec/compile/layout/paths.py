@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from wmspec.core.space import ORIGIN, Vector, add, times
+from wmspec.core.space import ORIGIN, Vector, add, scale
 
 #: A bend that is sharper than this (rad) is a corner, which is turned within this share of the legs around it.
 CORNER, SHARE = math.radians(30), 0.1
@@ -79,7 +79,7 @@ def _headings(points: Sequence[Vector]) -> list[float]:
 
 def _toward(here: Vector, there: Vector, share: float) -> Vector:
     """The point so far on the way."""
-    return add(times(1 - share, here), times(share, there))
+    return add(scale(1 - share, here), scale(share, there))
 
 
 def _straight(length: float, _width: float) -> tuple[Vector, ...]:
@@ -126,7 +126,7 @@ def _arc(length: float, width: float) -> tuple[Vector, ...]:
 def _around(middle: Vector, radius: float, start: float, stop: float) -> tuple[Vector, ...]:
     count = 2 * max(4, math.ceil(PIECES / 2 * abs(stop - start) / (2 * math.pi)))  # even: half way is a point
     angles = (start + (stop - start) * i / count for i in range(count + 1))
-    points = (add(middle, times(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
+    points = (add(middle, scale(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
     first, *rest = points
     return (ORIGIN if math.hypot(*first) < 1e-9 else first, *rest)
 

@@ -8,7 +8,7 @@ from wmspec.compile.layout import assets, scatter
 from wmspec.compile.layout.geometry import own_turn
 from wmspec.compile.layout.solids import Face, reach
 from wmspec.compile.layout.surfaces import WORLD, under
-from wmspec.core.space import Pose, add, inverse, multiply, rotate, tilt, times, turn
+from wmspec.core.space import Pose, add, align_z, from_ypr, inverse, multiply, rotate, scale
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -22,7 +22,7 @@ def pose(values: Values, owner: str) -> Pose:
     base = assets.base(values, owner)
     if base is None:
         return _placed(values, owner)
-    return frame(values, base).then(assets.within(values, owner))
+    return frame(values, base).compose(assets.within(values, owner))
 
 
 def frame(values: Values, base: str) -> Pose:
@@ -41,7 +41,7 @@ def _placed(values: Values, owner: str) -> Pose:
 
 def rest(values: Values, owner: str, at: tuple[Any, ...], yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Pose:
     """Where an object turned like that would be with this `at`: (x, y) on what holds it, else (x, y) or (x, y, z)."""
-    own = turn(yaw, pitch, roll)
+    own = from_ypr(yaw, pitch, roll)
     face = under(values, owner, at)
     if face is None:
         if len(at) == 3 and at[0] != WORLD:
@@ -49,4 +49,4 @@ def rest(values: Values, owner: str, at: tuple[Any, ...], yaw: float, pitch: flo
         x, y = at[-2:]
         face = Face((x, y, 0.0))
     depth = reach(assets.pieces(values, owner), rotate(inverse(own), (0.0, 0.0, -1.0)))
-    return Pose(add(face.middle, times(depth, face.normal)), multiply(tilt(face.normal), own))
+    return Pose(add(face.middle, scale(depth, face.normal)), multiply(align_z(face.normal), own))

@@ -16,7 +16,7 @@ from wmspec.compile.layout.solids import Face, footprint
 from wmspec.compile.layout.surfaces import seen_from, tops
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.rng import uniform
-from wmspec.core.space import UP, turn
+from wmspec.core.space import UP, from_ypr
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -64,7 +64,7 @@ def _scattered(values: Values, base: str) -> dict[str, tuple[float, float]]:
 def _free(values: Values, name: str, face: Face, taken: list[Circle], deal: int) -> Circle | None:
     """The first of this deal's proposals that is free, if one is."""
     _, pitch, roll = own_turn(values, name)
-    radius = footprint(assets.pieces(values, name), turn(0.0, pitch, roll))
+    radius = footprint(assets.pieces(values, name), from_ypr(0.0, pitch, roll))
     x, y = seen_from(face, values.property(name, "at"))
     (width, depth), gap = values.property(name, "scatter"), values.property(name, "gap")
     for k in range(deal * TRIES, (deal + 1) * TRIES):

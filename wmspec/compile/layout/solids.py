@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from wmspec.core.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times
+from wmspec.core.space import IDENTITY, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, scale
 from wmspec.sim.shapes import Shape
 from wmspec.sim.shapes.shape import AXES
 
@@ -36,7 +36,7 @@ def reach(pieces: Iterable[Piece], direction: Vector) -> float:
 def bounds(pieces: Sequence[Piece], pose: Pose) -> Box:
     """The lowest and the highest corner (m) of the upright box around an object, in the frame of `pose`."""
     here, back = pose.position, inverse(pose.orientation)
-    low = [here[i] - reach(pieces, rotate(back, times(-1.0, axis))) for i, axis in enumerate(AXES)]
+    low = [here[i] - reach(pieces, rotate(back, scale(-1.0, axis))) for i, axis in enumerate(AXES)]
     high = [here[i] + reach(pieces, rotate(back, axis)) for i, axis in enumerate(AXES)]
     return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
@@ -58,7 +58,7 @@ def _footprint(piece: Piece, own: Quaternion) -> float:
     symmetry = piece.solid.symmetry
     if symmetry == "ball" or (symmetry == "axis" and turned[1] == turned[2] == 0):
         return math.hypot(x, y) + piece.solid.reach(AXES[0])
-    along = (max(piece.solid.reach(rotate(inverse(turned), times(s, a))) for s in (-1.0, 1.0)) for a in AXES[:2])
+    along = (max(piece.solid.reach(rotate(inverse(turned), scale(s, a))) for s in (-1.0, 1.0)) for a in AXES[:2])
     return math.hypot(x, y) + math.hypot(*along)
 
 
@@ -84,7 +84,7 @@ def upward(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
     for normal, offset in solid.flats:
         turned = rotate(pose.orientation, normal)
         if turned[2] > 1e-9:
-            faces.append(Face(pose.apply(times(offset, normal)), turned, yaw))
+            faces.append(Face(pose.apply(scale(offset, normal)), turned, yaw))
     yield from sorted(faces, key=lambda face: -face.normal[2])
 
 
@@ -94,17 +94,17 @@ def surface(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:
     What has other than flat faces counts as the upright box around it, unless it is hollow and upright.
     """
     if solid.hollow and rotate(pose.orientation, UP)[2] > 1 - 1e-9:
-        own = pose.seen((x, y, pose.position[2]))
+        own = pose.inverse_apply((x, y, pose.position[2]))
         height = solid.floor(own[0], own[1])
         return None if height is None else Face((x, y, pose.position[2] + height))
     if not solid.flats:
-        low, high = bounds((Piece(solid, HERE),), pose)
+        low, high = bounds((Piece(solid, IDENTITY),), pose)
         held = low[0] <= x <= high[0] and low[1] <= y <= high[1]
         return Face((x, y, high[2])) if held else None
     floor, lid = -math.inf, None
     for normal, offset in solid.flats:
         turned = rotate(pose.orientation, normal)
-        face = Face(pose.apply(times(offset, normal)), turned)
+        face = Face(pose.apply(scale(offset, normal)), turned)
         if abs(turned[2]) <= 1e-9:
             if turned[0] * (x - face.middle[0]) + turned[1] * (y - face.middle[1]) > 1e-9:
                 return None

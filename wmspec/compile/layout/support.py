@@ -24,7 +24,7 @@ def supported(name: str, values: Values) -> None:
     made, pose = assets.pieces(values, name), frame(values, name) if name in values.assets else values.pose(name)
     low, high = bounds(made, pose)
     if len(made) == 1 and made[0].solid.symmetry == "ball" and tops(values, base)[0].normal == UP:
-        low = high = pose.then(made[0].pose).position
+        low = high = pose.compose(made[0].pose).position
     least, most = values.once((base, "upright box"), lambda: bounds(pieces(values, base), values.pose(base)))
     if any(low[i] > most[i] + 1e-9 or high[i] < least[i] - 1e-9 for i in range(2)):
         word = "scatter" if values.has(name, "scatter") else "at"

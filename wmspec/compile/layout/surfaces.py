@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import Face, bounds, surface, upward
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import UP, Vector, add, inverse, rotate, tilt, times
+from wmspec.core.space import UP, Vector, add, align_z, inverse, rotate, scale
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -58,7 +58,7 @@ def tops(values: Values, base: str) -> list[Face]:
 def _tops(values: Values, base: str) -> list[Face]:
     here, made = values.pose(base), pieces(values, base)
     if len(made) == 1 and made[0].solid.flats:
-        placed = here.then(made[0].pose)
+        placed = here.compose(made[0].pose)
         return list(upward(made[0].solid, placed, values.property(base, "yaw")))
     highest = bounds(made, here)[1][2]
     return [Face((here.position[0], here.position[1], highest), UP, values.property(base, "yaw"))]
@@ -76,7 +76,7 @@ def top(values: Values, base: str, at: tuple[Any, ...]) -> Face:
 
 def _along(face: Face, x: float, y: float) -> Vector:
     cos, sin = math.cos(face.yaw), math.sin(face.yaw)
-    return rotate(tilt(face.normal), (cos * x - sin * y, sin * x + cos * y, 0.0))
+    return rotate(align_z(face.normal), (cos * x - sin * y, sin * x + cos * y, 0.0))
 
 
 def seen_from(face: Face, at: tuple[Any, ...]) -> tuple[float, float]:
@@ -84,8 +84,8 @@ def seen_from(face: Face, at: tuple[Any, ...]) -> tuple[float, float]:
     if at[0] != WORLD:
         return (at[0], at[1])
     x, y = at[1:]
-    away = add((x, y, face.height(x, y)), times(-1.0, face.middle))
-    level = rotate(inverse(tilt(face.normal)), away)
+    away = add((x, y, face.height(x, y)), scale(-1.0, face.middle))
+    level = rotate(inverse(align_z(face.normal)), away)
     cos, sin = math.cos(face.yaw), math.sin(face.yaw)
     return (cos * level[0] + sin * level[1], cos * level[1] - sin * level[0])
 
@@ -110,7 +110,7 @@ def _ground(values: Values, base: str, at: tuple[Any, ...]) -> tuple[float, floa
 
 def _floors(values: Values, base: str, x: float, y: float) -> Iterator[Face]:
     for piece in pieces(values, base):
-        face = surface(piece.solid, values.pose(base).then(piece.pose), x, y)
+        face = surface(piece.solid, values.pose(base).compose(piece.pose), x, y)
         if face is not None:
             yield face
 

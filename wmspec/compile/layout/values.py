@@ -9,7 +9,7 @@ from typing import Any, TypeVar, cast
 
 from wmspec.compile.layout import functions, placement
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.limits import SECONDS
+from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Location
 from wmspec.core.space import Pose
 from wmspec.lang.check.ir.evaluate import NoValue, evaluate
@@ -185,9 +185,9 @@ class Values:
     def _named(self, name: str) -> Any:
         if name == "end":
             end: float = evaluate(self.spec.horizon, self)
-            if end > SECONDS.most:
+            if end > EPISODE_SECONDS.most:
                 place = self.spec.observations[0].place if self.spec.observations else None
-                raise ImpossibleValue(f"the episode {SECONDS.sentence} here", place, SECONDS.help)
+                raise ImpossibleValue(f"the episode {EPISODE_SECONDS.sentence} here", place, EPISODE_SECONDS.help)
             return end
         let = self._lets[name]
         return _evaluate(let.value, self, let.place)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from wmspec.core.space import add, rotate, times
+from wmspec.core.space import add, rotate, scale
 from wmspec.lang.check.ir.evaluate import NoValue
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def gaze(values: Values, viewer: str) -> float:
         if math.hypot(ahead[0], ahead[1]) <= UPRIGHT:
             raise NoValue(f"`{viewer}` looks straight up or down, so nothing is on its left")
         return quarters(ahead[0], ahead[1])
-    ahead = add(values.property(viewer, "look_at"), times(-1.0, values.property(viewer, "at")))
+    ahead = add(values.property(viewer, "look_at"), scale(-1.0, values.property(viewer, "at")))
     if math.hypot(ahead[0], ahead[1]) <= 1e-9 * math.hypot(*ahead):
         ahead = (0.0, 1.0, 0.0)
     if values.has(viewer, "ride"):

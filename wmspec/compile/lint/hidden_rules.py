@@ -14,7 +14,7 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
 from wmspec.compile.lint.visibility import moved
 from wmspec.core.diagnostics import Note
-from wmspec.core.space import Pose, Vector, add, inverse, rotate, times
+from wmspec.core.space import Pose, Vector, add, inverse, rotate, scale
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.sim.shapes.box import Box
 
@@ -55,7 +55,7 @@ def _boxes(values: Values, name: str) -> Iterator[tuple[Vector, Pose]]:
     for part, piece in every_piece(values, name):
         drawn = all(values.property(owner, "drawn") for owner in {name, part} if values.has(owner, "drawn"))
         if isinstance(piece.solid, Box) and drawn:
-            yield piece.solid.half, pose.then(piece.pose)
+            yield piece.solid.half, pose.compose(piece.pose)
 
 
 def _hiding(eye: Vector, around: list[Vector], walls: list[tuple[str, Vector, Pose]]) -> str:
@@ -68,7 +68,7 @@ def _hiding(eye: Vector, around: list[Vector], walls: list[tuple[str, Vector, Po
 
 def _between(eye: Vector, point: Vector, half: Vector, pose: Pose) -> bool:
     """Whether a box lies between an eye outside it and a point (m). (Kay and Kajiya, Ray Tracing Complex Scenes.)"""
-    a, b = (rotate(inverse(pose.orientation), add(p, times(-1.0, pose.position))) for p in (eye, point))
+    a, b = (rotate(inverse(pose.orientation), add(p, scale(-1.0, pose.position))) for p in (eye, point))
     enters, leaves = -math.inf, 1.0
     for start, end, edge in zip(a, b, half, strict=True):
         if abs(end - start) < 1e-12:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import Piece, bounds
 from wmspec.compile.layout.values import Values
-from wmspec.core.space import Vector, add, cross, rotate, times
+from wmspec.core.space import Vector, add, cross, rotate, scale
 from wmspec.sim.shapes import Shape
 
 if TYPE_CHECKING:  # most scenes need no more than the axes, and checking those should not wait for numpy
@@ -70,7 +70,7 @@ def _pieces_of(values: Values, name: str) -> tuple[Piece, ...]:
     """The convex pieces of an object in the world."""
     pose = values.pose(name)
     return tuple(
-        Piece(convex, pose.then(piece.pose).then(at))
+        Piece(convex, pose.compose(piece.pose).compose(at))
         for piece in pieces(values, name)
         for convex, at in piece.solid.pieces()
     )
@@ -115,7 +115,7 @@ def _depth(a: Piece, b: Piece) -> float:
 
 def _overlap(a: Piece, b: Piece, d: Vector) -> float:
     """How far (m) `a` reaches beyond where `b` begins, along a unit vector."""
-    return a.reach(d) + b.reach(times(-1.0, d))
+    return a.reach(d) + b.reach(scale(-1.0, d))
 
 
 def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
@@ -127,12 +127,12 @@ def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
     own = [rotate(a.pose.orientation, axis) for axis in _EDGES]
     others = [rotate(b.pose.orientation, axis) for axis in _EDGES]
     faces = [rotate(p.pose.orientation, normal) for p in (a, b) for normal, _ in p.solid.flats]
-    between = add(b.pose.position, times(-1.0, a.pose.position))
+    between = add(b.pose.position, scale(-1.0, a.pose.position))
     for axis in (*own, *others, *faces, *(cross(x, y) for x in own for y in others), between):
         size = math.hypot(*axis)
         if size > 1e-6:
-            yield times(1 / size, axis)
-            yield times(-1 / size, axis)
+            yield scale(1 / size, axis)
+            yield scale(-1 / size, axis)
 
 
 def _placed(piece: Piece) -> tuple[Shape, model.Pose]:

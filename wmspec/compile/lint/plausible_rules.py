@@ -13,7 +13,7 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
 from wmspec.compile.lint.visibility import boxes_of, boxes_of_matter, mentioned, subjects
 from wmspec.core.diagnostics import Note
-from wmspec.core.space import Vector, add, dot, inverse, rotate, times, unit
+from wmspec.core.space import Vector, add, dot, inverse, rotate, scale, unit
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.types import units
 from wmspec.sim.shapes import Shape
@@ -146,8 +146,8 @@ def _within(values: Values, name: str, eye: Vector) -> bool:
         return False
     for piece in pieces(values, name):
         for convex, at in piece.solid.pieces():
-            there = pose.then(piece.pose).then(at)
-            local = rotate(inverse(there.orientation), add(eye, times(-1.0, there.position)))
+            there = pose.compose(piece.pose).compose(at)
+            local = rotate(inverse(there.orientation), add(eye, scale(-1.0, there.position)))
             if _inside(convex, local):
                 return True
     return False
@@ -156,7 +156,7 @@ def _within(values: Values, name: str, eye: Vector) -> bool:
 def _inside(solid: Shape, point: Vector) -> bool:
     """Whether a point is within a convex shape: along its axes, its faces, and away from its middle."""
     x, y, _ = point
-    outward = [*_AXES, *(times(-1.0, a) for a in _AXES), *(normal for normal, _ in solid.flats)]
+    outward = [*_AXES, *(scale(-1.0, a) for a in _AXES), *(normal for normal, _ in solid.flats)]
     outward += [unit(v) for v in (point, (x, y, 0.0)) if math.hypot(*v) > 1e-9]
     return all(dot(d, point) < solid.reach(d) - 1e-9 for d in outward)
 

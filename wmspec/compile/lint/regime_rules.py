@@ -13,7 +13,7 @@ from wmspec.compile.lint.overlap import separation
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
 from wmspec.core.diagnostics import Note
-from wmspec.core.space import ORIGIN, UP, add, dot, rotate, times, unit
+from wmspec.core.space import ORIGIN, UP, add, dot, rotate, scale, unit
 from wmspec.lang.check.ir.ir import Thing
 from wmspec.lang.check.types import units
 from wmspec.sim.scene.regime_thresholds import (
@@ -256,11 +256,11 @@ def _balanced(values: Values, joint: str, end: str) -> bool:
     room = sum(piece.solid.volume for piece in parts)
     middle = ORIGIN
     for piece in parts:
-        middle = add(middle, times(piece.solid.volume / room, piece.pose.apply(piece.solid.center)))
-    away = add(values.pose(end).apply(middle), times(-1.0, values.property(joint, "at")))
+        middle = add(middle, scale(piece.solid.volume / room, piece.pose.apply(piece.solid.center)))
+    away = add(values.pose(end).apply(middle), scale(-1.0, values.property(joint, "at")))
     if thing.model == "hinge" and math.hypot(*(axis := values.property(joint, "axis"))) > 0:
         axis = unit(axis)
-        away = add(away, times(-dot(away, axis), axis))
+        away = add(away, scale(-dot(away, axis), axis))
     return math.hypot(*away) < BALANCED * max(_thickness(piece) for piece in parts)
 
 
@@ -271,7 +271,7 @@ def _driven(values: Values, joint: str) -> bool:
 
 def _thickness(piece: Piece) -> float:
     """How thick (m) a piece is at least, along its own axes."""
-    return min(piece.solid.reach(axis) + piece.solid.reach(times(-1.0, axis)) for axis in AXES)
+    return min(piece.solid.reach(axis) + piece.solid.reach(scale(-1.0, axis)) for axis in AXES)
 
 
 def _degrees(angle: float) -> str:

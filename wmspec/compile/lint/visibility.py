@@ -9,7 +9,7 @@ from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.motion import CARRYING, after, angle, before, way
 from wmspec.compile.layout.solids import Box, bounds, corners
 from wmspec.compile.layout.values import Values
-from wmspec.core.space import Vector, add, cross, dot, heading, times
+from wmspec.core.space import Vector, add, cross, dot, heading_vector, scale
 from wmspec.lang.check.ir.evaluate import parts
 from wmspec.lang.check.ir.ir import Expr, Property, Ref, Said, TaskSpec, Thing, Value
 
@@ -87,7 +87,7 @@ def boxes_of(values: Values, name: str) -> Iterator[Box]:
     for verb in (*CARRYING, "launch", "slide"):
         for action in values.acting(verb, name):
             for there in _reached(values, action):
-                gone = add(there, times(-1.0, here))
+                gone = add(there, scale(-1.0, here))
                 yield _around((low, high), (add(low, gone), add(high, gone)))
 
 
@@ -100,8 +100,8 @@ def _reached(values: Values, action: Thing) -> tuple[Vector, ...]:
         return (*through, after(values, action, stand).pose.position)
     slides = verb == "slide"
     far = values.property(name, "distance") if slides else values.property(name, "speed") * values.ref("end")
-    ahead = heading(angle(values.property(name, "direction")))
-    return (add(values.pose(values.property(name, "object")).position, times(far, ahead)),)
+    ahead = heading_vector(angle(values.property(name, "direction")))
+    return (add(values.pose(values.property(name, "object")).position, scale(far, ahead)),)
 
 
 def _around(a: Box, b: Box) -> Box:
@@ -118,15 +118,15 @@ def _in_view(values: Values, camera: str, box: Box) -> bool:
     eye = values.property(camera, "at")
     forward, right, up = _axes(eye, values.property(camera, "look_at"))
     edge = math.tan(values.property(camera, "fov") / 2)
-    sides = [forward] + [add(times(edge, forward), times(sign, side)) for side in (right, up) for sign in (1, -1)]
-    seen = [add(corner, times(-1.0, eye)) for corner in corners(box)]
+    sides = [forward] + [add(scale(edge, forward), scale(sign, side)) for side in (right, up) for sign in (1, -1)]
+    seen = [add(corner, scale(-1.0, eye)) for corner in corners(box)]
     return all(any(dot(side, corner) > 0 for corner in seen) for side in sides)
 
 
 def _axes(eye: Vector, target: Vector) -> tuple[Vector, Vector, Vector]:
     """Forward, right and up, the horizon level."""
-    ahead = add(target, times(-1.0, eye))
-    forward = times(1 / math.hypot(*ahead), ahead)
+    ahead = add(target, scale(-1.0, eye))
+    forward = scale(1 / math.hypot(*ahead), ahead)
     aside = cross(forward, (0.0, 0.0, 1.0))
-    right = times(1 / math.hypot(*aside), aside) if math.hypot(*aside) > 1e-9 else (1.0, 0.0, 0.0)
+    right = scale(1 / math.hypot(*aside), aside) if math.hypot(*aside) > 1e-9 else (1.0, 0.0, 0.0)
     return forward, right, cross(right, forward)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.compile.layout import surfaces
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import Pose, turn
+from wmspec.core.space import Pose, from_ypr
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -20,5 +20,5 @@ def base(values: Values, robot: str) -> Pose:
             raise ImpossibleValue(
                 f"`{robot}` stands on something, so its place there is (x, y)", values.place(robot, "at")
             )
-        return Pose(surfaces.top(values, values.property(robot, "on"), at).middle, turn(yaw))
-    return Pose(at if len(at) == 3 else (*at, 0.0), turn(yaw))
+        return Pose(surfaces.top(values, values.property(robot, "on"), at).middle, from_ypr(yaw))
+    return Pose(at if len(at) == 3 else (*at, 0.0), from_ypr(yaw))

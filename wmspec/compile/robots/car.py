@@ -6,7 +6,7 @@ import math
 from functools import cache
 
 from wmspec.compile.layout.solids import Piece
-from wmspec.core.space import Pose, Vector, turn
+from wmspec.core.space import Pose, Vector, from_ypr
 from wmspec.sim.shapes import SHAPES
 
 PAINT = ""
@@ -49,4 +49,4 @@ def _made(shape: str, at: Vector, **words: object) -> Piece:
 
 def _wheel(x: float, y: float, radius: float = 0.32) -> Piece:
     solid = SHAPES["cylinder"].from_words({"size": 0.1, "radius": radius, "height": 0.2})
-    return Piece(solid, Pose((x, y, 0.32), turn(0.0, 0.0, math.pi / 2)))
+    return Piece(solid, Pose((x, y, 0.32), from_ypr(0.0, 0.0, math.pi / 2)))

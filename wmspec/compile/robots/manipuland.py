@@ -11,7 +11,7 @@ from wmspec.compile.layout.geometry import mass, pieces
 from wmspec.compile.layout.solids import bounds
 from wmspec.compile.robots.arm import Array, about, shift
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import HERE
+from wmspec.core.space import IDENTITY
 from wmspec.sim.shapes.sphere import Sphere
 
 if TYPE_CHECKING:
@@ -89,10 +89,10 @@ def goods(values: Values, name: str) -> Goods:
     made, pose = pieces(values, name), values.pose(name)
     if values.property(name, "fixed"):
         raise ImpossibleValue(f"`{name}` is fixed, so no robot can move it", values.place(name))
-    up = pose.seen((pose.position[0], pose.position[1], pose.position[2] + 1.0))
+    up = pose.inverse_apply((pose.position[0], pose.position[1], pose.position[2] + 1.0))
     if up[2] < 1 - 1e-6:
         raise ImpossibleValue(f"`{name}` does not stand upright, so no robot can handle it", values.place(name))
-    low, high = (np.array(corner) for corner in bounds(made, HERE))
+    low, high = (np.array(corner) for corner in bounds(made, IDENTITY))
     frame = shift(*pose.position) @ about(2, float(values.property(name, "yaw"))) @ shift(*((low + high) / 2).tolist())
     half = ((high - low) / 2).tolist()
     lone = made[0].solid if len(made) == 1 and isinstance(made[0].solid, Sphere) else None

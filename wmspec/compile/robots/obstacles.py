@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from wmspec.compile.layout.geometry import every_piece
 from wmspec.compile.layout.motion import carriers
 from wmspec.compile.layout.solids import Piece, bounds, corners
-from wmspec.core.space import HERE, Pose, Vector
+from wmspec.core.space import IDENTITY, Pose, Vector
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -78,8 +78,8 @@ def _is(values: Values, name: str, properties: Sequence[str]) -> bool:
 
 def _box(piece: Piece, pose: Pose) -> list[Vector]:
     """The corners in the world of the box around a piece of an object, along the piece's own axes."""
-    placed = pose.then(piece.pose)
-    return [placed.apply(corner) for corner in corners(bounds([Piece(piece.solid, HERE)], HERE))]
+    placed = pose.compose(piece.pose)
+    return [placed.apply(corner) for corner in corners(bounds([Piece(piece.solid, IDENTITY)], IDENTITY))]
 
 
 def hull(points: Sequence[Point]) -> tuple[Point, ...]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import bounds
 from wmspec.compile.robots.ways import Bend, Leg, Spot, Straight, Swerve
-from wmspec.core.space import HERE, rotate
+from wmspec.core.space import IDENTITY, rotate
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -206,7 +206,7 @@ def _meeting(spot: Spot, line: Spot) -> float:
 def road(values: Values, name: str) -> Road:
     """An object as a road: along the longer side of its box."""
     pose = values.pose(name)
-    low, high = bounds(pieces(values, name), HERE)
+    low, high = bounds(pieces(values, name), IDENTITY)
     x, y, _ = pose.apply(((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, 0.0))
     long = high[0] - low[0] >= high[1] - low[1]
     ahead = rotate(pose.orientation, (1.0, 0.0, 0.0) if long else (0.0, 1.0, 0.0))

@@ -9,7 +9,7 @@ from wmspec.compile.layout.solids import bounds
 from wmspec.compile.robots.arm import Array
 from wmspec.compile.robots.manipuland import together
 from wmspec.compile.robots.planning import Plan
-from wmspec.core.space import HERE
+from wmspec.core.space import IDENTITY
 from wmspec.lang.check.ir.ir import Thing
 
 BELOW, ABOVE = 0.002, 0.005  # m: what lies on or in something begins no lower than it, and no higher than so above it
@@ -46,7 +46,7 @@ def move(made: Plan, action: Thing, motion: Array) -> None:
 def _lies(made: Plan, name: str, carrier: str) -> bool:
     """Whether the middle of a thing is above the box of another, or in it, and its lower end no higher."""
     middle, half = _box(made, name)
-    frame, (low, high) = made.frame(carrier), np.array(bounds(pieces(made.values, carrier), HERE))
+    frame, (low, high) = made.frame(carrier), np.array(bounds(pieces(made.values, carrier), IDENTITY))
     own = frame[:3, :3].T @ (middle - frame[:3, 3])
     across = ((low[:2] <= own[:2]) & (own[:2] <= high[:2])).all()
     return bool(across and low[2] - BELOW <= own[2] - half <= high[2] + ABOVE)

@@ -19,7 +19,7 @@ from wmspec.compile.robots.schedule import in_turn, lasts
 from wmspec.compile.robots.wayfinding import legs_to
 from wmspec.compile.robots.ways import Leg, Spot, Straight, along, gone
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import Pose, Quaternion, Vector, add, rotate, turn
+from wmspec.core.space import Pose, Quaternion, Vector, add, from_ypr, rotate
 from wmspec.lang.check.ir.ir import Thing
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def _written(stretch: _Stretch, level: float, enters: float, leaves: float) -> T
 
 def _nodding(spot: Spot, pitch: float, level: float) -> Pose:
     """The pose of a robot at a place, tilted upwards about its neck."""
-    turned, here = turn(spot.heading, -pitch), (spot.x, spot.y, level)
+    turned, here = from_ypr(spot.heading, -pitch), (spot.x, spot.y, level)
     if pitch == 0:
         return Pose(here, turned)
     return Pose(add(add(here, (0.0, 0.0, NECK)), rotate(turned, (0.0, 0.0, -NECK))), turned)

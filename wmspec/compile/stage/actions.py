@@ -13,7 +13,7 @@ from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.joints import has_drive, joined, joint_path
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import UP, Vector, dot, heading, multiply, rotate, times, turn
+from wmspec.core.space import UP, Vector, dot, from_ypr, heading_vector, multiply, rotate, scale
 from wmspec.lang.check.ir.ir import Thing
 from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.verbs import VERBS
@@ -55,7 +55,7 @@ def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -
 
 def _heading(action: Thing, values: Values) -> Vector:
     climb = values.property(action.name, "climb") if values.has(action.name, "climb") else 0.0
-    return heading(motion.angle(values.property(action.name, "direction")), climb)
+    return heading_vector(motion.angle(values.property(action.name, "direction")), climb)
 
 
 def _toward(action: Thing) -> tuple[str, ...]:
@@ -106,7 +106,7 @@ def slide(prim: Prim, action: Thing, values: Values) -> None:
     base = held[1]
     if face.normal[2] < 1 - 1e-9:
         raise ImpossibleValue(f"what `{target}` rests on is not level, so it would not stop there", action.place)
-    if _rolls(target, heading(motion.angle(values.property(name, "direction"))), values):
+    if _rolls(target, heading_vector(motion.angle(values.property(name, "direction"))), values):
         ball = pieces(values, target)[0].solid.symmetry == "ball"
         remedy = "say `launch(..., rolling: true)`" if ball else "stand it up, or slide it along its axis"
         raise ImpossibleValue(f"`{target}` is round and would roll on instead of sliding", action.place, remedy)
@@ -126,7 +126,7 @@ def _rolls(target: str, way: Vector, values: Values) -> bool:
     made = pieces(values, target)
     if len(made) > 1 or made[0].solid.symmetry == "none":
         return False
-    axis = rotate(values.pose(target).then(made[0].pose).orientation, UP)
+    axis = rotate(values.pose(target).compose(made[0].pose).orientation, UP)
     return made[0].solid.symmetry == "ball" or (abs(axis[2]) < LYING and abs(dot(axis, way)) < ALONG)
 
 
@@ -146,7 +146,7 @@ def follow(prim: Prim, action: Thing, values: Values) -> None:
     prim.set("wms:points", "double3[]", points, *form, *_toward(action), f"{action.name}.way", uniform=True)
     prim.set("wms:times", "double[]", moments, *form, *_toward(action), f"{action.name}.duration", uniform=True)
     if turns:
-        turned = tuple(multiply(turn(yaw), stand.pose.orientation) for yaw in turns)
+        turned = tuple(multiply(from_ypr(yaw), stand.pose.orientation) for yaw in turns)
         prim.set("wms:orientations", "quatd[]", turned, *form, *_toward(action), f"{action.name}.way", uniform=True)
 
 
@@ -182,13 +182,13 @@ def vanish(_prim: Prim, _action: Thing, _values: Values) -> None:
 
 def impulse(prim: Prim, action: Thing, values: Values) -> None:
     """A blow."""
-    strength = times(values.property(action.name, "impulse"), _heading(action, values))
+    strength = scale(values.property(action.name, "impulse"), _heading(action, values))
     _vector(prim, "wms:impulse", strength, f"{action.name}.impulse", *_toward(action))
 
 
 def force(prim: Prim, action: Thing, values: Values) -> None:
     """A pull for a while."""
-    strength = times(values.property(action.name, "force"), _heading(action, values))
+    strength = scale(values.property(action.name, "force"), _heading(action, values))
     _vector(prim, "wms:force", strength, f"{action.name}.force", *_toward(action))
 
 

@@ -11,7 +11,7 @@ from functools import cached_property
 from hashlib import blake2b
 from typing import Any, NamedTuple
 
-from wmspec.core.canonical import dumped
+from wmspec.core.canonical import dumps
 
 
 class Attribute(NamedTuple):
@@ -72,7 +72,7 @@ class Prim:
         """
         attributes = [(n, a.type, a.value, a.uniform, a.connection, a.varies) for n, a in self.attributes.items()]
         relations = [(name, relation.targets) for name, relation in self.relations.items()]
-        return dumped((self.type, self.schemas, self.reference, attributes, relations))
+        return dumps((self.type, self.schemas, self.reference, attributes, relations))
 
     def set(self, name: str, type: str, value: Any, *sources: str, uniform: bool = False, varies: str = "") -> Prim:
         """Give the prim an attribute; returns the prim."""

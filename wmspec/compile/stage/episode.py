@@ -52,11 +52,11 @@ def _built(values: Values, make: Callable[[Document, str, Values, frozenset[str]
     carried, deciding = carriers(values), carrier_sources(spec)
     report = Report()
     for thing in (thing for thing in spec.things if thing.kind == "object"):
-        with report.gathered():
+        with report.collect_errors():
             if values.there(thing.name):
                 make(doc, thing.name, values, deciding, thing.name in carried)
     for thing in (thing for thing in spec.things if thing.kind in ("joint", "camera", "light", "robot")):
-        with report.gathered():
+        with report.collect_errors():
             match thing.kind:
                 case "joint":
                     add_joint(doc, thing, values, carried)
@@ -68,9 +68,9 @@ def _built(values: Values, make: Callable[[Document, str, Values, frozenset[str]
                     from wmspec.compile.stage import robots
 
                     robots.add_robot(doc, thing, values)
-    with report.gathered():
+    with report.collect_errors():
         no_loops(values)
-    with report.gathered():
+    with report.collect_errors():
         _episode(doc, spec, values)
     _actions(doc, values, carried, report)
     report.stop_if_failed()
@@ -79,7 +79,7 @@ def _built(values: Values, make: Callable[[Document, str, Values, frozenset[str]
 
 def _actions(doc: Document, values: Values, carried: dict[str, str], report: Report) -> None:
     for thing in (thing for thing in values.spec.things if thing.kind == "action"):
-        with report.gathered():
+        with report.collect_errors():
             if values.there(thing.name):
                 if thing.of:
                     from wmspec.compile.stage import robots

@@ -10,7 +10,7 @@ from wmspec.compile.layout.values import Values
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
+from wmspec.core.space import IDENTITY, IDENTITY_QUAT, Pose, Quaternion, align_x, inverse, multiply, rotate, scale, unit
 from wmspec.lang.check.ir.ir import Thing
 
 _TYPES = {
@@ -111,28 +111,28 @@ def _side(prim: Prim, number: int, joint: Thing, body: str | None, frame: Pose, 
     if body:
         prim.relate(f"physics:body{number}", object_path(body), ends[1 - number])
     turn = multiply(inverse(here.orientation), frame.orientation)
-    prim.set(f"physics:localPos{number}", "point3f", here.seen(frame.position), *sources, *ends)
+    prim.set(f"physics:localPos{number}", "point3f", here.inverse_apply(frame.position), *sources, *ends)
     prim.set(f"physics:localRot{number}", "quatf", turn, *sources, *ends)
 
 
 def _place(joint: Thing, body: str | None, values: Values) -> Pose:
     """Where a body is in the space in which the joint is: the world, or the frame of an asset with all joints at 0."""
     if not joint.of:
-        return values.pose(body) if body else HERE
+        return values.pose(body) if body else IDENTITY
     if body:
         return assets.at_zero(values, body)
     frame = placement.frame(values, joint.of)
-    return Pose(rotate(inverse(frame.orientation), times(-1.0, frame.position)), inverse(frame.orientation))
+    return Pose(rotate(inverse(frame.orientation), scale(-1.0, frame.position)), inverse(frame.orientation))
 
 
 def _frame(joint: Thing, values: Values) -> Quaternion:
     """Its x axis is that of the joint."""
     if joint.model not in _COORDINATES:
-        return LEVEL
+        return IDENTITY_QUAT
     axis = values.property(joint.name, "axis")
     if math.hypot(*axis) < 1e-9:
         raise ImpossibleValue(f"the joint `{joint.name}` has no axis; it is 0 here", values.place(joint.name, "axis"))
-    return facing(unit(axis))
+    return align_x(unit(axis))
 
 
 def _driven(joint: Thing, values: Values) -> bool:

@@ -6,7 +6,7 @@ from wmspec.compile.layout.geometry import every_piece, touchable
 from wmspec.compile.layout.values import Values
 from wmspec.compile.stage.document import Prim
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import turn
+from wmspec.core.space import from_ypr
 
 #: What is smaller than this (m³) is taken for a mistake: a tenth of a millimetre across.
 LEAST_VOLUME = 1e-13
@@ -34,7 +34,7 @@ def add_own(body: Prim, name: str, values: Values) -> None:
         body.set("physics:centerOfMass", "point3f", values.property(name, "centre"), f"{name}.centre")
     if values.has(name, "moments"):
         body.set("physics:diagonalInertia", "float3", _moments(name, values), f"{name}.moments")
-        body.set("physics:principalAxes", "quatf", turn(*values.property(name, "axes")), f"{name}.axes")
+        body.set("physics:principalAxes", "quatf", from_ypr(*values.property(name, "axes")), f"{name}.axes")
 
 
 def _moments(name: str, values: Values) -> tuple[float, ...]:

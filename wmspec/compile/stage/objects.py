@@ -13,7 +13,7 @@ from wmspec.compile.layout.values import Values
 from wmspec.compile.stage import masses, materials
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import HERE, LEVEL, Pose, Vector, rotate, times
+from wmspec.core.space import IDENTITY, IDENTITY_QUAT, Pose, Vector, rotate, scale
 from wmspec.lang.check.tables.vocabulary import COLLISIONS
 from wmspec.sim.shapes.polygons import Polygons
 
@@ -59,14 +59,14 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
 def _moving(body: Prim, name: str, values: Values) -> None:
     """How it moves at the start, which a link of an asset says along the axes of that."""
     base = assets.base(values, name)
-    turned = frame(values, base).orientation if base else LEVEL
+    turned = frame(values, base).orientation if base else IDENTITY_QUAT
     for word, attribute, unit in (("velocity", "velocity", 1.0), ("spin", "angularVelocity", 180 / math.pi)):
         if not values.has(name, word):
             continue
         if values.property(name, "fixed"):
             place = values.place(name, word)
             raise ImpossibleValue(f"`{name}` is fixed, so it has no `{word}`", place)
-        way = times(unit, rotate(turned, values.property(name, word)))
+        way = scale(unit, rotate(turned, values.property(name, word)))
         body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{word}", *((f"{base}.pose",) if base else ()))
 
 
@@ -96,7 +96,7 @@ def geometry(doc: Document, path: str, piece: Piece, schemas: tuple[str, ...], s
         _place(prim, piece.pose, None, form)
         _mesh(prim, made, form)
     else:
-        _place(prim, piece.pose.then(Pose(made.offset)), made.scale, form)
+        _place(prim, piece.pose.compose(Pose(made.offset)), made.scale, form)
         for attribute, type, value, uniform in made.attributes:
             prim.set(attribute, type, value, form, uniform=uniform)
         prim.set("extent", "float3[]", made.extent, form)
@@ -126,7 +126,7 @@ def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values:
 def _place(prim: Prim, pose: Pose, scale: Vector | None, form: str) -> None:
     """Where the prim is in its object; nothing if that is where the object is."""
     ops: list[tuple[str, str, tuple[float, ...]]] = []
-    if pose != HERE:
+    if pose != IDENTITY:
         ops += [("translate", "double3", pose.position), ("orient", "quatd", pose.orientation)]
     if scale is not None:
         ops.append(("scale", "double3", scale))

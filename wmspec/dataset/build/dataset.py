@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import read_plain
+from wmspec.core.safe_io import read_bytes
 from wmspec.runtime.questions.model import Rejected
 from wmspec.dataset.build import checkpoint, files
 from wmspec.dataset.build.baselines import Baselines, baselines
@@ -134,7 +134,7 @@ class Dataset:
     def _published(self) -> str:
         """The day (YYYY-MM-DD) on which it was first finished, or that SOURCE_DATE_EPOCH says."""
         try:
-            there = json.loads(read_plain(self.folder / files.CROISSANT))
+            there = json.loads(read_bytes(self.folder / files.CROISSANT))
             return str(date.fromisoformat(there["datePublished"]))
         except (OSError, ValueError, TypeError, KeyError, RecursionError):
             return _today()
@@ -168,7 +168,7 @@ class Dataset:
     def _plan(self) -> dict[str, Any] | None:
         """The plan that the folder holds, as JSON values; None if it holds none, {} if it cannot be read."""
         try:
-            record = json.loads(read_plain(self.folder / files.PLAN))
+            record = json.loads(read_bytes(self.folder / files.PLAN))
         except FileNotFoundError:
             return rebuilt(self.folder, self.plan)
         except (ValueError, RecursionError):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.core.safe_io import picture
+from wmspec.core.safe_io import load_image
 
 #: What pictures of a dataset may be, as Pillow calls them.
 PNG, WEBP = "PNG", "WEBP"
@@ -55,7 +55,7 @@ def form(content: object) -> str:
 
 def opened(content: bytes) -> Image.Image:
     """The picture (RGB). Raises WmsError if it is neither, damaged, or too large."""
-    return picture(content, PNG, WEBP).convert("RGB")
+    return load_image(content, PNG, WEBP).convert("RGB")
 
 
 def as_png(content: bytes) -> bytes:

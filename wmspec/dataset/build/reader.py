@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import plain, read_plain
+from wmspec.core.safe_io import regular_file, read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import fingerprint
 from wmspec.dataset.build.rows import Row
@@ -40,7 +40,7 @@ class DatasetReader:
         """Raises WmsError if there is no finished dataset in the folder, or if its manifest is damaged."""
         place = folder / files.MANIFEST
         try:
-            manifest = json.loads(read_plain(place))
+            manifest = json.loads(read_bytes(place))
         except OSError:
             raise WmsError(f"{folder} holds no finished dataset; make one with `wmspec generate`") from None
         except (ValueError, RecursionError):
@@ -133,7 +133,7 @@ def foreign(folder: Path, known: Collection[str]) -> list[str]:
 def plan_beside(folder: Path) -> dict[str, Any]:
     """What `plan.json` says; empty where a dataset came without one, or with what is none."""
     try:
-        plan = json.loads(read_plain(folder / files.PLAN))
+        plan = json.loads(read_bytes(folder / files.PLAN))
     except (OSError, ValueError, RecursionError):
         return {}
     return plan if isinstance(plan, dict) else {}
@@ -169,7 +169,7 @@ def _group(
 
 def _opened(path: Path) -> pq.ParquetFile:
     try:
-        file = pq.ParquetFile(plain(path))
+        file = pq.ParquetFile(regular_file(path))
         fault = columns_fault(file.schema_arrow)
     except (OSError, pa.ArrowException, ValueError) as error:
         raise _unreadable(path, error) from None

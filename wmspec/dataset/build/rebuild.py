@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import plain
+from wmspec.core.safe_io import regular_file
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
@@ -45,5 +45,5 @@ def _indices(dataset: DatasetReader, task: str) -> list[int]:
     """The instances of a task, in order."""
     asked = {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task}
     for path in dataset.shards(task):
-        asked.update(pq.read_table(plain(dataset.folder / path), columns=["index"])["index"].to_pylist())
+        asked.update(pq.read_table(regular_file(dataset.folder / path), columns=["index"])["index"].to_pylist())
     return sorted(asked)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import read_plain
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.checkpoint import passing
 from wmspec.dataset.build.plan import Plan, Shard, Task, differences
@@ -84,7 +84,7 @@ def _plan(folder: Path, plan: Plan) -> Plan:
     """The plan of a folder: this one, but for which instances of the tasks it has."""
     try:
         path = folder / files.PLAN
-        record: Any = json.loads(read_plain(path)) if path.exists() else rebuilt(folder, plan)
+        record: Any = json.loads(read_bytes(path)) if path.exists() else rebuilt(folder, plan)
         indices = {name: tuple(map(int, numbers)) for name, numbers in record["tasks"].items()}
     except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         raise WmsError(

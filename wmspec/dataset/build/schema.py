@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
-from wmspec.core.safe_io import is_name
+from wmspec.core.safe_io import is_file_name
 from wmspec.runtime.questions.consensus import Consensus
 from wmspec.dataset.build.pictures import form
 from wmspec.dataset.build.rows import COLUMNS, Row
@@ -131,7 +131,7 @@ def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
     for name, known in (("task", [task]), ("engine", engines)):
         if name in row and row[name] not in known:
             return f"its {name} is `{str(row[name])[:60]}`, expected {' or '.join(known)}"
-    if "renderer" in row and not is_name(row["renderer"]):
+    if "renderer" in row and not is_file_name(row["renderer"]):
         return f"its renderer is `{str(row['renderer'])[:60]}`, which is no name"
     if "index" in row and not row["index"] >= 0:
         return f"its index is {row['index']}"

@@ -14,7 +14,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.core.safe_io import read_plain
+from wmspec.core.safe_io import read_bytes
 from wmspec.runtime.questions.model import Rejected
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan, Shard
@@ -92,7 +92,7 @@ def read_records(folder: Path, shards: Iterable[Shard]) -> dict[str, Record]:
 
 def _record(path: Path) -> Record | None:
     try:
-        record: dict[str, Any] = json.loads(read_plain(path))
+        record: dict[str, Any] = json.loads(read_bytes(path))
         rejected = tuple(Rejected(**r) for r in record.pop("rejected"))
         return Record(**record, rejected=rejected)
     except (FileNotFoundError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
@@ -102,7 +102,7 @@ def _record(path: Path) -> Record | None:
 def _finished(folder: Path) -> dict[str, Any]:
     """What the manifest says of shards, and of rejections by task and instance; empty if none can be read."""
     try:
-        manifest: dict[str, Any] = json.loads(read_plain(folder / files.MANIFEST))
+        manifest: dict[str, Any] = json.loads(read_bytes(folder / files.MANIFEST))
         lost: dict[str, dict[int, list[Rejected]]] = {}
         for each in manifest["rejected"]["list"]:
             lost.setdefault(each["task"], {}).setdefault(each["index"], []).append(Rejected(**each))

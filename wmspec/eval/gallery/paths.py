@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wmspec.core.safe_io import picture
+from wmspec.core.safe_io import load_image
 from wmspec.dataset.build.rows import Row
 
 #: The columns that tell it.
@@ -22,13 +22,13 @@ def paths(row: Row) -> list[dict[str, object]]:
     """
     if not row.get(IDS) or len(set(row["context_camera"])) > 1:
         return []
-    seen = [np.asarray(picture(each["bytes"], "PNG")) for each in row[IDS]]
+    seen = [np.asarray(load_image(each["bytes"], "PNG")) for each in row[IDS]]
     return list(_moving(seen, row[NAMES]))
 
 
 def _moving(pictures: list[np.ndarray], names: list[str]) -> Iterator[dict[str, object]]:
     for place, name in enumerate(names, 1):
-        middles = [_middle(picture == place) for picture in pictures]
+        middles = [_middle(load_image == place) for load_image in pictures]
         seen = np.array([middle for middle in middles if middle is not None])
         if len(seen) > 1 and float(np.ptp(seen, axis=0).max()) >= LEAST:
             yield {"name": name, "points": middles}

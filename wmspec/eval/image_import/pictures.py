@@ -15,7 +15,7 @@ from PIL import Image, ImageCms, ImageOps
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.limits import PIXELS
-from wmspec.core.safe_io import inside
+from wmspec.core.safe_io import is_within
 
 #: The endings of files that are read: pictures, and clips. A picture that moves (GIF, WebP, PNG) is a clip too.
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
@@ -45,7 +45,7 @@ class Pictures:
     def moves(self, name: str) -> bool:
         """Whether a file is a picture with several frames."""
         path = self._names.get(name)
-        if path is None or path.suffix.lower() not in STILLS or not inside(self._folder, path):
+        if path is None or path.suffix.lower() not in STILLS or not is_within(self._folder, path):
             return False
         try:
             with _explained(name), _opened(path) as picture:
@@ -89,7 +89,7 @@ class Pictures:
                 f"there is no `{name}` in {self._folder}", help=remedy or "put it there, or correct the name"
             )
         path = self._names[name]
-        if not inside(self._folder, path):
+        if not is_within(self._folder, path):
             raise WmsError(f"`{name}` is a link that leads out of the folder", help="put the file itself there")
         if path.suffix.lower() not in endings:
             raise WmsError(

@@ -11,7 +11,7 @@ from typing import Any
 from wmspec import __version__
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import read_plain
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.croissant import Described, metadata
 from wmspec.dataset.build.rows import table
@@ -88,7 +88,7 @@ def _clear(output: Path) -> None:
     if not there:
         return
     try:
-        manifest: Any = json.loads(read_plain(output / files.MANIFEST))
+        manifest: Any = json.loads(read_bytes(output / files.MANIFEST))
     except (OSError, ValueError, RecursionError):
         manifest = None
     if manifest_fault(manifest) or manifest.get("made by") != MADE_BY:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import read_plain
+from wmspec.core.safe_io import read_bytes
 from wmspec.eval.image_import.pictures import CLIPS, STILLS, Pictures
 
 #: The columns and what they hold; the first four have to be there.
@@ -97,7 +97,7 @@ def read(path: Path, pictures: Pictures) -> tuple[Entry, ...]:
 def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
     """Every row by column, with the line where it begins; nothing if the names of the columns are wrong."""
     try:
-        text = read_plain(path).decode("utf-8-sig")
+        text = read_bytes(path).decode("utf-8-sig")
     except OSError as error:
         raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path)), "give a .csv file") from None
     except UnicodeDecodeError as error:

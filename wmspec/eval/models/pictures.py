@@ -9,7 +9,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from wmspec.core.safe_io import picture
+from wmspec.core.safe_io import load_image
 from wmspec.dataset.build import typeset, video
 
 _LABEL, _GAP, _MARGIN = 26, 12, 16
@@ -27,10 +27,10 @@ def montage(rows: Sequence[Sequence[tuple[str, bytes]]]) -> bytes:
 
 def _labelled(label: str, png: bytes) -> Image.Image:
     """In the face that comes with Pillow: the sheet is the same whatever fonts a machine has."""
-    picture = opened(png)
-    paper = typeset.blank(picture.width, round(1.2 * _LABEL))
+    load_image = opened(png)
+    paper = typeset.blank(load_image.width, round(1.2 * _LABEL))
     ImageDraw.Draw(paper).text((0, 0), label, fill=typeset.BLACK, font=ImageFont.load_default(_LABEL))
-    return typeset.above([paper, picture])
+    return typeset.above([paper, load_image])
 
 
 def clip(pictures: Sequence[bytes]) -> bytes:
@@ -43,4 +43,4 @@ def clip(pictures: Sequence[bytes]) -> bytes:
 
 def opened(png: bytes) -> Image.Image:
     """A picture of a dataset, in colours."""
-    return picture(png, "PNG").convert("RGB")
+    return load_image(png, "PNG").convert("RGB")

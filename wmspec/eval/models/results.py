@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_name, plain, read_plain
+from wmspec.core.safe_io import is_file_name, read_bytes, regular_file
 from wmspec.dataset.build.files import explained
 from wmspec.eval.models import reply as replies
 from wmspec.eval.models.journal import Key, Replies
@@ -169,7 +169,7 @@ def check_free(path: Path) -> None:
     """Raises WmsError if what would be written beside results is there, and is something else."""
     beside = sidecar(path)
     try:
-        ours = "asked" in json.loads(read_plain(beside))
+        ours = "asked" in json.loads(read_bytes(beside))
     except FileNotFoundError:
         return
     except (OSError, ValueError, TypeError, RecursionError):
@@ -203,7 +203,7 @@ def _whole(path: Path, content: bytes) -> None:
 def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
     """The rows of results and what they are about. Raises WmsError if the file is none of ours."""
     try:
-        table = pq.read_table(plain(path))
+        table = pq.read_table(regular_file(path))
         about = json.loads((table.schema.metadata or {})[_ABOUT])
     except (OSError, pa.ArrowException, KeyError, ValueError, RecursionError):
         raise WmsError(f"{path} holds no results; they are made with `wmspec evaluate DATASET -o {path}`") from None
@@ -242,7 +242,7 @@ def _fault(table: pa.Table) -> str:
             return f"row {pc.index(pc.is_null(table[name]), True).as_py() + 1}: `{name}` is null"
     for name in (*_NAMES, *_SHOWN):
         for word in table[name].unique().to_pylist() if name in table.column_names else ():
-            if word is not None and not (is_name(word) if name in _NAMES else _WORDS.fullmatch(word)):
+            if word is not None and not (is_file_name(word) if name in _NAMES else _WORDS.fullmatch(word)):
                 return f"`{name}` is {word[:80]!r}, which is no name"
     if unknown := set(table["status"].unique().to_pylist()) - set(get_args(Status)):
         return f"a status is {min(unknown)[:80]!r}"

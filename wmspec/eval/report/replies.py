@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import plain
+from wmspec.core.safe_io import regular_file
 from wmspec.eval.models.agreement import majority
 from wmspec.eval.models.results import checked
 from wmspec.eval.report.questions import Questions
@@ -142,7 +142,7 @@ def _files(paths: Sequence[Path]) -> list[Path]:
 
 def _file(path: Path) -> pd.DataFrame:
     try:
-        file = pq.ParquetFile(plain(path))
+        file = pq.ParquetFile(regular_file(path))
         lacking = [name for name in COLUMNS if name not in file.schema_arrow.names]
         if lacking:
             raise WmsError(

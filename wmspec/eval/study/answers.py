@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import plain
+from wmspec.core.safe_io import regular_file
 from wmspec.eval.models.reply import LETTERS
 from wmspec.eval.study.model import Item, Study
 
@@ -58,7 +58,7 @@ class Visit(Person):
 def read(path: Path, study: Study) -> Visit:
     """A file of answers that the page gave. Raises WmsError if it is none, or of another study."""
     try:
-        if plain(path).stat().st_size > LARGEST:
+        if regular_file(path).stat().st_size > LARGEST:
             raise WmsError(f"more than {LARGEST >> 20} MiB: no file of answers is as large", FilePlace(str(path)))
         visit = Visit.model_validate_json(path.read_bytes())
     except OSError as error:

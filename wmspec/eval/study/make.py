@@ -9,7 +9,7 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
-from wmspec.core.safe_io import picture
+from wmspec.core.safe_io import load_image
 from wmspec.dataset.build import files
 from wmspec.dataset.build.files import explained
 from wmspec.dataset.build.reader import DatasetReader
@@ -116,7 +116,7 @@ def _item(question: Question, kind: Kind, pictures: Path) -> Item:
 
 def _put(png: bytes, folder: Path) -> str:
     """Write a picture under a name that tells nothing of it."""
-    picture(png, "PNG")
+    load_image(png, "PNG")
     name = f"{hashlib.sha256(png).hexdigest()[:20]}.png"
     if not (folder / name).exists():
         (folder / name).write_bytes(png)

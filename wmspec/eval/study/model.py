@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import read_plain
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build.files import explained
 from wmspec.dataset.build.words import READABLE
 from wmspec.eval.models.question import Question
@@ -136,7 +136,7 @@ def load(folder: Path) -> Study:
     """The study in a folder. Raises WmsError if there is none, or if its file is damaged."""
     path = folder / FILE
     try:
-        return Study.model_validate_json(read_plain(path))
+        return Study.model_validate_json(read_bytes(path))
     except OSError:
         raise WmsError(f"{folder} holds no study; make one with `wmspec study make DATASET -o {folder}`") from None
     except ValidationError:

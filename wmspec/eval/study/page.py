@@ -9,7 +9,7 @@ from pathlib import Path
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.resources import resource
-from wmspec.core.safe_io import plain
+from wmspec.core.safe_io import regular_file
 from wmspec.dataset.build.files import explained
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.study.model import PAGE, TEXTS, Item, Study
@@ -70,7 +70,7 @@ def _instructions(item: Item) -> str:
 
 def _read(path: Path) -> str:
     try:
-        text = plain(path).read_bytes()[: _LONGEST + 1]
+        text = regular_file(path).read_bytes()[: _LONGEST + 1]
         if len(text) > _LONGEST:
             raise WmsError(f"longer than {_LONGEST >> 10} KiB", FilePlace(str(path)), "shorten it")
         return text.decode("utf-8")

@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from wmspec.core.diagnostics import suggestion
-from wmspec.core.limits import DEPTH, ELEMENTS, MARKUP
+from wmspec.core.limits import XML_BYTES, XML_DEPTH, XML_ELEMENTS
 from wmspec.core.places import FilePlace
 from wmspec.lang.importers.model import Broken, Faults
 
@@ -110,11 +110,11 @@ def read(path: Path, shown: str, faults: Faults) -> Element:
     """The root element of a file. Raises Broken, with the fault taken note of, if it is no XML or too large."""
     try:
         with path.open("rb") as file:
-            content = file.read(MARKUP.most + 1)
+            content = file.read(XML_BYTES.most + 1)
     except OSError as error:
         raise faults.stop(FilePlace(shown), f"cannot be read: {error.strerror}", "make it readable") from None
-    if len(content) > MARKUP.most:
-        raise faults.stop(FilePlace(shown), MARKUP.sentence, MARKUP.help)
+    if len(content) > XML_BYTES.most:
+        raise faults.stop(FilePlace(shown), XML_BYTES.sentence, XML_BYTES.help)
     return _Builder(shown, faults).read(content)
 
 
@@ -143,10 +143,10 @@ class _Builder:
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._count += 1
-        if self._count > ELEMENTS.most:
-            raise self._stop(ELEMENTS.sentence, ELEMENTS.help)
-        if len(self._open) > DEPTH.most:
-            raise self._stop(DEPTH.sentence, DEPTH.help)
+        if self._count > XML_ELEMENTS.most:
+            raise self._stop(XML_ELEMENTS.sentence, XML_ELEMENTS.help)
+        if len(self._open) > XML_DEPTH.most:
+            raise self._stop(XML_DEPTH.sentence, XML_DEPTH.help)
         made = Element(tag[:60], attributes, self._parser.CurrentLineNumber, self._shown)
         self._open[-1].children.append(made)
         self._open.append(made)

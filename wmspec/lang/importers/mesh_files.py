@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.limits import BYTES, POINTS
-from wmspec.core.safe_io import inside
+from wmspec.core.limits import FILE_BYTES, POINTS
+from wmspec.core.safe_io import is_within
 
 #: A face of a binary STL file takes so many bytes, after so many of its head.
 _STL_FACE, _STL_HEAD = 50, 84
@@ -23,8 +23,8 @@ def harmless(path: Path) -> None:
     """Raise WmsError if a file is too large, or names what it must not: entities, or files that are not beside it."""
     size = path.stat().st_size
     kind = path.suffix.lower()
-    if size > BYTES.most:
-        raise BYTES.exceeded()
+    if size > FILE_BYTES.most:
+        raise FILE_BYTES.exceeded()
     if kind == ".stl" and (size - _STL_HEAD) / _STL_FACE * 3 > POINTS.most and _binary(path):
         raise POINTS.exceeded()
     if kind == ".dae" and b"<!" in path.read_bytes().replace(b"<!--", b"").replace(b"<![CDATA[", b""):
@@ -55,7 +55,7 @@ def _gltf(path: Path) -> Any:
 def _referring(path: Path, told: Any) -> None:
     """Raise WmsError for a file that is not beside this one, and for more points than are read."""
     for uri in _all(told, "uri"):
-        if not uri.startswith("data:") and not inside(path.parent, path.parent / uri):
+        if not uri.startswith("data:") and not is_within(path.parent, path.parent / uri):
             raise WmsError(f"uses `{uri[:80]}`, which is not beside it", help="put it there, or export a .glb")
     if sum(count for count in _all(told, "count") if count > 0) > 10 * POINTS.most:
         raise POINTS.exceeded()

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import inside
+from wmspec.core.safe_io import is_within
 from wmspec.lang.check.tables.vocabulary import FILES
 from wmspec.lang.importers.markup import Element
 from wmspec.lang.importers.markup import read as read_xml
@@ -74,7 +74,7 @@ class _Meshes:
             self._faults.add(e.where, f"`{named[:80]}` is no mesh that can be read", f"convert it to one of: {can}")
             return ""
         for path in self._places(named):
-            if not path.startswith(("..", "/")) and inside(self._folder, self._folder / path):
+            if not path.startswith(("..", "/")) and is_within(self._folder, self._folder / path):
                 return path
         if named:
             what = f"there is no mesh `{named[:80]}` below the spec's folder"

@@ -13,7 +13,7 @@ from pxr import Usd
 
 from wmspec.core.diagnostics import Diagnostic, Report, StageError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import inside
+from wmspec.core.safe_io import is_within
 from wmspec.lang.check.tables.vocabulary import COLLISIONS, FILES
 from wmspec.lang.importers.model import (
     LOOKS,
@@ -79,7 +79,7 @@ class _Usd:
         bodies, shapes = self._bodies()
         held = joints.joints(self.census.joints, bodies, self.world, self.problems).joints
         apart: tuple[tuple[str, str], ...] = ()
-        with self.problems.gathered():
+        with self.problems.collect_errors():
             groups = self.census.of("PhysicsCollisionGroup")
             apart = filtered(self.stage, self.census.filters, groups, self.census.owners, bodies, held)
         note(self.problems.diagnostics, self.shown, self.faults, self.folder)
@@ -104,7 +104,7 @@ class _Usd:
         for owner in self.owners:
             path = str(owner.prim.GetPath())
             name = names.give(owner.prim.GetName(), path)
-            with self.problems.gathered():
+            with self.problems.collect_errors():
                 bodies[path], shapes[path] = self._body(owner, name)
         return bodies, shapes
 
@@ -113,7 +113,7 @@ class _Usd:
         back, shapes, colliders = place.rigid.GetInverse(), list[Shape](), list[tuple[Placed, float]]()
         problems = Report(StageError)
         for piece in owner.pieces:
-            with problems.gathered():
+            with problems.collect_errors():
                 bounded(piece.prim)
                 here = placed(piece.prim, split(self.world.matrix(piece.prim) * back, piece.prim))
                 shapes += self._shapes(piece, here, owner.motion)
@@ -132,7 +132,7 @@ class _Usd:
     def _bare(self) -> Iterator[Shape]:
         """All that is drawn where nothing says what is touched: all of it is, but for sheets."""
         for piece in (piece for owner in self.owners for piece in owner.pieces):
-            with self.problems.gathered():
+            with self.problems.collect_errors():
                 bounded(piece.prim)
                 here = placed(piece.prim, split(self.world.matrix(piece.prim), piece.prim))
                 touches = not (isinstance(here.shape, Mesh) and meshes.is_flat(here.shape))
@@ -196,7 +196,7 @@ class _Usd:
     def _picture(self, prim: Usd.Prim, texture: str) -> str:
         """The file of a picture, seen from the spec's folder. Raises StageError if it is not there, or no picture."""
         path = Path(texture)
-        if not inside(self.folder, path):
+        if not is_within(self.folder, path):
             what = f"there is no picture `{path.name[:80]}` below the spec's folder"
             refuse(prim, what, "put it there, outside any package")
         if path.suffix.lower() not in FILES["image"]:

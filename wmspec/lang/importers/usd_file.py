@@ -102,7 +102,7 @@ def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple
             if not (at and of and of.GetTypeName() == "Mesh" and at.IsDefined() and not at.IsAbstract()):
                 _none(stage, shown, prim, faults)
             else:
-                with problems.gathered():
+                with problems.collect_errors():
                     made = _mesh(of, at, prim, World(stage, problems))
                 note(problems.diagnostics, shown, faults)
     except Broken:

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.core.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
-from wmspec.core.limits import MARKUP
+from wmspec.core.limits import XML_BYTES
 from wmspec.core.places import FilePlace, Location, Place, Source, Span
 from wmspec.core.resources import resource
-from wmspec.core.safe_io import inside, plain, read_plain
+from wmspec.core.safe_io import is_within, read_bytes, regular_file
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import File, Name, Statement, Task, Use, Variant
 
@@ -57,10 +57,10 @@ def load_source(source: Source, folder: Path, report: Report) -> Program:
 def read_source(path: Path) -> Source:
     """The text of a file. Raises WmsError with the reason if it cannot be read, or is a USD stage."""
     try:
-        with plain(path).open("rb") as file:
+        with regular_file(path).open("rb") as file:
             if file.read(8).startswith(_STAGE):
                 raise WmsError("it is a USD stage, not a spec", FilePlace(str(path)), _run(path))
-        text = read_plain(path, MARKUP).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+        text = read_bytes(path, XML_BYTES).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise WmsError(
             f"not UTF-8 text (byte {error.start})", FilePlace(str(path)), "a .wms file is plain UTF-8 text"
@@ -181,7 +181,7 @@ def _find(name: Name, folder: Path, report: Report) -> Path | None:
     if not name.id:  # it is missing, and that was reported
         return None
     file = f"{name.id}.wms"
-    if inside(folder, folder / file):
+    if is_within(folder, folder / file):
         return (folder / file).resolve()
     places = (*search_path(), library_folder())
     for place in places:  # which the user or wmspec chose: links may lead where they like

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from wmspec.core.spelling import slips
+from wmspec.core.spelling import edit_distance
 from wmspec.lang.parse.lexer import Token, read
 from wmspec.lang.parse.machine import END
 from wmspec.lang.parse.tables import tables
@@ -315,7 +315,7 @@ def shown(word: Token) -> str:
 def _near(text: str) -> Iterator[tuple[str, str, int]]:
     """Keywords close to a word, with their types and how many slips apart they are."""
     for keyword, kind in _keywords().items():
-        apart = slips(text.lower(), keyword, 4)
+        apart = edit_distance(text.lower(), keyword, 4)
         if apart <= max(1, (len(keyword) + 1) // 3) and (len(text) > 1 or apart == 0):
             yield keyword, kind, apart
 

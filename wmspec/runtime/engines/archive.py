@@ -13,9 +13,9 @@ from pxr import Sdf, Usd
 
 import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.core.diagnostics import Diagnostic, WmsError
-from wmspec.core.limits import TRACE, TooLarge
+from wmspec.core.limits import TRACE_BYTES, TooLarge
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_name, plain
+from wmspec.core.safe_io import is_file_name, regular_file
 from wmspec.sim.scene.model import Contact, Trace
 
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
@@ -49,7 +49,7 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
     """
     place = FilePlace(str(path))
     try:
-        _sized(plain(path))
+        _sized(regular_file(path))
         with np.load(path, allow_pickle=False) as file:
             arrays: dict[str, Any] = dict(file)
         contacts = zip(arrays["contacts"].tolist(), arrays["contact_times"].tolist(), strict=True)
@@ -76,8 +76,8 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
 def _sized(path: Path) -> None:
     """Raise TooLarge, or ValueError, if an archive would unpack to more than can be, or than its arrays say."""
     with zipfile.ZipFile(path) as archive:
-        if sum(member.file_size for member in archive.infolist()) > TRACE.most:
-            raise TRACE.exceeded()
+        if sum(member.file_size for member in archive.infolist()) > TRACE_BYTES.most:
+            raise TRACE_BYTES.exceeded()
         for member in archive.infolist():
             with archive.open(member) as file:
                 version = np.lib.format.read_magic(file)
@@ -106,7 +106,7 @@ def _fault(trace: Trace) -> str:
             return f"`{name}` has numbers that are not finite"
     if t == 0 or trace.time[0] != 0 or (np.diff(trace.time) <= 0).any():
         return "its times do not begin at 0 and go on from there"
-    if not is_name(trace.engine):
+    if not is_file_name(trace.engine):
         return "its engine has no name"
     if len(set(trace.bodies)) < n or not all(isinstance(name, str) and name for name in trace.bodies):
         return "its bodies are not told apart by name"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.core.diagnostics import Diagnostic, Report, StageError
-from wmspec.core.limits import POSES, SECONDS
+from wmspec.core.limits import EPISODE_POSES, EPISODE_SECONDS
 from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.action_rules import problems as action_problems
 from wmspec.sim.scene.action_rules import sequence
@@ -49,10 +49,12 @@ def _whole(scene: Scene) -> Iterator[Diagnostic]:
         yield Diagnostic(
             f"the episode lasts {scene.duration} s at {scene.rate} Hz, expected 0 s or more and a positive rate"
         )
-    elif scene.duration > SECONDS.most:
-        yield Diagnostic(f"the episode lasts {scene.duration:g} s and {SECONDS.sentence}", help=SECONDS.help)
-    elif scene.duration * scene.rate * len(scene.bodies) > POSES.most:
-        yield Diagnostic(f"the episode {POSES.sentence}", help=POSES.help)
+    elif scene.duration > EPISODE_SECONDS.most:
+        yield Diagnostic(
+            f"the episode lasts {scene.duration:g} s and {EPISODE_SECONDS.sentence}", help=EPISODE_SECONDS.help
+        )
+    elif scene.duration * scene.rate * len(scene.bodies) > EPISODE_POSES.most:
+        yield Diagnostic(f"the episode {EPISODE_POSES.sentence}", help=EPISODE_POSES.help)
     if not np.isfinite(scene.gravity).all():
         yield Diagnostic(f"gravity is {scene.gravity}, expected three finite numbers")
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import Vector, times
+from wmspec.core.space import Vector, scale
 from wmspec.sim.shapes.rounded import RoundedBox, edges
 from wmspec.sim.shapes.shape import AXES, Flat, Gprim, Prim, Shape, Tensor
 
@@ -77,7 +77,7 @@ class Box(Shape):
 
     def prim(self) -> Gprim:
         """USD's cube, scaled."""
-        return cube(times(2.0, self.half))
+        return cube(scale(2.0, self.half))
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:

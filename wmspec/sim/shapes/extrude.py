@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import HERE, Pose, Vector
+from wmspec.core.space import IDENTITY, Pose, Vector
 from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound, triangles
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 
@@ -97,7 +97,7 @@ class Extrude(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Of convex parts of the outline."""
-        return tuple((piece, HERE) for piece in self._pieces)
+        return tuple((piece, IDENTITY) for piece in self._pieces)
 
     @cached_property
     def _pieces(self) -> tuple[Shape, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import HERE, Pose, Vector
+from wmspec.core.space import IDENTITY, Pose, Vector
 from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 
@@ -105,7 +105,7 @@ class Lathe(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Of convex parts of the profile: those at the axis turned as a whole, the others in sectors."""
-        return tuple((piece, HERE) for piece in self._pieces)
+        return tuple((piece, IDENTITY) for piece in self._pieces)
 
     @cached_property
     def _pieces(self) -> tuple[Shape, ...]:

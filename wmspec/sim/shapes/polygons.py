@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import UP, Vector, add, cross, times, unit
+from wmspec.core.space import UP, Vector, add, cross, scale, unit
 
 if TYPE_CHECKING:
     import numpy as np
@@ -90,5 +90,5 @@ def _typed(value: Any) -> tuple[str, Any]:
 
 
 def _normal(a: Vector, b: Vector, c: Vector) -> Vector:
-    across = cross(add(b, times(-1, a)), add(c, times(-1, a)))
+    across = cross(add(b, scale(-1, a)), add(c, scale(-1, a)))
     return unit(across) if any(across) else UP

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Self
 
-from wmspec.core.space import HERE, ORIGIN, UP, Pose, Vector, times
+from wmspec.core.space import IDENTITY, ORIGIN, UP, Pose, Vector, scale
 
 if TYPE_CHECKING:
     import numpy as np
@@ -72,7 +72,7 @@ class Gprim:
     @property
     def extent(self) -> tuple[Vector, Vector]:
         """The lowest and the highest corner of the box around the prim, before its scale."""
-        return times(-1.0, self.half), self.half
+        return scale(-1.0, self.half), self.half
 
 
 class Prim(Protocol):
@@ -184,7 +184,7 @@ class Shape:
     @property
     def half_extent(self) -> Vector:
         """Half the edges of the upright box around its origin that holds it."""
-        x, y, z = (max(self.reach(axis), self.reach(times(-1.0, axis))) for axis in AXES)
+        x, y, z = (max(self.reach(axis), self.reach(scale(-1.0, axis))) for axis in AXES)
         return (x, y, z)
 
     def bounds(self, turn: Array) -> Array:
@@ -192,7 +192,7 @@ class Shape:
         import numpy as np
 
         rows: list[Vector] = [(x, y, z) for x, y, z in turn.tolist()]
-        low, high = [-self.reach(times(-1.0, row)) for row in rows], [self.reach(row) for row in rows]
+        low, high = [-self.reach(scale(-1.0, row)) for row in rows], [self.reach(row) for row in rows]
         return np.array([low, high])
 
     # ------------------------------------------------------------ how it is drawn
@@ -226,14 +226,14 @@ class Shape:
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Convex shapes, and where they are, that collide for it."""
-        return ((self, HERE),)
+        return ((self, IDENTITY),)
 
     def corners(self) -> Array:
         """The corners (n, 3), n <= 250, of the convex solid that collides for what is no primitive."""
         from wmspec.sim.shapes.facets import tessellate
         from wmspec.sim.shapes.hull import hull, thinned
 
-        return thinned(hull(tessellate(self).points), also=[*AXES, *(times(-1.0, axis) for axis in AXES)])
+        return thinned(hull(tessellate(self).points), also=[*AXES, *(scale(-1.0, axis) for axis in AXES)])
 
     def depth_at(self, point: Array) -> tuple[float, Array]:
         """How far (m) a point is below the surface (negative: outside), and how that grows with the point (3,)."""

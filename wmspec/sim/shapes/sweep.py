@@ -9,7 +9,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import HERE, Pose, Vector, add, cross, dot, times, unit
+from wmspec.core.space import IDENTITY, Pose, Vector, add, cross, dot, scale, unit
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 from wmspec.sim.shapes.tube import THICKNESS
 
@@ -47,8 +47,8 @@ class Sweep(Shape):
             raise UnfitError("needs two points or more along its path, each apart from the next", "along")
         made = cls(tuple(along), words.get("thickness", 0.01))
         for (p, q), (a, b) in zip(pairwise(made.along), pairwise(made._rings), strict=True):
-            way = add(q, times(-1.0, p))
-            if not all(dot(way, add(end, times(-1.0, start))) > 0 for start, end in zip(a, b, strict=True)):
+            way = add(q, scale(-1.0, p))
+            if not all(dot(way, add(end, scale(-1.0, start))) > 0 for start, end in zip(a, b, strict=True)):
                 raise UnfitError("bends too sharply for its thickness", "along")
         return made
 
@@ -99,7 +99,7 @@ class Sweep(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """A prism for each straight part."""
-        return tuple((piece, HERE) for piece in self._pieces)
+        return tuple((piece, IDENTITY) for piece in self._pieces)
 
     @cached_property
     def _pieces(self) -> tuple[Shape, ...]:
@@ -127,13 +127,13 @@ class Sweep(Shape):
     @cached_property
     def _rings(self) -> tuple[tuple[Vector, ...], ...]:
         """The corners of the prism where the path begins, bends and ends."""
-        ways = [unit(add(b, times(-1.0, a))) for a, b in pairwise(self.along)]
+        ways = [unit(add(b, scale(-1.0, a))) for a, b in pairwise(self.along)]
         least = min(range(3), key=lambda i: abs(ways[0][i]))
         aside = unit(cross(ways[0], ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))[least]))
         up = cross(ways[0], aside)
         turns = [2 * math.pi * i / SIDES for i in range(SIDES)]
         half = self.thickness / 2
-        ring = [add(self.along[0], add(times(half * math.cos(t), aside), times(half * math.sin(t), up))) for t in turns]
+        ring = [add(self.along[0], add(scale(half * math.cos(t), aside), scale(half * math.sin(t), up))) for t in turns]
         rings = [tuple(ring)]
         for way, middle, following in zip(ways, self.along[1:], [*ways[1:], ways[-1]], strict=True):
             normal = add(way, following)
@@ -145,5 +145,5 @@ def _onto(point: Vector, way: Vector, middle: Vector, normal: Vector) -> Vector:
     """Where a point meets a plane, going one way; far behind it if it never does."""
     along = dot(way, normal)
     if along <= 1e-6:
-        return add(point, times(-1.0, way))
-    return add(point, times(dot(add(middle, times(-1.0, point)), normal) / along, way))
+        return add(point, scale(-1.0, way))
+    return add(point, scale(dot(add(middle, scale(-1.0, point)), normal) / along, way))

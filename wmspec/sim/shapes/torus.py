@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import HERE, Pose, Vector
+from wmspec.core.space import IDENTITY, Pose, Vector
 from wmspec.sim.shapes.lathe import Lathe
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError, across_and_up
 from wmspec.sim.shapes.tube import THICKNESS
@@ -75,7 +75,7 @@ class Torus(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Sectors of the ring."""
-        return tuple((piece, HERE) for piece in self._pieces)
+        return tuple((piece, IDENTITY) for piece in self._pieces)
 
     @cached_property
     def _pieces(self) -> tuple[Shape, ...]:

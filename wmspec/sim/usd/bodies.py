@@ -26,7 +26,7 @@ def bodies(owners: Sequence[Owner], world: World, problems: Report, notes: Notes
     names, read = Names(), []
     for owner in owners:
         name = names.give(owner.prim.GetName(), str(owner.prim.GetPath()))
-        with problems.gathered():
+        with problems.collect_errors():
             read.append(_body(owner, name, world, materials, notes))
     return tuple(read)
 
@@ -40,7 +40,7 @@ def _body(owner: Owner, name: str, world: World, materials: Materials, notes: No
     pieces: list[Geom] = []
     colliders: list[tuple[Placed, float]] = []
     for piece in owner.pieces:
-        with problems.gathered():
+        with problems.collect_errors():
             here = placed(piece.prim, split(world.matrix(piece.prim) * inverse, piece.prim), notes)
             below = str(piece.prim.GetPath()).removeprefix(path)
             touched = collider(here, owner.motion, down, notes) if piece.collides else ()

@@ -75,7 +75,7 @@ def collider(here: Placed, motion: Motion, down: Array = DOWN, notes: Notes = ST
 
 
 def _placed(pose: Pose, at: space.Pose) -> Pose:
-    return pose if at == space.HERE else compose(pose, Pose(np.array(at.position), np.array(at.orientation)))
+    return pose if at == space.IDENTITY else compose(pose, Pose(np.array(at.position), np.array(at.orientation)))
 
 
 def _surface(here: Placed, mesh: Mesh, motion: Motion, down: Array) -> tuple[tuple[Shape, Pose], ...]:

@@ -12,9 +12,9 @@ from typing import Any
 from pxr import Sdf, Tf
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.limits import BYTES, COMPOSED, DEPTH
+from wmspec.core.limits import COMPOSED_PRIMS, FILE_BYTES, XML_DEPTH
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import Endless, plain
+from wmspec.core.safe_io import NotARegularFile, regular_file
 from wmspec.sim.usd.crate import trusted
 
 #: Where a prim is: the layer and the path in it.
@@ -47,12 +47,12 @@ class _Counter:
         layer, path = site
         key = (layer.identifier, path)
         if key not in self._counts:
-            if depth > DEPTH.most:
-                raise DEPTH.exceeded()
+            if depth > XML_DEPTH.most:
+                raise XML_DEPTH.exceeded()
             self._counts[key] = 0  # of what refers to itself, which USD complains of
             total = 1 + sum(self.count(inner, depth + 1) for inner in _parts(site))
-            if total > COMPOSED.most:
-                raise COMPOSED.exceeded()
+            if total > COMPOSED_PRIMS.most:
+                raise COMPOSED_PRIMS.exceeded()
             self._counts[key] = total
         return self._counts[key]
 
@@ -98,9 +98,9 @@ def _at(layer: Sdf.Layer, asset: str, path: Sdf.Path) -> Iterator[Site]:
 
 def _small(path: Path) -> None:
     try:
-        if plain(path).stat().st_size > BYTES.most:
-            raise BYTES.exceeded()
-    except Endless as error:
+        if regular_file(path).stat().st_size > FILE_BYTES.most:
+            raise FILE_BYTES.exceeded()
+    except NotARegularFile as error:
         raise WmsError(str(error.strerror), FilePlace(path.name)) from None
     except (OSError, ValueError):  # USD tells it
         return

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from pxr import Gf, Usd
 
-from wmspec.core.safe_io import is_name
+from wmspec.core.safe_io import is_file_name
 from wmspec.sim.scene.model import Array, Camera, Observation
 from wmspec.sim.usd.frames import World
 from wmspec.sim.usd.prims import refuse, seconds, target, value
@@ -68,7 +68,7 @@ def timing(episodes: Sequence[Usd.Prim]) -> tuple[str, float, int]:
     if rate <= 0:
         refuse(prim, f"wms:rate = {rate}", "expected a rate above 0")
     task = value(prim, "wms:task", "")
-    if task and not all(map(is_name, str(task).split("/"))):
+    if task and not all(map(is_file_name, str(task).split("/"))):
         refuse(prim, f"wms:task = {str(task)[:80]!r} is no name", "write a name such as collide")
     return task, seconds(prim, "wms:duration"), rate
 

@@ -86,9 +86,9 @@ class World:
 
     def __init__(self, stage: Usd.Stage, problems: Report) -> None:
         self.meters = self.kilograms = 1.0
-        with problems.gathered():
+        with problems.collect_errors():
             self.meters = _unit(stage, "metersPerUnit", UsdGeom.GetStageMetersPerUnit(stage))
-        with problems.gathered():
+        with problems.collect_errors():
             self.kilograms = _unit(stage, "kilogramsPerUnit", UsdPhysics.GetStageKilogramsPerUnit(stage))
         self.upright = Gf.Matrix4d(
             _UPRIGHT.get(UsdGeom.GetStageUpAxis(stage), Gf.Rotation(Gf.Vec3d(0, 0, 1), 0)), (0, 0, 0)

@@ -15,7 +15,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from wmspec.core.diagnostics import Report
-from wmspec.core.spelling import nearest
+from wmspec.core.spelling import closest_word
 from wmspec.sim.usd.prims import applied, targets
 from wmspec.sim.usd.substitutions import Notes
 
@@ -82,7 +82,7 @@ def tell_unread(stage: Usd.Stage, problems: Report, notes: Notes) -> None:
             here.names[name] = None
             here.prims.add(str(prim.GetPath()))
     for (sort, which), kind in kinds.items():
-        with problems.gathered():
+        with problems.collect_errors():
             _TOLD[sort](which, kind, notes)
 
 
@@ -153,14 +153,14 @@ def _unapplied(api: str, kind: _Kind, notes: Notes) -> None:
         notes.instead(kind.prim, f"{kind.told} of {api}, which is not applied", taken, f"apply {api}")
         return
     known = [name for names in _properties().values() for name in names]
-    near = "physics:velocity" if "physics:linearVelocity" in kind.names else nearest(next(iter(kind.names)), known)
+    near = "physics:velocity" if "physics:linearVelocity" in kind.names else closest_word(next(iter(kind.names)), known)
     remedy = f"did you mean {near}?" if near else "remove it"
     notes.instead(kind.prim, f"{kind.told} of no schema that it has", "left out", remedy)
 
 
 def _misspelt(name: str, kind: _Kind, notes: Notes) -> None:
     core = name.removeprefix("Physics").removesuffix("API")
-    near = _APIS.get(nearest(core, _APIS)) or nearest(name, _APIS.values())
+    near = _APIS.get(closest_word(core, _APIS)) or closest_word(name, _APIS.values())
     remedy = f"did you mean {near}?" if near else "remove it"
     notes.instead(kind.prim, f"UsdPhysics has no schema {name}{kind.elsewhere}", "left out", remedy)
 

@@ -59,7 +59,7 @@ def joints(
     for body in bodies.values():
         names.give(body.name)
     for prim in prims:
-        with problems.gathered():
+        with problems.collect_errors():
             if value(prim, "physics:jointEnabled", True):
                 made = _joint(prim, names, bodies, world, notes)
                 by_path |= made.joints

@@ -27,12 +27,12 @@ def mimics(
     """The joints, by their paths, with what they mimic; what mimics a mimic does what that does."""
     said: dict[str, tuple[Usd.Prim, _Said]] = {}
     for prim in prims:
-        with problems.gathered():
+        with problems.collect_errors():
             if str(prim.GetPath()) in joints and (one := _said(prim, notes)):
                 said[str(prim.GetPath())] = prim, one
     made = dict(joints)
     for path, (prim, one) in said.items():
-        with problems.gathered():
+        with problems.collect_errors():
             made[path] = replace(joints[path], mimic=_mimic(prim, one, said, joints, world))
     return made
 

@@ -39,15 +39,15 @@ def scene(stage: Usd.Stage, notes: Notes) -> Scene:
     chained = joints.joints(census.joints, known, world, problems, notes)
     held, everything = chained.joints, (*everything, *chained.between)
     apart: tuple[tuple[str, str], ...] = ()
-    with problems.gathered():
+    with problems.collect_errors():
         apart = filtered(stage, census.filters, census.of("PhysicsCollisionGroup"), census.owners, known, held, notes)
     actions_done = _actions(census, everything, held, world, problems)
     observations = _observations(census, cameras, problems)
-    with problems.gathered():
+    with problems.collect_errors():
         gravity = episode.gravity(census.of("PhysicsScene"), world, notes)
-    with problems.gathered():
+    with problems.collect_errors():
         task, duration, rate = episode.timing(census.of("WmsEpisode"))
-    with problems.gathered():
+    with problems.collect_errors():
         light, background = daylight(census.of("DistantLight"), census.of("DomeLight"), world, notes)
     problems.stop_if_failed()
     tell_sideways(stage, notes)
@@ -79,7 +79,7 @@ def _cameras(census: Census, known: dict[str, Body], world: World, problems: Rep
     names, cameras = Names(), {}
     for prim in census.of("Camera"):
         name = names.give(prim.GetName(), str(prim.GetPath()))
-        with problems.gathered():
+        with problems.collect_errors():
             above = (known.get(str(path)) for path in prim.GetPath().GetAncestorsRange())
             body = next((body for body in above if body is not None and body.motion != "static"), None)
             try:
@@ -98,12 +98,12 @@ def _actions(
     for prim in census.of("WmsAction"):
         if not refused.isdisjoint(targets(prim, "wms:object")):
             continue  # what is wrong is already said of its object
-        with problems.gathered():
+        with problems.collect_errors():
             if value(prim, "wms:verb") == "reach":
                 done += [(prim, follow) for follow in reach.follows(prim, known, world)]
             else:
                 done.append((prim, actions.action(prim, known, held, world)))
-    with problems.gathered():
+    with problems.collect_errors():
         actions.overlapping(done, everything)
     return tuple(action for _, action in done)
 
@@ -111,6 +111,6 @@ def _actions(
 def _observations(census: Census, cameras: dict[str, Camera], problems: Report) -> tuple[Observation, ...]:
     observations = []
     for prim in census.of("WmsObservation"):
-        with problems.gathered():
+        with problems.collect_errors():
             observations.append(episode.observation(prim, cameras))
     return tuple(observations)

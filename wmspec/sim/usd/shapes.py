@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Usd
 
-from wmspec.core.canonical import dumped, loaded
+from wmspec.core.canonical import dumps, loads
 from wmspec.core.diagnostics import StageError
 from wmspec.core.places import PrimPlace
 from wmspec.core.space import Vector
@@ -160,7 +160,7 @@ def _mesh(prim: Usd.Prim, place: Place) -> Shape:
     if kind is None or not Gf.IsClose(place.stretch, Gf.Matrix4d(1.0), _SAME):
         return mesh(prim, place.stretch)
     numbers = {field.name: _number(value(prim, f"{NAME}:{field.name}")) for field in fields(kind)}
-    made = None if None in numbers.values() else _remade(word, dumped(numbers))
+    made = None if None in numbers.values() else _remade(word, dumps(numbers))
     if made is not None and _drawn_as(prim, made):
         return made
     mesh(prim, place.stretch)  # where all that is wrong with it as a mesh is told
@@ -176,7 +176,7 @@ def _mesh(prim: Usd.Prim, place: Place) -> Shape:
 @lru_cache(maxsize=1024)
 def _remade(word: str, numbers: bytes) -> Shape:
     """The shape of these dumped numbers, of which many prims may be: what is worked out of it is so once."""
-    return SHAPES[word].remade(loaded(numbers))
+    return SHAPES[word].remade(loads(numbers))
 
 
 def _drawn_as(prim: Usd.Prim, shape: Shape) -> bool:

@@ -86,7 +86,7 @@ class Walk:
         if kind in self._closed:
             return
         apis = applied(prim)
-        with self._problems.gathered():
+        with self._problems.collect_errors():
             examine(prim, apis, self._notes)
             if not _FILTERS.isdisjoint(apis):
                 self.census.filters.append(prim)

@@ -59,7 +59,7 @@ _BINDINGS = ("material:binding", "material:binding:preview", "material:binding:p
 def incomplete(stage: Usd.Stage, problems: Report) -> None:
     """Note the references, payloads, layers and the like that are not found, by prim, as USD tells them."""
     for error in sorted(stage.GetCompositionErrors(), key=str):  # USD finds them in any order
-        with problems.gathered():
+        with problems.collect_errors():
             prim = stage.GetPrimAtPath(error.rootSite.path) or stage.GetPseudoRoot()
             refuse(prim, " ".join(text_of(error).split()).rstrip("."), "mend the path, or remove what is not there")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmspec.core.diagnostics import FEW, suggestion
+from wmspec.core.diagnostics import MAX_LISTED_NAMES, suggestion
 from wmspec.lang.check.expressions.typed import Failed, Typed, fits
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.vocabulary import SETS, SYNONYMS, WORDS
@@ -113,7 +113,7 @@ def instead(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> str:
     """What may be meant by a name of something that is of none of the types that are wanted."""
     names = fitting(check, tuple(k for k in wanted if k != TRUTH and not isinstance(k, List)))
     if e.id in check.scope.names:  # it is not misspelled
-        return f"known here: {', '.join(sorted(set(names)))}" if 0 < len(names) <= FEW else ""
+        return f"known here: {', '.join(sorted(set(names)))}" if 0 < len(names) <= MAX_LISTED_NAMES else ""
     return suggestion(e.id, names)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import Span
-from wmspec.core.safe_io import inside, picture
+from wmspec.core.safe_io import is_within, load_image
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.vocabulary import ASSETS, FILES, STAGES
@@ -61,7 +61,7 @@ def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...])
         can = ", ".join((*endings, *(ASSETS if name == "file" else ())))
         check.fail("WMS210", f"`{name}` takes no {path.suffix or 'such'} file", text.span, f"it can be one of: {can}")
     folder = located(text.span.source.name).parent
-    if not inside(folder, folder / file):
+    if not is_within(folder, folder / file):
         there = sorted(p.name for p in _neighbours(folder) if p.suffix.lower() in endings)[:8]
         hint = f"files there: {', '.join(there)}" if there else "it is looked for beside the spec"
         if _linked(folder / file):
@@ -69,7 +69,7 @@ def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...])
         check.fail("WMS210", f"there is no file `{file}`", text.span, hint)
     if path.suffix.lower() in FILES["image"]:
         try:
-            picture(folder / file)
+            load_image(folder / file)
         except WmsError as error:
             wrong = error.diagnostics[0]
             check.fail("WMS210", f"`{file}` {wrong.message}", text.span, wrong.help)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wmspec.core.diagnostics import Remedy, Report
-from wmspec.core.spelling import slips
+from wmspec.core.spelling import edit_distance
 from wmspec.lang.parse import syntax as s
 
 #: Of every path, what it goes on with. A test holds that all specs of the catalogue are in here.
@@ -32,7 +32,7 @@ def near_known(path: Sequence[s.Name], report: Report) -> None:
     """Warn of a dimension that is one slip of the hand from a known one: it would be a new one of its own."""
     for i, name in enumerate(path):
         known = DIMENSIONS.get(".".join(n.id for n in path[:i]), "").split()
-        near = next((other for other in known if slips(name.id.lower(), other, 2) < 2), None)
+        near = next((other for other in known if edit_distance(name.id.lower(), other, 2) < 2), None)
         if name.id in known or near is None:
             continue
         remedy = Remedy.of(f"did you mean `{near}`?", name.id, near)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.core.diagnostics import Diagnostic, Note, Report
-from wmspec.core.limits import SECONDS
+from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Source, Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.scope import Scope
@@ -42,7 +42,7 @@ def check(path: Path, report: Report) -> tuple[ir.TaskSpec, ...]:
     """The tasks of a spec file. Mistakes go to the report; if there is an error, there are no tasks."""
     own = Report()
     tasks = check_program(load(path, own), own)
-    report.take(own)
+    report.merge(own)
     return tasks
 
 
@@ -286,8 +286,8 @@ class _Task:
     def horizon(self, observations: list[ir.Observation]) -> ir.Expr:
         typed = self.setting("horizon")
         if typed is not None:
-            if (constant(typed.expr) or 0.0) > SECONDS.most:
+            if (constant(typed.expr) or 0.0) > EPISODE_SECONDS.most:
                 span = self._settings["horizon"].value.span
-                self.report.add("WMS304", f"`horizon` must be at most {SECONDS.most} s", span)
+                self.report.add("WMS304", f"`horizon` must be at most {EPISODE_SECONDS.most} s", span)
             return typed.expr
         return ir.last_shown(observations)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
-from wmspec.core.spelling import nearest
+from wmspec.core.spelling import closest_word
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ def remedy(unknown: str, text: str, wanted: Iterable[Dimension]) -> str:
         return f"write `{unit}`" if scale == 1 else f"1 {unknown} is {scale:g} {unit}"
     dimensions = set(wanted)
     fitting = [name for name, (_, dimension) in UNITS.items() if dimension in dimensions]
-    close = nearest(unknown, fitting, ("cm", "m", "s", "deg", "kg", "g", "N"), UNITS)
+    close = closest_word(unknown, fitting, ("cm", "m", "s", "deg", "kg", "g", "N"), UNITS)
     return f"did you mean `{close}`?" if close else "the units are mm, cm, m, g, kg, ms, s, deg, N and others"
 
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.core.canonical import dumped
+from wmspec.core.canonical import dumps
 
 
 def digest(*values: Any) -> bytes:
     """The hash (16 bytes) of dataclasses, sequences, arrays, numbers, strings and None, in this order."""
-    return hashlib.blake2b(dumped(_plain(values)), digest_size=16).digest()
+    return hashlib.blake2b(dumps(_plain(values)), digest_size=16).digest()
 
 
 def _plain(value: Any) -> Any:

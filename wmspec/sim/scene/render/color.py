@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import picture
+from wmspec.core.safe_io import load_image
 from wmspec.sim.scene.model import Array
 
 
@@ -43,7 +43,7 @@ def whole(srgb: tuple[float, float, float]) -> tuple[float, float, float]:
 def texture(path: str) -> NDArray[np.uint8]:
     """The image at `path` as (h, w, 3) sRGB bytes, first row on top. Raises WmsError if it can't be read."""
     try:
-        pixels: Any = np.array(picture(Path(path)).convert("RGB"), dtype=np.uint8)
+        pixels: Any = np.array(load_image(Path(path)).convert("RGB"), dtype=np.uint8)
     except WmsError as error:
         raise WmsError(f"the texture '{path}' can't be read ({error}); expected the path of a PNG or JPEG") from error
     pixels.setflags(write=False)
