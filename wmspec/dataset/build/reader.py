@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import regular_file, read_bytes
+from wmspec.core.safe_io import read_bytes, regular_file
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import fingerprint
 from wmspec.dataset.build.rows import Row
