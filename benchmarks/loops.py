@@ -28,7 +28,7 @@ from wmspec.backends.sapien.world import World as Sapien
 from wmspec.dataset.build.rows import encoded
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.model.transform import compose
-from wmspec.sim.scene.physics.episode import play, told
+from wmspec.sim.scene.physics.episode import kinematic_recording, play
 from wmspec.sim.scene.render.camera import projection_matrix, view_matrix
 from wmspec.sim.scene.render.texcoords import texcoords
 
@@ -46,7 +46,7 @@ def _mujoco(every: list[tuple[Scene, int]], size: int) -> None:
         if pictures or last is None or kind != last_kind:
             last_kind, last = kind, mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole))
         world = MuJoCo(last, whole)
-        if told(timeline) is None:
+        if kinematic_recording(timeline) is None:
             play(world, timeline)
         if pictures:
             data = mujoco.MjData(last)
@@ -61,7 +61,7 @@ def _pybullet(every: list[tuple[Scene, int]], size: int) -> None:
     """One world and one client to draw with an episode; TinyRenderer with its own shadows."""
     for scene, pictures in every:
         whole, timeline = in_pybullet.prepare(scene)
-        if told(timeline) is None:
+        if kinematic_recording(timeline) is None:
             world = PyBullet(whole)
             play(world, timeline)
             world.close()
@@ -102,7 +102,7 @@ def _sapien(every: list[tuple[Scene, int]], size: int) -> None:
     _compiled()
     for scene, pictures in every:
         whole, timeline = in_sapien.prepare(scene)
-        if told(timeline) is None:
+        if kinematic_recording(timeline) is None:
             play(Sapien(whole, in_sapien.landing(scene)), timeline)
         if pictures:
             world = sapien.Scene([sapien.render.RenderSystem()])

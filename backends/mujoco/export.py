@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
 from wmspec.sim.scene.model import Scene
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 from wmspec.sim.scene.script import script
 
 from .clearance import CLEAR, beside, between
@@ -27,7 +27,7 @@ def native(scene: Scene) -> dict[str, str]:
         "MuJoCo",
         "mujoco",
         scene,
-        parts=[Piece, Rigid, Link, Tie, Gear, Assembly, rates, between, beside, World],
+        parts=[CollisionShape, Rigid, Link, Tie, Gear, Assembly, rates, between, beside, World],
         values=values,
         world=WORLD,
     )

@@ -14,7 +14,7 @@ from wmspec.sim.scene.capability import (
     fine_drives,
     stiff_drives,
 )
-from wmspec.sim.scene.regime_thresholds import FINEST
+from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 
 STEPS_PER_SECOND = 3840
 GIVES = 2.2e-3  # s: how far a contact gives way for each m/s of an impact, at this rate; see `.impact`
@@ -29,13 +29,13 @@ INFO = Info(
     lacks=(
         Lack(BALL_LIMITS, "MuJoCo has no such limits; remove the cone angles, or use hinges"),
         Lack(
-            stiff_drives(FINEST * STEPS_PER_SECOND),
+            stiff_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND),
             "MuJoCo computes drives step by step and would overshoot; make it softer or what it moves heavier",
         ),
         Lack(fine_drives(STEPS_PER_SECOND), "MuJoCo makes up to 16 times as many steps", nearly=True),
         Lack(
-            fast_impacts(GIVES, FINEST),
-            f"MuJoCo's contacts give way, even with {FINEST} times as many steps; make it slower, or what it may hit "
+            fast_impacts(GIVES, MAX_STEP_MULTIPLIER),
+            f"MuJoCo's contacts give way, even with {MAX_STEP_MULTIPLIER} times as many steps; make it slower, or what it may hit "
             "thicker",
             nearly=True,
         ),

@@ -13,10 +13,10 @@ from wmspec.sim.scene.joints.articulations import WORLD, Tree
 from wmspec.sim.scene.joints.com_frame import com_frame, mount, placed
 from wmspec.sim.scene.model import Array, Body, Camera, Friction, Geom, Light, Pose, Scene
 from wmspec.sim.scene.model.transform import compose, conjugate, inverse, rotate
-from wmspec.sim.scene.physics.contact import mix, touchable
-from wmspec.sim.scene.physics.episode import TOUCH, Episode, Kick, Vector
+from wmspec.sim.scene.physics.contact import colliding_geoms, combine_friction
+from wmspec.sim.scene.physics.episode import TOUCH_END, Episode, Kick, Vector
 from wmspec.sim.scene.physics.rigid import Assembly
-from wmspec.sim.scene.physics.speed import gyroscopic
+from wmspec.sim.scene.physics.speed import has_gyroscopic_spin
 
 from .impact import IMPEDANCE, solref, solreffriction
 from .joints import actuator, control, hang
@@ -55,9 +55,11 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) 
         rides = next((i for i, body in enumerate(scene.bodies) if body.name == camera.body), WORLD)
         pose = camera.pose if rides == WORLD else compose(mount(scene.bodies[rides]), camera.pose)
         _camera(elements[rides], camera, pose)
-    for a, g, b, h in touchable(scene):
+    for a, g, b, h in colliding_geoms(scene):
         led = "kinematic" in (a.motion, b.motion)
-        _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", mix(g.friction, h.friction), episode, led)
+        _pair(
+            contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", combine_friction(g.friction, h.friction), episode, led
+        )
     _equality(root, scene, episode, whole)
     drives = [limb for tree in trees for limb in tree if limb.drive]
     actuators = ET.SubElement(root, "actuator") if drives else root
@@ -100,7 +102,7 @@ def _bodies(
 
 def _tumbles(scene: Scene) -> bool:
     """Whether something spins fast, and nothing can be touched."""
-    return gyroscopic(scene) and not any(touchable(scene))
+    return has_gyroscopic_spin(scene) and not any(colliding_geoms(scene))
 
 
 def _options(root: ET.Element, episode: Episode, integrator: str, sleep: bool) -> None:
@@ -211,7 +213,7 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
         solref=text(solref(pair, episode.step)),
         solreffriction=text(solreffriction(pair, episode.step, led)),
         solimp=text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
-        gap=text([TOUCH]),  # seen from there on, pushed from 0 on
+        gap=text([TOUCH_END]),  # seen from there on, pushed from 0 on
     )
 
 

@@ -13,14 +13,14 @@ from wmspec.sim.scene.capability import require
 from wmspec.sim.scene.joints.articulations import trees
 from wmspec.sim.scene.joints.drives import enough
 from wmspec.sim.scene.model import Scene, Trace
-from wmspec.sim.scene.physics.contact import mix, touchable
-from wmspec.sim.scene.physics.episode import Episode, Recording, play, told
-from wmspec.sim.scene.physics.readback import readback
+from wmspec.sim.scene.physics.contact import colliding_geoms, combine_friction
+from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
+from wmspec.sim.scene.physics.readback import require_equal
 from wmspec.sim.scene.physics.rigid import Assembly, assembly
-from wmspec.sim.scene.physics.speed import steps
+from wmspec.sim.scene.physics.speed import step_multiplier
 from wmspec.sim.scene.physics.timeline import episode
 from wmspec.sim.scene.physics.to_trace import trace
-from wmspec.sim.scene.regime_thresholds import FINEST
+from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 from wmspec.sim.scene.validate import validate
 
 from . import rollout
@@ -40,7 +40,7 @@ def execute(scene: Scene) -> Trace:
     Raises WmsError for a scene that MuJoCo can't honour, EngineError when MuJoCo loses track of it.
     """
     whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, told(timeline) or _played(scene, whole, timeline))
+    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _played(scene, whole, timeline))
 
 
 def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
@@ -80,7 +80,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     """The scene in MuJoCo's words. Raises WmsError, with the prim path, for what MuJoCo doesn't have."""
     validate(scene)
     require(INFO.lacks, scene)
-    fast = STEPS_PER_SECOND * steps(scene, GIVES, FINEST)
+    fast = STEPS_PER_SECOND * step_multiplier(scene, GIVES, MAX_STEP_MULTIPLIER)
     timeline = episode(scene, max(fast, enough(scene, STEPS_PER_SECOND, damped=False)))
     return assembly(scene, timeline), timeline
 
@@ -88,22 +88,22 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless MuJoCo has the scene's physics."""
     model = world.model
-    readback("MuJoCo", "the time step", model.opt.timestep, timeline.step)
-    readback("MuJoCo", "gravity", model.opt.gravity, scene.gravity)
+    require_equal("MuJoCo", "the time step", model.opt.timestep, timeline.step)
+    require_equal("MuJoCo", "gravity", model.opt.gravity, scene.gravity)
     for i, body in zip(world.ids, scene.bodies, strict=True):
         if body.inertia is not None:
-            readback(body.path, "the mass", model.body_mass[i], body.inertia.mass)
-            readback(body.path, "the inertia", model.body_inertia[i], body.inertia.moments)
+            require_equal(body.path, "the mass", model.body_mass[i], body.inertia.mass)
+            require_equal(body.path, "the inertia", model.body_inertia[i], body.inertia.moments)
     for limb in (limb for tree in trees(scene) for limb in tree):
         joint = scene.joints[limb.joint]
         if limb.limits:
-            readback(joint.path, "the limits", model.joint(joint.name).range, np.clip(limb.limits, -FAR, FAR))
+            require_equal(joint.path, "the limits", model.joint(joint.name).range, np.clip(limb.limits, -FAR, FAR))
         if limb.drive:
-            readback(joint.path, "the drive", -model.actuator(joint.name).biasprm[1:3], limb.drive[:2])
-    for i, (a, g, _, h) in enumerate(touchable(scene)):
-        pair = mix(g.friction, h.friction)
-        readback(f"{a.path}/{g.name}", "friction", model.pair_friction[i, :2], [pair.dynamic] * 2)
-        readback(f"{a.path}/{g.name}", "restitution", model.pair_solref[i], solref(pair, timeline.step))
+            require_equal(joint.path, "the drive", -model.actuator(joint.name).biasprm[1:3], limb.drive[:2])
+    for i, (a, g, _, h) in enumerate(colliding_geoms(scene)):
+        pair = combine_friction(g.friction, h.friction)
+        require_equal(f"{a.path}/{g.name}", "friction", model.pair_friction[i, :2], [pair.dynamic] * 2)
+        require_equal(f"{a.path}/{g.name}", "restitution", model.pair_solref[i], solref(pair, timeline.step))
 
 
 @contextmanager

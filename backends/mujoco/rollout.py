@@ -20,8 +20,16 @@ from numpy.typing import NDArray
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.model.transform import rotate
-from wmspec.sim.scene.physics.contact import touchable
-from wmspec.sim.scene.physics.episode import MEET, Episode, Recording, begin, beginnings, expected, mounted
+from wmspec.sim.scene.physics.contact import colliding_geoms
+from wmspec.sim.scene.physics.episode import (
+    TOUCH_BEGIN,
+    Episode,
+    Recording,
+    apply_events,
+    event_steps,
+    scripted_states,
+    to_body_frames,
+)
 
 from .world import World
 
@@ -43,7 +51,7 @@ Paths = dict[int, tuple[Any, Any, Any]]
 def uneventful(scene: Scene, timeline: Episode) -> bool:
     """Whether all that is done to bodies is done between the steps, so that MuJoCo can be left alone for most."""
     lasting = (timeline.pushes, timeline.drags, timeline.grips, timeline.aims)
-    few = sum(1 for _ in touchable(scene)) <= MOST_PAIRS
+    few = sum(1 for _ in colliding_geoms(scene)) <= MOST_PAIRS
     alone = bool(timeline.dynamic) and not any(lasting) and not scene.joints and few
     return alone and _moving(timeline) <= MOVING * (timeline.samples - 1) / timeline.rate
 
@@ -51,7 +59,7 @@ def uneventful(scene: Scene, timeline: Episode) -> bool:
 def _moving(timeline: Episode) -> float:
     """For how long (s) what can be touched moves as it is told, one after the other."""
     end, moving = (timeline.samples - 1) / timeline.rate, 0.0
-    for track in (track for track in timeline.tracks if track.body not in timeline.unfelt):
+    for track in (track for track in timeline.tracks if track.body not in timeline.untouchable):
         lasting = np.diff(np.minimum([*track.times, end], end))
         moving += float(lasting[np.any([*zip(track.velocities, track.spins, strict=True)], axis=(1, 2))].sum())
     return moving
@@ -63,7 +71,7 @@ def _steps(timeline: Episode) -> int:
 
 def _paths(timeline: Episode) -> Paths:
     times = np.arange(_steps(timeline) + 1) * timeline.step
-    return {track.body: track.steps(times) for track in timeline.tracks if track.body not in timeline.unfelt}
+    return {track.body: track.steps(times) for track in timeline.tracks if track.body not in timeline.untouchable}
 
 
 def _stands(paths: Paths, steps: int) -> NDArray[np.bool_]:
@@ -80,7 +88,7 @@ def sensed(text: str, scene: Scene) -> str:
     sensors = "".join(
         f"<contact geom1={quoteattr(f'{a.name}/{g.name}')} geom2={quoteattr(f'{b.name}/{h.name}')} "
         'num="1" reduce="mindist" data="found dist"/>'
-        for a, g, b, h in touchable(scene)
+        for a, g, b, h in colliding_geoms(scene)
     )
     head, end, rest = text.rpartition("</mujoco>")
     return f"{head}<sensor>{sensors}</sensor>{end}{rest}"
@@ -92,7 +100,7 @@ def play(world: World, scene: Scene, timeline: Episode) -> Recording:
     steps, kind, paths = _steps(timeline), mujoco.mjtState.mjSTATE_FULLPHYSICS, _paths(timeline)
     whole = np.empty((steps + 1, mujoco.mj_stateSize(model, kind)))
     sensors = np.empty((steps, model.nsensordata))
-    drive, kicked, i, struck = world.driven(paths), begin(world, timeline, 0), 0, False
+    drive, kicked, i, struck = world.driven(paths), apply_events(world, timeline, 0), 0, False
     mujoco.mj_getState(model, data, whole[0], kind)
     stops, told, spare = _stops(timeline, paths), paths and world.told(paths), paths and copy(data)
     while i < steps:
@@ -105,16 +113,16 @@ def play(world: World, scene: Scene, timeline: Episode) -> Recording:
             world.step()
             sensors[i] = data.sensordata
         i = stop
-        kicked += begin(world, timeline, i)
+        kicked += apply_events(world, timeline, i)
         mujoco.mj_getState(model, data, whole[i], kind)
-    return Recording(mounted(_states(world, timeline, whole, kicked), timeline), _touching(scene, sensors))
+    return Recording(to_body_frames(_states(world, timeline, whole, kicked), timeline), _touching(scene, sensors))
 
 
 def _stops(timeline: Episode, paths: Paths) -> list[int]:
     """The steps before which something happens, what moves as it is told has moved, or enough would be made again."""
     steps = _steps(timeline)
     often = range(0, steps, TRIED) if paths else ()
-    stops = beginnings(timeline).union(np.flatnonzero(~_stands(paths, steps)).tolist(), often)
+    stops = event_steps(timeline).union(np.flatnonzero(~_stands(paths, steps)).tolist(), often)
     return [*sorted(step for step in stops if 0 < step < steps), steps]
 
 
@@ -145,7 +153,7 @@ def _left_alone(
 
 def _states(world: World, timeline: Episode, whole: NDArray[np.float64], kicked: Any) -> NDArray[np.float64]:
     """What is recorded (T, N, 13), from MuJoCo's states before every step."""
-    states: NDArray[np.float64] = expected(timeline)
+    states: NDArray[np.float64] = scripted_states(timeline)
     sampled = whole[:: timeline.substeps]
     for body in timeline.dynamic:
         place, speed = 1 + world.qpos[body], 1 + world.model.nq + world.qvel[body]
@@ -163,10 +171,10 @@ def _touching(scene: Scene, sensors: NDArray[np.float64]) -> list[set[tuple[int,
     index = {body.name: i for i, body in enumerate(scene.bodies)}
     near: dict[tuple[int, int], NDArray[np.bool_]] = {}
     meet: dict[tuple[int, int], NDArray[np.bool_]] = {}
-    for k, (a, _, b, _) in enumerate(touchable(scene)):
+    for k, (a, _, b, _) in enumerate(colliding_geoms(scene)):
         pair, contact = (index[a.name], index[b.name]), sensors[:, 2 * k] > 0
         near[pair] = near.get(pair, np.zeros(steps, bool)) | contact
-        meet[pair] = meet.get(pair, np.zeros(steps, bool)) | (contact & (sensors[:, 2 * k + 1] < MEET))
+        meet[pair] = meet.get(pair, np.zeros(steps, bool)) | (contact & (sensors[:, 2 * k + 1] < TOUCH_BEGIN))
     numbers = np.arange(steps)
     pairs, touch = list(near), np.zeros((len(near), steps), bool)
     for row, pair in enumerate(pairs):

@@ -10,7 +10,7 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Link
 from wmspec.sim.scene.model.transform import conjugate, rotate
-from wmspec.sim.scene.physics.episode import MEET, Grip
+from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, Grip
 from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
 from .clearance import beside
@@ -262,7 +262,7 @@ class World:
             self.settled = key, asleep
         else:
             self.settled = None
-            close = tuple([far < MEET for far in self.contacts.dist.tolist()])
+            close = tuple([far < TOUCH_BEGIN for far in self.contacts.dist.tolist()])
             if (key, close) not in self.close:
                 self.close[key, close] = {pair for pair, meets in zip(each, close, strict=True) if meets}
             self.met = self.close[key, close] | (near & self.met) | self.resting

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ def _body(body: Rigid) -> Rigid:
     return replace(body, pieces=tuple(_piece(p) if p.kind == "hull" else p for p in body.pieces))
 
 
-def _piece(piece: Piece) -> Piece:
+def _piece(piece: CollisionShape) -> CollisionShape:
     points = np.reshape(piece.size, (-1, 3))
     try:
         return replace(piece, size=tuple(_smaller(points).ravel().tolist()))

@@ -12,7 +12,7 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 
 from wmspec.sim.scene.model.transform import multiply
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
 from .info import MOST_PIECES
 
@@ -34,7 +34,7 @@ def _body(body: Rigid) -> Rigid:
     return replace(body, pieces=tuple(part for piece in body.pieces for part in _parts(piece)))
 
 
-def _parts(piece: Piece) -> tuple[Piece, ...]:
+def _parts(piece: CollisionShape) -> tuple[CollisionShape, ...]:
     if piece.kind != "cylinder":
         return (piece,)
     radius, height = piece.size
@@ -42,11 +42,14 @@ def _parts(piece: Piece) -> tuple[Piece, ...]:
     half = radius * (1 - INSIDE) / sqrt(2)
     return (
         replace(piece, size=(radius, height - 2 * proud)),
-        *(Piece("box", (half, half, height / 2), _turned(piece, angle), piece.material) for angle in (0.0, EIGHTH)),
+        *(
+            CollisionShape("box", (half, half, height / 2), _turned(piece, angle), piece.material)
+            for angle in (0.0, EIGHTH)
+        ),
     )
 
 
-def _turned(piece: Piece, angle: float) -> tuple[float, ...]:
+def _turned(piece: CollisionShape, angle: float) -> tuple[float, ...]:
     """The pose of a piece, turned about its own z (rad)."""
     turn = multiply(np.array(piece.pose[3:]), np.array([cos(angle / 2), 0.0, 0.0, sin(angle / 2)]))
     return (*piece.pose[:3], *turn.tolist())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
 from wmspec.sim.scene.model import Scene
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 from wmspec.sim.scene.script import script
 
 from . import articulations, shapes, world
@@ -27,7 +27,7 @@ CONSTANTS = {
     articulations: ("JOINTS", "MEETING"),
 }
 PARTS = (
-    *(Piece, Rigid, Link, Tie, Gear, Assembly),
+    *(CollisionShape, Rigid, Link, Tie, Gear, Assembly),
     *(shapes.shape, shapes.inside, shapes.xyzw, shapes.single, shapes.several, shapes.objects),
     *(articulations.branches, articulations.depth_first, articulations.still, articulations.put),
     world.World,

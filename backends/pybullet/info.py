@@ -18,7 +18,7 @@ from wmspec.sim.scene.capability import (
     pieces_above,
     stiff_drives,
 )
-from wmspec.sim.scene.regime_thresholds import FINEST
+from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 
 STEPS_PER_SECOND = 1920
 MOST_FRICTION = 10.0  # of a pair: Bullet's own limit
@@ -35,8 +35,8 @@ INFO = Info(
     steps_per_second=STEPS_PER_SECOND,
     lacks=(
         Lack(BALL_LIMITS, "PyBullet has no such limits; remove the cone angles, or use hinges"),
-        Lack(stiff_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),
-        Lack(damped_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),
+        Lack(stiff_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND), _OVERSHOOTS),
+        Lack(damped_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND), _OVERSHOOTS),
         Lack(fine_drives(STEPS_PER_SECOND), "PyBullet makes up to 16 times as many steps", nearly=True),
         Lack(
             SLIDING_MESHES,

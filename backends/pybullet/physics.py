@@ -6,8 +6,8 @@ from wmspec.core.native_output import silence
 from wmspec.sim.scene.capability import require
 from wmspec.sim.scene.joints.drives import enough
 from wmspec.sim.scene.model import Scene, Trace
-from wmspec.sim.scene.physics.episode import Episode, Recording, play, told
-from wmspec.sim.scene.physics.readback import readback
+from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
+from wmspec.sim.scene.physics.readback import require_equal
 from wmspec.sim.scene.physics.rigid import Assembly, assembly
 from wmspec.sim.scene.physics.timeline import episode
 from wmspec.sim.scene.physics.to_trace import trace
@@ -28,7 +28,7 @@ def execute(scene: Scene) -> Trace:
     Raises WmsError for a scene that PyBullet can't honour, EngineError when PyBullet loses track of it.
     """
     whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, told(timeline) or _played(scene, whole, timeline))
+    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _played(scene, whole, timeline))
 
 
 def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
@@ -51,14 +51,14 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless PyBullet has the scene's physics (it doesn't tell restitution and limits)."""
     engine = pybullet.getPhysicsEngineParameters(physicsClientId=world.client)
-    readback("PyBullet", "the time step", engine["fixedTimeStep"], timeline.step)
+    require_equal("PyBullet", "the time step", engine["fixedTimeStep"], timeline.step)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
-    readback("PyBullet", "gravity", gravity, scene.gravity)
+    require_equal("PyBullet", "gravity", gravity, scene.gravity)
     for i, (body, rigid) in enumerate(zip(scene.bodies, world.bodies, strict=True)):
         if body.motion != "dynamic":
             continue
         mass, friction, moments = pybullet.getDynamicsInfo(*world.ids[i], physicsClientId=world.client)[:3]
-        readback(body.path, "the mass", mass, rigid.mass)
-        readback(body.path, "the inertia", moments, rigid.moments)
+        require_equal(body.path, "the mass", mass, rigid.mass)
+        require_equal(body.path, "the inertia", moments, rigid.moments)
         if rigid.pieces:
-            readback(body.path, "friction", friction**2, rigid.pieces[0].material[1])
+            require_equal(body.path, "friction", friction**2, rigid.pieces[0].material[1])

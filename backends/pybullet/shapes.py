@@ -11,7 +11,7 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model.transform import conjugate, multiply, rotate
 from wmspec.sim.scene.physics.episode import Vector
-from wmspec.sim.scene.physics.rigid import Piece
+from wmspec.sim.scene.physics.rigid import CollisionShape
 
 with silence():
     import pybullet
@@ -26,7 +26,7 @@ KINDS = {
 }
 
 
-def shape(pieces: tuple[Piece, ...], frame: Vector, client: int) -> int:
+def shape(pieces: tuple[CollisionShape, ...], frame: Vector, client: int) -> int:
     """The collision shape of some pieces, seen from a `frame` in their body; -1 for none."""
     if not pieces:
         return -1
@@ -54,7 +54,7 @@ def xyzw(turn: Any) -> Vector:
     return (*turn[1:], turn[0])
 
 
-def single(piece: Piece, pose: Vector) -> dict[str, Any]:
+def single(piece: CollisionShape, pose: Vector) -> dict[str, Any]:
     """A piece in the words of `createCollisionShape`."""
     words: dict[str, Any] = {"shapeType": getattr(pybullet, KINDS[piece.kind])}
     match piece.kind:
@@ -71,7 +71,7 @@ def single(piece: Piece, pose: Vector) -> dict[str, Any]:
     return words | {"collisionFramePosition": pose[:3], "collisionFrameOrientation": xyzw(pose[3:])}
 
 
-def several(pieces: tuple[Piece, ...], poses: list[Vector], folder: str) -> dict[str, Any]:
+def several(pieces: tuple[CollisionShape, ...], poses: list[Vector], folder: str) -> dict[str, Any]:
     """Pieces in the words of `createCollisionShapeArray`, which takes hulls from files only.
 
     It drops all shapes after the sixteenth without a word, so the hulls, which have one pose, come as one shape.
@@ -92,7 +92,7 @@ def several(pieces: tuple[Piece, ...], poses: list[Vector], folder: str) -> dict
     }
 
 
-def objects(hulls: list[Piece]) -> str:
+def objects(hulls: list[CollisionShape]) -> str:
     """Hulls as the objects of a Wavefront file. Any faces will do: of each object the hull is taken."""
     lines, first = [], 1
     for number, hull in enumerate(hulls):

@@ -10,8 +10,8 @@ import numpy as np
 
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
-from wmspec.sim.scene.physics.episode import MEET, TOUCH, Grip
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, TOUCH_END, Grip
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
 from .articulations import branches, put
 from .shapes import HERE, shape, xyzw
@@ -65,7 +65,7 @@ class World:
         self.held: set[int] = set()
         self.ties: dict[int, list[int]] = {}
         self.met: set[tuple[int, int]] = set()
-        for a, b in assembly.apart:
+        for a, b in assembly.non_colliding_pairs:
             for one, other in [(one, other) for one in self.parts[a] for other in self.parts[b]]:
                 pybullet.setCollisionFilterPair(one[0], other[0], one[1], other[1], 0, physicsClientId=self.client)
 
@@ -117,7 +117,7 @@ class World:
         wholes = [(piece,) for piece in body.pieces] if body.motion == "static" else [body.pieces]
         return [(self.make(body, pieces), -1) for pieces in wholes]
 
-    def make(self, body: Rigid, pieces: tuple[Piece, ...]) -> int:
+    def make(self, body: Rigid, pieces: tuple[CollisionShape, ...]) -> int:
         """One body of PyBullet's; a kinematic one is a heavy free body whose state is set before every step."""
         heavy = body.motion == "kinematic"
         mass = HEAVY_MASS if heavy else body.mass
@@ -153,7 +153,7 @@ class World:
         return {body: [part] for body, part in made.items()}
 
     def settle(
-        self, part: tuple[int, int], pieces: tuple[Piece, ...], mass: float, moments: Any, **more: float
+        self, part: tuple[int, int], pieces: tuple[CollisionShape, ...], mass: float, moments: Any, **more: float
     ) -> None:
         """Set how a body moves and what it's made of.
 
@@ -294,7 +294,7 @@ class World:
         for point in pybullet.getContactPoints(physicsClientId=self.client):
             one, other = self.index[point[1], point[3]], self.index[point[2], point[4]]
             pair = (min(one, other), max(one, other))
-            if point[8] < (TOUCH if pair in self.met else MEET):
+            if point[8] < (TOUCH_END if pair in self.met else TOUCH_BEGIN):
                 met.add(pair)
         self.met = met
         return met

@@ -13,8 +13,8 @@ import numpy as np
 
 from wmspec.sim.scene.model import Array
 from wmspec.sim.scene.model.transform import rotate
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
-from wmspec.sim.scene.regime_thresholds import ROOM, STEEP, disc
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
+from wmspec.sim.scene.regime_thresholds import CAPSULE_CLEARANCE, STEEP_COSINE, is_disc
 
 THINNER = 2e-3  # of the radius: how far the prism stays within the side
 SHORTEST = 1e-6  # m: of its straight part
@@ -36,11 +36,11 @@ def _body(body: Rigid, down: Array) -> Rigid:
     return replace(body, pieces=tuple(part for piece in body.pieces for part in _parts(piece, below)))
 
 
-def _parts(piece: Piece, down: Array) -> tuple[Piece, ...]:
-    stands = bool(abs(rotate(np.array(piece.pose[3:]), np.array([0.0, 0.0, 1.0])) @ down) >= STEEP)
-    if piece.kind != "cylinder" or disc(*piece.size, stands=stands):
+def _parts(piece: CollisionShape, down: Array) -> tuple[CollisionShape, ...]:
+    stands = bool(abs(rotate(np.array(piece.pose[3:]), np.array([0.0, 0.0, 1.0])) @ down) >= STEEP_COSINE)
+    if piece.kind != "cylinder" or is_disc(*piece.size, stands=stands):
         return (piece,)
     radius, height = piece.size
     prism = replace(piece, size=(radius * (1 - THINNER), height))
-    straight = max(height - 2 * (radius + ROOM), SHORTEST)
+    straight = max(height - 2 * (radius + CAPSULE_CLEARANCE), SHORTEST)
     return prism, replace(piece, kind="capsule", size=(radius, straight))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmspec.sim.scene.joints.articulations import Gear, Link, Tie, ascent
 from wmspec.sim.scene.model import Scene
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 from wmspec.sim.scene.script import script
 
 from . import joints, shapes, world
@@ -16,7 +16,7 @@ CONSTANTS = {
     joints: ("JOINTS", "STIFFEST", "DAMPED", "FASTEST_JOINT"),
 }
 PARTS = (
-    *(Piece, Rigid, Link, Tie, Gear, Assembly),
+    *(CollisionShape, Rigid, Link, Tie, Gear, Assembly),
     *(
         joints.branches,
         joints.connect,

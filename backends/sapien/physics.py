@@ -6,9 +6,9 @@ from wmspec.core.diagnostics import StageError
 from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.capability import require
 from wmspec.sim.scene.model import Scene, Trace
-from wmspec.sim.scene.physics.episode import Episode, Recording, play, told
-from wmspec.sim.scene.physics.initial_drops import landings
-from wmspec.sim.scene.physics.readback import readback
+from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
+from wmspec.sim.scene.physics.initial_drops import initial_drops
+from wmspec.sim.scene.physics.readback import require_equal
 from wmspec.sim.scene.physics.rigid import Assembly, assembly
 from wmspec.sim.scene.physics.timeline import episode
 from wmspec.sim.scene.physics.to_trace import trace
@@ -29,7 +29,7 @@ def execute(scene: Scene) -> Trace:
     Raises WmsError for a scene that SAPIEN can't honour, EngineError when SAPIEN loses track of it.
     """
     whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, told(timeline) or _played(scene, whole, timeline))
+    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _played(scene, whole, timeline))
 
 
 def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
@@ -53,7 +53,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
             PrimPlace(", ".join(paths)),
             "give some bodies the same friction and restitution",
         )
-    if any(word >= 1 << BITS for word, _ in ignored(whole.apart, len(bodies))):
+    if any(word >= 1 << BITS for word, _ in ignored(whole.non_colliding_pairs, len(bodies))):
         raise StageError(
             f"SAPIEN tells {BITS} groups of bodies apart that pass through each other, this scene has more",
             PrimPlace(scene.name),
@@ -64,7 +64,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
 
 def landing(scene: Scene) -> tuple[int, ...]:
     """The numbers of the bodies that begin above others, and of those."""
-    return tuple(sorted({number for pair in landings(scene) for number in pair}))
+    return tuple(sorted({number for pair in initial_drops(scene) for number in pair}))
 
 
 def verify_joints(world: World, scene: Scene) -> None:
@@ -72,22 +72,22 @@ def verify_joints(world: World, scene: Scene) -> None:
     for limb in dict.fromkeys(limb for tree in world.trees.values() for limb in tree):
         path = scene.joints[limb.joint].path
         if limb.limits:
-            readback(path, "the limits", world.joints[limb.joint].limits[0], limb.limits, tolerance=SINGLE)
+            require_equal(path, "the limits", world.joints[limb.joint].limits[0], limb.limits, tolerance=SINGLE)
         if limb.drive:
             joint = world.joints[limb.joint]
-            readback(path, "the drive", [joint.stiffness, joint.damping], limb.drive[:2], tolerance=SINGLE)
+            require_equal(path, "the drive", [joint.stiffness, joint.damping], limb.drive[:2], tolerance=SINGLE)
 
 
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless SAPIEN has the scene's physics."""
-    readback("SAPIEN", "the time step", world.scene.get_timestep(), timeline.step, tolerance=SINGLE)
-    readback("SAPIEN", "gravity", world.system.config.gravity, scene.gravity, tolerance=SINGLE)
+    require_equal("SAPIEN", "the time step", world.scene.get_timestep(), timeline.step, tolerance=SINGLE)
+    require_equal("SAPIEN", "gravity", world.system.config.gravity, scene.gravity, tolerance=SINGLE)
     verify_joints(world, scene)
     for body, rigid, part in zip(scene.bodies, world.bodies, world.parts, strict=True):
         if body.motion == "dynamic":
-            readback(body.path, "the mass", part.mass, rigid.mass, tolerance=SINGLE)
-            readback(body.path, "the inertia", part.inertia, rigid.moments, tolerance=SINGLE)
+            require_equal(body.path, "the mass", part.mass, rigid.mass, tolerance=SINGLE)
+            require_equal(body.path, "the inertia", part.inertia, rigid.moments, tolerance=SINGLE)
         wanted = [mean(*pair) for piece in rigid.pieces for pair in world.lanes if piece.material in pair]
         made = [shape.physical_material for shape in part.collision_shapes]
         have = [[m.static_friction, m.dynamic_friction, m.restitution] for m in made]
-        readback(body.path, "friction and restitution", have, wanted, tolerance=SINGLE)
+        require_equal(body.path, "friction and restitution", have, wanted, tolerance=SINGLE)

@@ -10,7 +10,7 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model.transform import multiply
 from wmspec.sim.scene.physics.episode import Vector
-from wmspec.sim.scene.physics.rigid import Piece, Rigid
+from wmspec.sim.scene.physics.rigid import CollisionShape, Rigid
 
 from .joints import frame
 
@@ -45,7 +45,7 @@ def groups(material: Vector, pair: tuple[Vector, Vector], bit: int) -> list[int]
     return [(1 << bit) * (material == pair[0]), (1 << bit) * (material == pair[1])]
 
 
-def shape(piece: Piece, material: list[float], groups: list[int]) -> Any:
+def shape(piece: CollisionShape, material: list[float], groups: list[int]) -> Any:
     """A copy of a piece for one lane."""
     physx, place = sapien.physx, piece.pose
     stuff = physx.PhysxMaterial(*material)

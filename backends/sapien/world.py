@@ -52,7 +52,7 @@ class World:
         self.targets: dict[int, Any] = {}
         self.ties: dict[int, list[Any]] = {}
         self.lanes = lanes(assembly.bodies)
-        self.ignored = ignored(assembly.apart, len(self.bodies))
+        self.ignored = ignored(assembly.non_colliding_pairs, len(self.bodies))
         self.gears, self.seconds = assembly.gears, assembly.step
         self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
         self.joints: dict[int, Any] = {}

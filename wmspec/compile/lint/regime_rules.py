@@ -17,17 +17,17 @@ from wmspec.core.space import ORIGIN, UP, add, dot, rotate, scale, unit
 from wmspec.lang.check.ir.ir import Thing
 from wmspec.lang.check.types import units
 from wmspec.sim.scene.regime_thresholds import (
-    BALANCED,
-    BOUNCY,
-    ENTERED,
-    FAST,
-    FINEST,
-    HEAVIER,
-    LANDS,
-    SPINS,
-    STEEP,
-    disc,
-    leaning,
+    ELASTIC_RESTITUTION,
+    FAST_IMPACT,
+    FAST_SPIN,
+    HEAVY_LANDING_RATIO,
+    HEAVY_LANDING_SPEED,
+    MAX_ENTERED_FRACTION,
+    MAX_STEP_MULTIPLIER,
+    STEEP_COSINE,
+    WHEEL_OFFSET,
+    is_disc,
+    is_leaning,
 )
 from wmspec.sim.shapes.cylinder import Cylinder
 from wmspec.sim.shapes.shape import AXES
@@ -38,7 +38,7 @@ IMPACT = 0.003
 #: Things that are no further (m) apart touch, in every engine.
 TOUCHING = 1e-4
 #: What the softest contacts give way for each m/s (s), with as many steps as are made for fast impacts.
-GIVES = 2.2e-3 / FINEST
+GIVES = 2.2e-3 / MAX_STEP_MULTIPLIER
 #: The language knows nothing of engines: a page names them.
 OTHERS = "leave those engines out; `wmspec explain WMS608` names them"
 
@@ -51,7 +51,11 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
     free = list(_free(values))
     for a, b in combinations(free, 2) if speed or _falling(values) else ():
         gap, way = separation(values, a, b)
-        if gap > max(IMPACT * speed, TOUCHING) or abs(way[2]) > STEEP or _bounce(values, a, b) < BOUNCY:
+        if (
+            gap > max(IMPACT * speed, TOUCHING)
+            or abs(way[2]) > STEEP_COSINE
+            or _bounce(values, a, b) < ELASTIC_RESTITUTION
+        ):
             continue
         touch = gap < TOUCHING
         how = "touch" if touch else f"are {_length(gap)} apart"
@@ -60,7 +64,7 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
         note = Note(f"`{a}` is declared here", values.place(a))
         others = "" if touch else f", or {OTHERS}"
         apart = f"leave {_length(IMPACT * speed)} between them" if speed else "leave some millimetres between them"
-        remedy = f"{apart}, or give them a `restitution` below {BOUNCY:g}{others}"
+        remedy = f"{apart}, or give them a `restitution` below {ELASTIC_RESTITUTION:g}{others}"
         yield Breach(what, values.place(b), remedy, (note,), about=(a, b))
 
 
@@ -84,7 +88,7 @@ def leaning_cylinder(scene: Scene) -> Iterator[Breach]:
         if others or not isinstance(piece.solid, Cylinder):
             continue
         angle = math.acos(min(1.0, abs(_rise(values, name, piece))))
-        if leaning(piece.solid.radius, piece.solid.height, angle):
+        if is_leaning(piece.solid.radius, piece.solid.height, angle):
             tips = math.atan(2 * piece.solid.radius / piece.solid.height)
             what = f"`{name}` stands {_degrees(angle)} from upright {scene.where}, and tips from {_degrees(tips)} on"
             remedy = f"let the slope be gentler or steeper, make it a box, or {OTHERS}"
@@ -100,10 +104,14 @@ def heavy_landing(scene: Scene) -> Iterator[Breach]:
     boxes = {name: bounds(pieces(values, name), values.pose(name)) for name in _loose(values)}
     for a, b in permutations(boxes, 2):
         (low, high), (least, most) = boxes[a], boxes[b]
-        above = low[2] - most[2] > LANDS**2 / (2 * values.gravity)
-        if above and all(low[i] < most[i] and least[i] < high[i] for i in range(2)) and _bounce(values, a, b) < BOUNCY:
+        above = low[2] - most[2] > HEAVY_LANDING_SPEED**2 / (2 * values.gravity)
+        if (
+            above
+            and all(low[i] < most[i] and least[i] < high[i] for i in range(2))
+            and _bounce(values, a, b) < ELASTIC_RESTITUTION
+        ):
             heavier = mass(values, a) / mass(values, b)
-            if heavier >= HEAVIER:
+            if heavier >= HEAVY_LANDING_RATIO:
                 what = f"`{a}` falls on `{b}` {scene.where} and is {heavier:.3g} times as heavy"
                 remedy = f"make their masses more alike, or {OTHERS}"
                 yield Breach(f"{what}; some engines let it rise again", values.place(a), remedy, about=(a, b))
@@ -153,10 +161,10 @@ def fast_spin(scene: Scene) -> Iterator[Breach]:
     for name in _free(values):
         spin = math.hypot(*values.property(name, "spin")) if values.has(name, "spin") else 0.0
         (piece, *others) = pieces(values, name)
-        if spin > SPINS and (others or not isinstance(piece.solid, Sphere) or name in _joined(values)):
+        if spin > FAST_SPIN and (others or not isinstance(piece.solid, Sphere) or name in _joined(values)):
             what = f"`{name}` spins at {spin:.3g} rad/s {scene.where}"
             doubt = "some engines gain or lose energy as its axis turns"
-            remedy = f"let it spin at less than {SPINS:g} rad/s, or {OTHERS}"
+            remedy = f"let it spin at less than {FAST_SPIN:g} rad/s, or {OTHERS}"
             yield Breach(f"{what}; {doubt}", values.place(name, "spin"), remedy, about=name)
 
 
@@ -165,12 +173,12 @@ def fast_and_thin(scene: Scene) -> Iterator[Breach]:
     """Something so fast that engines with soft contacts let it into, or through, what is thin."""
     values = scene.values
     speed = max(_speeds(values), default=0.0)
-    if speed <= FAST:
+    if speed <= FAST_IMPACT:
         return
     depth = GIVES * speed
     for name in _touchable(values):
         thin = min(_thickness(piece) for piece in pieces(values, name))
-        if depth > ENTERED * thin:
+        if depth > MAX_ENTERED_FRACTION * thin:
             fast = f"something moves at {units.told(speed, units.SPEED)} {scene.where}"
             deep = f"where contacts are soft that goes {_length(depth)} deep"
             what = f"`{name}` is {_length(thin)} thick, and {fast}; {deep}"
@@ -203,8 +211,8 @@ def _bounce(values: Values, a: str, b: str) -> float:
 
 def _lying(values: Values, name: str) -> Iterator[bool]:
     for piece in pieces(values, name):
-        if isinstance(piece.solid, Cylinder) and disc(piece.solid.radius, piece.solid.height):
-            yield abs(_rise(values, name, piece)) < STEEP
+        if isinstance(piece.solid, Cylinder) and is_disc(piece.solid.radius, piece.solid.height):
+            yield abs(_rise(values, name, piece)) < STEEP_COSINE
 
 
 def _rise(values: Values, name: str, piece: Piece) -> float:
@@ -261,7 +269,7 @@ def _balanced(values: Values, joint: str, end: str) -> bool:
     if thing.model == "hinge" and math.hypot(*(axis := values.property(joint, "axis"))) > 0:
         axis = unit(axis)
         away = add(away, scale(-dot(away, axis), axis))
-    return math.hypot(*away) < BALANCED * max(_thickness(piece) for piece in parts)
+    return math.hypot(*away) < WHEEL_OFFSET * max(_thickness(piece) for piece in parts)
 
 
 def _driven(values: Values, joint: str) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from wmspec.runtime.compare.allow import impacts
 from wmspec.runtime.compare.model import Cause, Event, Gap, Rest
 from wmspec.sim.scene.model import Body, Contact, Friction, Scene, Trace
-from wmspec.sim.scene.physics.contact import colliders, mix
+from wmspec.sim.scene.physics.contact import colliders, combine_friction
 
 #: With a friction of 0.5 two rolling balls that meet end three times as far apart as with this.
 SMOOTH = 0.1
@@ -73,7 +73,7 @@ def _before(name: str, time: float, traces: tuple[Trace, Trace], apart: float) -
 
 def _material(a: Body, b: Body) -> Friction:
     """The material of the pair, of the first piece of each that can be touched."""
-    return mix(colliders(a)[0].friction, colliders(b)[0].friction)
+    return combine_friction(colliders(a)[0].friction, colliders(b)[0].friction)
 
 
 def _round(body: Body) -> bool:

@@ -26,19 +26,19 @@ from wmspec.sim.scene.capability import (
 from wmspec.sim.scene.joints.articulations import trees
 from wmspec.sim.scene.model import Body, Contact, Force, Impulse, JointKind, Launch, Pose, Release, Scene, Trace, Vanish
 from wmspec.sim.scene.model.transform import conjugate, rotate
-from wmspec.sim.scene.physics.contact import colliders, mix
-from wmspec.sim.scene.physics.initial_drops import dull, landings
+from wmspec.sim.scene.physics.contact import colliders, combine_friction
+from wmspec.sim.scene.physics.initial_drops import initial_drops, is_inelastic
 from wmspec.sim.scene.regime_thresholds import (
-    BALANCED,
-    BOUNCY,
-    HEAVIER,
-    KEPT,
-    LANDS,
-    SPINS,
-    STEEP,
-    SWINGS,
-    disc,
-    leaning,
+    ELASTIC_RESTITUTION,
+    FAST_DOUBLE_PENDULUM,
+    FAST_SPIN,
+    HEAVY_LANDING_RATIO,
+    HEAVY_LANDING_SPEED,
+    MAX_ENERGY_CHANGE,
+    STEEP_COSINE,
+    WHEEL_OFFSET,
+    is_disc,
+    is_leaning,
 )
 from wmspec.sim.shapes.cylinder import Cylinder
 
@@ -80,7 +80,7 @@ def _rows(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
         for other in free:
             shared = {hit.first, hit.second} & {other.first, other.second}
             meets = len(shared) == 1 and other.start <= hit.start <= other.stop and _beside(scene, trace, hit, other)
-            if meets and min(_bounce(bodies, hit), _bounce(bodies, other)) >= BOUNCY:
+            if meets and min(_bounce(bodies, hit), _bounce(bodies, other)) >= ELASTIC_RESTITUTION:
                 (middle,) = shared
                 first, third = (c.first if c.second == middle else c.second for c in (hit, other))
                 yield f"`{first}` and `{middle}` meet at {hit.start:.3g} s, when `{middle}` touches `{third}`"
@@ -88,7 +88,7 @@ def _rows(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
 
 def _bounce(bodies: dict[str, Body], contact: Contact) -> float:
     pair = [colliders(bodies[name])[0].friction for name in (contact.first, contact.second)]
-    return mix(*pair).restitution
+    return combine_friction(*pair).restitution
 
 
 def _beside(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
@@ -99,7 +99,7 @@ def _beside(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
     for contact in contacts:
         places = trace.position[sample(trace, contact.start)]
         way = places[index[contact.second]] - places[index[contact.first]]
-        if abs(way @ up) > STEEP * np.linalg.norm(way):
+        if abs(way @ up) > STEEP_COSINE * np.linalg.norm(way):
             return False
     return True
 
@@ -109,17 +109,17 @@ def _lands(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
     index = {body.name: i for i, body in enumerate(scene.bodies)}
     jointed = {name for joint in scene.joints for name in (joint.first, joint.second)}
     free = {b.name: b for b in scene.bodies if b.motion == "dynamic" and colliders(b) and b.name not in jointed}
-    above = landings(scene)
+    above = initial_drops(scene)
     for hit in impacts(trace, apart):
-        if not {hit.first, hit.second} <= free.keys() or not dull(free[hit.first], free[hit.second]):
+        if not {hit.first, hit.second} <= free.keys() or not is_inelastic(free[hit.first], free[hit.second]):
             continue
         light, heavy = sorted((hit.first, hit.second), key=lambda name: free[name].mass)
-        least = HEAVIER if (index[heavy], index[light]) in above else 1.0
+        least = HEAVY_LANDING_RATIO if (index[heavy], index[light]) in above else 1.0
         caught = any(
             light in (c.first, c.second) and heavy not in (c.first, c.second) and c.start < hit.start <= c.stop
             for c in trace.contacts
         )
-        fast = closing(trace, index[heavy], index[light], hit.start) > LANDS
+        fast = closing(trace, index[heavy], index[light], hit.start) > HEAVY_LANDING_SPEED
         if caught and fast and free[heavy].mass >= least * free[light].mass * (1 - 1e-6):
             yield f"`{heavy}` lands on `{light}` at {hit.start:.3g} s"
 
@@ -134,7 +134,7 @@ def _leans(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
             axis = rotate(trace.orientation[:, i], rotate(geom.pose.orientation, np.array([0.0, 0.0, 1.0])))
             angle = np.arccos(np.clip(np.abs(axis @ scene.gravity) / size, 0.0, 1.0))
             still = np.linalg.norm(trace.angular_velocity[:, i], axis=1) < SLOW
-            just = np.array([leaning(shape.radius, shape.height, float(a)) for a in angle])
+            just = np.array([is_leaning(shape.radius, shape.height, float(a)) for a in angle])
             if (still & just & _touching(trace, body)).any():
                 yield f"`{body.name}` stands {np.degrees(angle[still & just][0]):.3g} degrees from upright"
 
@@ -152,7 +152,7 @@ def _whips(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
         ):
             continue
         first, second = (trace.angular_velocity[:, index[name]] for name in (joint.first, joint.second))
-        fast = np.linalg.norm(second - first, axis=1) > SWINGS
+        fast = np.linalg.norm(second - first, axis=1) > FAST_DOUBLE_PENDULUM
         if fast.any():
             yield f"`{joint.second}` swings from `{joint.first}`, fast from {trace.time[fast][0]:.3g} s on"
 
@@ -175,8 +175,8 @@ def _spins(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
         moving, falling = (
             sum(part) for part in zip(*(_energy(scene, trace, index[b.name]) for b in bodies), strict=True)
         )
-        off = np.abs(moving + falling - moving[0] - falling[0]) > KEPT * np.abs(moving).max()
-        if speeds.max() > SPINS and off.any():
+        off = np.abs(moving + falling - moving[0] - falling[0]) > MAX_ENERGY_CHANGE * np.abs(moving).max()
+        if speeds.max() > FAST_SPIN and off.any():
             name = bodies[int(speeds.max(axis=0).argmax())].name
             yield f"`{name}` spins, its energy wrong from {trace.time[off][0]:.3g} s on"
 
@@ -203,7 +203,7 @@ def _balanced(body: Body, frame: Pose, kind: JointKind) -> bool:
     if kind == "hinge":
         axis = rotate(frame.orientation, np.array([1.0, 0.0, 0.0]))
         away = away - axis * (away @ axis)
-    return bool(np.linalg.norm(away) < BALANCED * np.sqrt(body.inertia.moments.max() / body.inertia.mass))
+    return bool(np.linalg.norm(away) < WHEEL_OFFSET * np.sqrt(body.inertia.moments.max() / body.inertia.mass))
 
 
 def _rolls(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
@@ -214,11 +214,11 @@ def _rolls(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
             if not isinstance(geom.shape, Cylinder):
                 continue
             axis = rotate(trace.orientation[:, i], rotate(geom.pose.orientation, np.array([0.0, 0.0, 1.0])))
-            stood = bool(abs(axis[0] @ scene.gravity) / size >= STEEP)
-            if not disc(geom.shape.radius, geom.shape.height, stands=stood):
+            stood = bool(abs(axis[0] @ scene.gravity) / size >= STEEP_COSINE)
+            if not is_disc(geom.shape.radius, geom.shape.height, stands=stood):
                 continue
             rolls = np.abs((axis * trace.angular_velocity[:, i]).sum(axis=1)) * geom.shape.radius > SLOW
-            lying = np.abs(axis @ scene.gravity) / size < STEEP
+            lying = np.abs(axis @ scene.gravity) / size < STEEP_COSINE
             if (rolls & lying & _touching(trace, body)).any():
                 yield f"`{body.name}` rolls from {trace.time[rolls & lying][0]:.3g} s on"
                 break

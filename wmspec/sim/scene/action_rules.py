@@ -25,7 +25,7 @@ from wmspec.sim.scene.model import (
     Teleport,
     Vanish,
 )
-from wmspec.sim.scene.physics.paths import astray, overlaps
+from wmspec.sim.scene.physics.paths import misplaced_paths, overlaps
 
 _MOVED, _FREE = ("kinematic",), ("dynamic",)
 MOTIONS = {
@@ -114,7 +114,7 @@ def sequence(scene: Scene) -> Iterator[Diagnostic]:
                     PrimPlace(f"action {action.name}"),
                     "let it start then",
                 )
-    for follow, here in astray(scene):
+    for follow, here in misplaced_paths(scene):
         yield (
             Diagnostic(
                 f"its way begins at {follow.points[0]} m, but '{follow.body}' is at {here} m then, or turned otherwise",

@@ -13,8 +13,8 @@ from wmspec.sim.scene.joints.articulations import ascent, closing, trees
 from wmspec.sim.scene.joints.drives import too_damped, too_stiff
 from wmspec.sim.scene.model import Joint, Scene
 from wmspec.sim.scene.physics.contact import colliders
-from wmspec.sim.scene.physics.speed import fastest, steps, thinnest
-from wmspec.sim.scene.regime_thresholds import ENTERED
+from wmspec.sim.scene.physics.speed import max_speed, min_thickness, step_multiplier
+from wmspec.sim.scene.regime_thresholds import MAX_ENTERED_FRACTION
 
 Where = Iterator[tuple[str, str]]
 """Prim paths, and what is asked of each."""
@@ -158,9 +158,9 @@ def _sticking(scene: Scene) -> Where:
 
 
 def _hitting(scene: Scene, gives: float, most: int) -> Where:
-    speed, path = fastest(scene)
-    thin, depth = thinnest(scene), gives * speed / most
-    if steps(scene, gives, most) == most and depth > ENTERED * thin:
+    speed, path = max_speed(scene)
+    thin, depth = min_thickness(scene), gives * speed / most
+    if step_multiplier(scene, gives, most) == most and depth > MAX_ENTERED_FRACTION * thin:
         entered = f"{1e3 * depth:.2g} mm deep into what is {1e3 * thin:.2g} mm thick"
         yield path, f"an impact at {speed:.3g} m/s, which goes {entered}"
 

@@ -10,9 +10,9 @@ from typing import Any
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.model.transform import conjugate, cross, multiply, rotate, rotated, turned, turning
 from wmspec.sim.scene.physics.episode import (
-    MEET,
-    TORN,
-    TOUCH,
+    BREAK_LENGTH,
+    TOUCH_BEGIN,
+    TOUCH_END,
     Aim,
     Drag,
     Episode,
@@ -22,16 +22,16 @@ from wmspec.sim.scene.physics.episode import (
     Push,
     Recording,
     Track,
-    act,
-    begin,
-    beginnings,
-    expected,
-    mounted,
-    observe,
+    apply_events,
+    apply_forces,
+    apply_grips,
+    broken_grips,
+    event_steps,
+    kinematic_recording,
     play,
-    take,
-    told,
-    torn,
+    record_state,
+    scripted_states,
+    to_body_frames,
 )
 
 _COMMON: tuple[Callable[..., Any], ...] = (
@@ -52,15 +52,15 @@ _COMMON: tuple[Callable[..., Any], ...] = (
     Episode,
     Recording,
     play,
-    told,
-    expected,
-    begin,
-    beginnings,
-    act,
-    observe,
-    take,
-    torn,
-    mounted,
+    kinematic_recording,
+    scripted_states,
+    apply_events,
+    event_steps,
+    apply_forces,
+    record_state,
+    apply_grips,
+    broken_grips,
+    to_body_frames,
 )
 _HEAD = '''"""Plays the episode "{name}" in {engine} and writes its trace to trace.npz, next to this file.
 
@@ -110,7 +110,13 @@ def script(
     Functions and classes (`parts`), literals by name (`values`), and the lines that make a `world` from them. `values`
     must contain the `EPISODE`; their `repr` must be their Python text.
     """
-    values = {"NAMES": [body.name for body in scene.bodies], "MEET": MEET, "TOUCH": TOUCH, "TORN": TORN, **values}
+    values = {
+        "NAMES": [body.name for body in scene.bodies],
+        "MEET": TOUCH_BEGIN,
+        "TOUCH": TOUCH_END,
+        "TORN": BREAK_LENGTH,
+        **values,
+    }
     sections = [
         _HEAD.format(name=scene.name, engine=engine, module=module),
         *(inspect.getsource(part) for part in (*_COMMON, *parts)),

@@ -9,7 +9,7 @@ from wmspec.core import space
 from wmspec.core.diagnostics import WmsError
 from wmspec.sim.scene.model import Array, Motion, Pose
 from wmspec.sim.scene.model.transform import apply, compose, conjugate, rotate
-from wmspec.sim.scene.physics.decompose import CONCAVITY, pieces
+from wmspec.sim.scene.physics.decompose import CONCAVITY, convex_parts
 from wmspec.sim.shapes import Box, Mesh, Shape, Sphere
 from wmspec.sim.usd import meshes
 from wmspec.sim.usd.prims import refuse, value
@@ -69,7 +69,7 @@ def collider(here: Placed, motion: Motion, down: Array = DOWN, notes: Notes = ST
         case "none":
             return _surface(here, mesh, motion, down)
     try:
-        return tuple((piece, here.pose) for piece in pieces(mesh))
+        return tuple((piece, here.pose) for piece in convex_parts(mesh))
     except WmsError as error:
         refuse(prim, str(error), "or split it into convex meshes")
 

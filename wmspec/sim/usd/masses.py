@@ -17,7 +17,7 @@ from pxr import Gf, Usd
 from wmspec.core.diagnostics import WmsError
 from wmspec.sim.scene.model import Array, Inertia, Motion, Pose
 from wmspec.sim.scene.model.transform import multiply, rotation
-from wmspec.sim.scene.physics.decompose import whole
+from wmspec.sim.scene.physics.decompose import mesh_mass_properties
 from wmspec.sim.scene.physics.inertia import inertia, principal
 from wmspec.sim.shapes import Mesh, Shape, Sphere
 from wmspec.sim.usd.colliders import as_hull, collider
@@ -65,7 +65,7 @@ def _collider_inertia(c: Placed, density: float, world: World, notes: Notes) -> 
     try:
         if isinstance(c.shape, Mesh) and not as_hull(c.prim, c.shape):
             way: Motion = "static" if notes.strict else "dynamic"
-            size, unit = whole(
+            size, unit = mesh_mass_properties(
                 c.shape, c.pose, lambda: [s for s, _ in collider(c, way, notes=notes) if isinstance(s, Mesh)]
             )
             mass = mass or (per_volume or WATER) * size

@@ -13,7 +13,7 @@ from wmspec.sim.scene.joints.initial_state import settled
 from wmspec.sim.scene.joints.loops import opened
 from wmspec.sim.scene.joints.momentum import started
 from wmspec.sim.scene.model import Action, Body, Camera, Joint, Observation, Scene
-from wmspec.sim.scene.physics.scene_warnings import doubts
+from wmspec.sim.scene.physics.scene_warnings import scene_warnings
 from wmspec.sim.usd import actions, episode, joints, reach
 from wmspec.sim.usd.bodies import bodies
 from wmspec.sim.usd.cameras import camera, daylight, overview
@@ -70,7 +70,7 @@ def scene(stage: Usd.Stage, notes: Notes) -> Scene:
     if notes.strict:
         return read
     read, moved = settled(read)
-    doubtful = doubts(read)
+    doubtful = scene_warnings(read)
     read, begun = started(weighed(opened(read)))
     return replace(read, notes=(*notes.diagnostics, *moved, *begun, *doubtful))
 

@@ -13,7 +13,7 @@ from wmspec.sim.scene.joints.com_frame import com_frame
 from wmspec.sim.scene.model import Pose, Scene
 from wmspec.sim.scene.model.bounds import upright
 from wmspec.sim.scene.model.transform import multiply, rotation, turning
-from wmspec.sim.scene.physics.contact import apart, colliders, may_touch
+from wmspec.sim.scene.physics.contact import can_collide, colliders, non_colliding_pairs
 
 
 class World:
@@ -28,8 +28,8 @@ class World:
         self.force, self.torque = np.zeros_like(self.position), np.zeros_like(self.position)
         self.held: set[int] = set()
         self.solid = {i: colliders(body) for i, body in enumerate(self.bodies) if colliders(body)}
-        pairs = set(combinations(self.solid, 2)) - apart(scene)
-        self.pairs = [(i, j) for i, j in pairs if may_touch(self.bodies[i], self.bodies[j])]
+        pairs = set(combinations(self.solid, 2)) - non_colliding_pairs(scene)
+        self.pairs = [(i, j) for i, j in pairs if can_collide(self.bodies[i], self.bodies[j])]
 
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         self.velocity[body], self.momentum[body] = linear, self.inertia(body) @ angular

@@ -12,7 +12,7 @@ from wmspec.sim.scene.joints.com_frame import com_frame
 from wmspec.sim.scene.model import Array, Drive, Joint, Scene
 from wmspec.sim.scene.model.numbers import placed
 from wmspec.sim.scene.model.transform import compose, cross, rotate, rotation
-from wmspec.sim.scene.regime_thresholds import FINEST
+from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 
 STIFFEST = 0.5  # of a vibration, in radians a step, squared; of a decay, the part in a step
 
@@ -34,7 +34,7 @@ def enough(scene: Scene, rate: int, *, damped: bool = True) -> int:
     for finer in (1, 2, 4, 8):
         if not any(too_stiff(scene, finer * rate)) and not (damped and any(too_damped(scene, finer * rate))):
             return finer * rate
-    return FINEST * rate
+    return MAX_STEP_MULTIPLIER * rate
 
 
 def weighed(scene: Scene) -> Scene:
