@@ -35,7 +35,7 @@ INFO = Info(
         Lack(fine_drives(STEPS_PER_SECOND), "MuJoCo makes up to 16 times as many steps", nearly=True),
         Lack(
             fast_impacts(GIVES, MAX_STEP_MULTIPLIER),
-            f"MuJoCo's contacts give way, even with {MAX_STEP_MULTIPLIER} times as many steps; make it slower, or what it may hit "
+            f"contacts are compliant, even with {MAX_STEP_MULTIPLIER} times as many steps; make the body slower or the obstacle "
             "thicker",
             nearly=True,
         ),

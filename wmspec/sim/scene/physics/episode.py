@@ -136,11 +136,10 @@ class Track:
 
 @dataclass(frozen=True)
 class Episode:
-    """Samples at `rate` (Hz), `substeps` engine steps between them; poses are position and quaternion (w, x, y, z).
+    """All events of an execution: `rate` samples a second with `substeps` engine steps between samples.
 
-    What is `unfelt` has no shape that could be touched, so that nobody needs to be told how it moves.
-
-    `start` is where each body's centre-of-mass frame is, `mounts` where the body's own frame is inside that one.
+    Poses are position and quaternion (w, x, y, z). `start` holds the centre-of-mass frame of each body, `mounts` the
+    body frame relative to it. Bodies in `untouchable` have no colliding geom; engines need not move them.
     """
 
     rate: int
