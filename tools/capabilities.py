@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from wmspec.runtime.engines.registry import info, names
-from wmspec.sim.scene.capability import NEARLY, table
+from wmspec.sim.scene.capability import APPROXIMATE, capability_table
 
 PAGE = Path(__file__).parent.parent / "docs/stage.md"
 START, STOP = "<!-- capabilities -->\n", "<!-- /capabilities -->\n"
@@ -29,14 +29,14 @@ def lines() -> list[str]:
     """The table in Markdown."""
     engines = [info(name) for name in names()]
     head = f"| | {' | '.join(engine.title for engine in engines)} | otherwise |"
-    rows = table({engine.name: engine.lacks for engine in engines})
+    rows = capability_table({engine.name: engine.lacks for engine in engines})
     shown = [f"| {name} | {' | '.join(cells(row))} |" for name, row in rows]
     return [head, "|---|" + "---|" * (len(engines) + 1), *shown]
 
 
 def cells(row: dict[str, str]) -> list[str]:
     """A mark for each engine, and the reasons."""
-    marks = ["≈" if reason.startswith(NEARLY) else "—" if reason else "✓" for reason in row.values()]
+    marks = ["≈" if reason.startswith(APPROXIMATE) else "—" if reason else "✓" for reason in row.values()]
     return [*marks, "; ".join(dict.fromkeys(filter(None, row.values())))]
 
 

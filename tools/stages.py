@@ -100,7 +100,7 @@ def attempt(path: Path, engine: str) -> dict[str, Any]:
         episode = wmspec.run(path, engine, SECONDS)
     except WmsError as error:
         return {"refused": str(error)}
-    ends = {name: episode[name].middle[-1].tolist() for name in episode.movable}
+    ends = {name: episode[name].center[-1].tolist() for name in episode.movable}
     return {"bodies": ends, "notes": [str(note) for note in episode.notes]}
 
 

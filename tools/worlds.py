@@ -37,7 +37,7 @@ from wmspec.lang.parse.syntax import Template
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import default, names
 from wmspec.sim.scene.model import Frame, Look, Scene, Shot
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.usd import read
 
 IMAGES = Path(__file__).parent.parent / "docs/images"
@@ -115,7 +115,7 @@ def thing(name: str, library: str, more: str = "") -> Scene:
 
     still = placed(9, 0, -1, 1, 0, 0, 0)
     it = next(body for body in still.bodies if body.name == "it")
-    low, high = upright([geom for geom in it.geoms if geom.visible], it.pose)
+    low, high = world_box([geom for geom in it.geoms if geom.visible], it.pose)
     size = high - low
     rise = math.radians(50 if size[2] < 0.3 * max(size[:2]) else 22)
     away = 0.5 * float(np.linalg.norm(size)) / math.sin(math.radians(15)) * 0.98

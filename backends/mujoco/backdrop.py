@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wmspec.sim.scene.model import Body, Camera, Scene, Shot
 from wmspec.sim.scene.model.digest import digest
 from wmspec.sim.scene.model.memoize import kept
-from wmspec.sim.scene.render.window import Lit, Window
+from wmspec.sim.scene.render.window import LitPoints, Window
 
 REMEMBERED = 24
 """Each takes 12 bytes a pixel: 0.8 MB at 256 by 256."""
@@ -46,7 +46,7 @@ class Backdrop:
     """What stands still, counted among itself, and the points of it that what moves may throw shadows on."""
 
     layer: Layer
-    lit: Lit
+    lit: LitPoints
 
 
 class Backdrops:

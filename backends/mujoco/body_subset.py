@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.sim.scene.model import Camera, Scene, Shot
-from wmspec.sim.scene.render.boxes import Edges
+from wmspec.sim.scene.render.boxes import ViewEdges
 from wmspec.sim.scene.render.near_plane import NearPlane
-from wmspec.sim.scene.render.shadow import Casters, Region
-from wmspec.sim.scene.render.shadow_culling import Sight, Thrown
+from wmspec.sim.scene.render.shadow import ShadowCasters, ShadowMapRegion
+from wmspec.sim.scene.render.shadow_culling import ShadowCulling, VisibleSet
 
 
 class Cast:
@@ -24,7 +24,7 @@ class Cast:
         chosen = set(bodies)
         shown = [i in chosen for i, body in enumerate(scene.bodies) for geom in body.geoms if geom.visible]
         self._shown = np.array(shown, dtype=bool)
-        self._near, self._thrown, self._casters = NearPlane(some, aspect), Thrown(some), Casters(some)
+        self._near, self._thrown, self._casters = NearPlane(some, aspect), ShadowCulling(some), ShadowCasters(some)
 
     def _own(self, shot: Shot) -> Shot:
         """Where these bodies are in a shot of the whole scene."""
@@ -34,13 +34,13 @@ class Cast:
         """The camera with its near plane as far away as these bodies allow."""
         return self._near.before(camera, self._own(shot))
 
-    def region(self, camera: Camera, shot: Shot) -> Region:
+    def region(self, camera: Camera, shot: Shot) -> ShadowMapRegion:
         """The column along the sun in which they throw their shadows."""
         return self._casters.region(camera, self._own(shot))
 
-    def sight(self, camera: Camera, edges: Edges, shot: Shot, texel: float) -> Sight:
+    def sight(self, camera: Camera, edges: ViewEdges, shot: Shot, texel: float) -> VisibleSet:
         """Of every visible shape of the scene: if it is theirs, and it or its shadow may be seen within the edges."""
         own = self._thrown.sight(camera, edges, self._own(shot), texel)
         seen, casts = np.zeros((2, len(self._shown)), dtype=bool)
         seen[self._shown], casts[self._shown] = own.seen, own.casts
-        return Sight(seen, casts)
+        return VisibleSet(seen, casts)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
-from wmspec.sim.scene.script import script
+from wmspec.sim.scene.script import episode_script
 
 from .clearance import CLEAR, beside, between
 from .mjcf import mjcf
@@ -23,11 +23,11 @@ def native(scene: Scene) -> dict[str, str]:
     """
     whole, timeline = prepare(scene)
     values = {"HEAVY": HEAVY, "CLEAR": CLEAR, "ASSEMBLY": whole, "EPISODE": timeline}
-    run = script(
+    run = episode_script(
         "MuJoCo",
         "mujoco",
         scene,
-        parts=[CollisionShape, Rigid, Link, Tie, Gear, Assembly, rates, between, beside, World],
+        parts=[CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly, rates, between, beside, World],
         values=values,
         world=WORLD,
     )

@@ -32,12 +32,12 @@ INFO = Info(
             stiff_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND),
             "MuJoCo computes drives step by step and would overshoot; make it softer or what it moves heavier",
         ),
-        Lack(fine_drives(STEPS_PER_SECOND), "MuJoCo makes up to 16 times as many steps", nearly=True),
+        Lack(fine_drives(STEPS_PER_SECOND), "MuJoCo makes up to 16 times as many steps", approximate=True),
         Lack(
             fast_impacts(GIVES, MAX_STEP_MULTIPLIER),
-            f"contacts are compliant, even with {MAX_STEP_MULTIPLIER} times as many steps; make the body slower or the obstacle "
-            "thicker",
-            nearly=True,
+            f"contacts are compliant, even with {MAX_STEP_MULTIPLIER} times as many steps; slow the body down or thicken "
+            "the obstacle",
+            approximate=True,
         ),
         Lack(
             LEANING_CYLINDERS,
@@ -48,7 +48,7 @@ INFO = Info(
             DOUBLE_PENDULUMS,
             "MuJoCo integrates to first order: a few per cent come and go",
         ),
-        Lack(TWO_FRICTIONS, "MuJoCo has one coefficient, that of motion", nearly=True),
+        Lack(TWO_FRICTIONS, "MuJoCo has one coefficient, that of motion", approximate=True),
     ),
     graphics=Graphics("EGL", mesa=(24, 3), variables=("MUJOCO_GL", "PYOPENGL_PLATFORM"), on_import=True),
 )

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from wmspec.sim.scene.joints.articulations import WORLD, Tree
-from wmspec.sim.scene.joints.com_frame import com_frame, mount, placed
+from wmspec.sim.scene.joints.com_frame import body_frame_in_com, com_frame, transform_points
 from wmspec.sim.scene.model import Array, Body, Camera, Friction, Geom, Light, Pose, Scene
 from wmspec.sim.scene.model.transform import compose, conjugate, inverse, rotate
 from wmspec.sim.scene.physics.contact import colliding_geoms, combine_friction
@@ -53,7 +53,7 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) 
             elements[i].insert(0, ET.Element("freejoint", name=body.name))
     for camera in scene.cameras:
         rides = next((i for i, body in enumerate(scene.bodies) if body.name == camera.body), WORLD)
-        pose = camera.pose if rides == WORLD else compose(mount(scene.bodies[rides]), camera.pose)
+        pose = camera.pose if rides == WORLD else compose(body_frame_in_com(scene.bodies[rides]), camera.pose)
         _camera(elements[rides], camera, pose)
     for a, g, b, h in colliding_geoms(scene):
         led = "kinematic" in (a.motion, b.motion)
@@ -179,7 +179,7 @@ def _geom(element: ET.Element, asset: ET.Element, name: str, geom: Geom) -> None
         return
     if geom.shape.convex or geom.collides:
         apart = {} if geom.shape.convex else {"group": _HIDDEN}
-        _hull(asset, name, placed(geom.pose, geom.shape.corners()))
+        _hull(asset, name, transform_points(geom.pose, geom.shape.corners()))
         _add(element, name, {"type": "mesh", "mesh": name, **apart, **look, **hidden})
     if geom.visible and not geom.shape.convex:
         points, faces = geom.shape.triangles()
@@ -222,11 +222,11 @@ def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly)
 
     The points by which bodies will be held, not yet active, those that close loops, and joints that mimic others.
     """
-    if not (episode.grips or whole.ties or whole.gears):
+    if not (episode.grips or whole.loop_closures or whole.mimic_constraints):
         return
     equality = ET.SubElement(root, "equality")
     solref = text([-((0.1 / episode.step) ** 2), -0.5 / episode.step])
-    for tie in whole.ties:
+    for tie in whole.loop_closures:
         names = {"body1": scene.bodies[tie.second].name, "body2": scene.bodies[tie.first].name}
         points = tie.below
         if tie.first == WORLD:
@@ -238,7 +238,7 @@ def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly)
             made = ET.SubElement(equality, "connect", {"name": name, **names, "anchor": text(point), "solref": solref})
             made.set("solimp", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
     leads = {link.body: scene.joints[link.joint].name for tree in whole.trees for link in tree if link.joint >= 0}
-    for gear in whole.gears:  # as coordinates are since the start, at which it fits
+    for gear in whole.mimic_constraints:  # as coordinates are since the start, at which it fits
         both = {"joint1": scene.joints[gear.joint].name, "joint2": leads[gear.leader], "solref": solref}
         made = ET.SubElement(equality, "joint", both, polycoef=text([0.0, gear.ratio, 0.0, 0.0, 0.0]))
         made.set("solimp", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))

@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import EngineError, WmsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.capability import require
 from wmspec.sim.scene.joints.articulations import trees
-from wmspec.sim.scene.joints.drives import enough
+from wmspec.sim.scene.joints.drives import required_step_rate
 from wmspec.sim.scene.model import Scene, Trace
 from wmspec.sim.scene.physics.contact import colliding_geoms, combine_friction
 from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
@@ -81,7 +81,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     validate(scene)
     require(INFO.lacks, scene)
     fast = STEPS_PER_SECOND * step_multiplier(scene, GIVES, MAX_STEP_MULTIPLIER)
-    timeline = episode(scene, max(fast, enough(scene, STEPS_PER_SECOND, damped=False)))
+    timeline = episode(scene, max(fast, required_step_rate(scene, STEPS_PER_SECOND, damped=False)))
     return assembly(scene, timeline), timeline
 
 

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Camera, Frame, Geom, Scene, Shot
-from wmspec.sim.scene.render.boxes import Edges
-from wmspec.sim.scene.render.camera import find, seeing
-from wmspec.sim.scene.render.color import texture, whole
+from wmspec.sim.scene.render.boxes import ViewEdges
+from wmspec.sim.scene.render.camera import find_camera, world_camera
+from wmspec.sim.scene.render.color import load_texture, round_up_color
 from wmspec.sim.scene.render.contact_shadow import ContactShadows
-from wmspec.sim.scene.render.picture import check
-from wmspec.sim.scene.render.shadow import SHADE, Region
+from wmspec.sim.scene.render.picture import require_all_poses
+from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowMapRegion
 from wmspec.sim.scene.render.texcoords import texcoords
-from wmspec.sim.scene.render.window import Moving, Window, full
+from wmspec.sim.scene.render.window import MovingBodies, Window, full_window
 from wmspec.sim.shapes import Shape
 
 from .backdrop import Backdrop, Backdrops, Layer, key
@@ -58,7 +58,7 @@ class Renderer:
         self._scene, self._size, self._contact = scene, (width, height), ContactShadows(scene)
         still = [i for i, body in enumerate(scene.bodies) if body.motion == "static"]
         self._every, self._still = (Cast(scene, some, width / height) for some in (range(len(scene.bodies)), still))
-        self._moving = Moving(scene)
+        self._moving = MovingBodies(scene)
         self._model: Any = build(scene, width, height).compile()
         self._data: Any = mujoco.MjData(self._model)
         self._owner = np.append(self._model.body_mocapid[self._model.geom_bodyid], -1)
@@ -69,14 +69,16 @@ class Renderer:
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
-        check(self._scene, shot)
+        require_all_poses(self._scene, shot)
         self._gl.make_current()
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         for i, pose in enumerate(shot.poses):
             self._data.mocap_pos[i], self._data.mocap_quat[i] = pose.position, pose.orientation
-        eye = seeing(self._scene, shot)
+        eye = world_camera(self._scene, shot)
         region = self._every.region(eye, shot)
-        layer = self._on_backdrop(eye, region, shot) or self._layer(self._every, eye, region, shot, full(*self._size))
+        layer = self._on_backdrop(eye, region, shot) or self._layer(
+            self._every, eye, region, shot, full_window(*self._size)
+        )
         rgb = self._contact.cast(layer.rgb, layer.ids, layer.depth, eye, shot)
         return Frame(rgb, layer.ids, layer.depth if depth else None)
 
@@ -94,13 +96,13 @@ class Renderer:
         self._gl.make_current()
         self._context.free()
 
-    def _on_backdrop(self, eye: Camera, region: Region, shot: Shot) -> Layer | None:
+    def _on_backdrop(self, eye: Camera, region: ShadowMapRegion, shot: Shot) -> Layer | None:
         """What moves, drawn with all around it on a picture of what stands still; None where that would gain nothing.
 
         That is where nothing stands still or the camera rides. Where what moves widens the sun's map, shadows would
         have a seam.
         """
-        rides = find(self._scene, shot.camera).body is not None
+        rides = find_camera(self._scene, shot.camera).body is not None
         if rides or not self._still.bodies or not region.same(self._still.region(eye, shot)):
             return None
         known = key(self._scene, self._still.bodies, eye, shot, self._size)
@@ -111,18 +113,18 @@ class Renderer:
         layer = backdrop.layer.numbered(self._still.bodies)
         return layer.over(window, self._layer(self._every, eye, region, shot, window)) if window.share else layer
 
-    def _backdrop(self, eye: Camera, region: Region, shot: Shot) -> Backdrop:
-        layer = self._layer(self._still, eye, region, shot, full(*self._size))
+    def _backdrop(self, eye: Camera, region: ShadowMapRegion, shot: Shot) -> Backdrop:
+        layer = self._layer(self._still, eye, region, shot, full_window(*self._size))
         return Backdrop(layer.counted(self._still.bodies), self._moving.lit(layer.ids, layer.depth, eye))
 
-    def _layer(self, cast: Cast, eye: Camera, region: Region, shot: Shot, window: Window) -> Layer:
+    def _layer(self, cast: Cast, eye: Camera, region: ShadowMapRegion, shot: Shot, window: Window) -> Layer:
         """Some bodies in a window of the picture, without contact shadows."""
         self._aim(cast, eye, region, shot, window)
         rgb = self._colors(window)
         ids = self._bodies(window)
         return Layer(rgb, ids, np.where(ids >= 0, self._distance(window), np.float32(0)))
 
-    def _aim(self, cast: Cast, eye: Camera, region: Region, shot: Shot, window: Window) -> None:
+    def _aim(self, cast: Cast, eye: Camera, region: ShadowMapRegion, shot: Shot, window: Window) -> None:
         """Turn camera and shadow map to what's to be seen, and leave out what is not, nor throws a shadow there.
 
         MuJoCo offsets shadows by four steps of a 24-bit depth map that reaches from the near plane to the far plane
@@ -150,7 +152,7 @@ class Renderer:
         for i in np.flatnonzero(~sight.casts[sight.seen]):
             self._view.geoms[i].category = mujoco.mjtCatBit.mjCAT_DECOR  # which casts no shadow
 
-    def _frame(self, camera: Camera, edges: Edges) -> None:
+    def _frame(self, camera: Camera, edges: ViewEdges) -> None:
         """Let the picture show what lies within the edges."""
         left, right, down, up = (camera.near * edge for edge in edges)
         for eye in self._view.camera:
@@ -209,7 +211,7 @@ def _rect(window: Window) -> Any:
     return mujoco.MjrRect(0, 0, window.width, window.height)
 
 
-def _texel(region: Region) -> float:
+def _texel(region: ShadowMapRegion) -> float:
     """The width (m) of a texel of the sun's map."""
     return 2 * region.half / SHADOW_MAP
 
@@ -265,7 +267,7 @@ def _settings(spec: Any, scene: Scene, width: int, height: int) -> None:
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.offsamples, spec.visual.quality.shadowsize = SAMPLES, SHADOW_MAP
     spec.visual.headlight.active = 0
-    sky = whole(scene.background)
+    sky = round_up_color(scene.background)
     flat, skybox = mujoco.mjtBuiltin.mjBUILTIN_FLAT, mujoco.mjtTexture.mjTEXTURE_SKYBOX
     spec.add_texture(name="sky", type=skybox, builtin=flat, rgb1=sky, rgb2=sky, width=16, height=16)
 
@@ -273,7 +275,7 @@ def _settings(spec: Any, scene: Scene, width: int, height: int) -> None:
 def _lights(spec: Any, scene: Scene) -> None:
     """The sun, once with shadows and once without, which also carries the ambient light."""
     light = scene.light
-    for name, share, shadow in (("sun", SHADE, True), ("sky", 1 - SHADE, False)):
+    for name, share, shadow in (("sun", SUN_SHADE, True), ("sky", 1 - SUN_SHADE, False)):
         spec.worldbody.add_light(
             name=name,
             type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
@@ -315,7 +317,7 @@ class _Assets:
         """The name of the texture of an image file."""
         if path not in self._images:
             self._images.add(path)
-            image, kind = texture(path), mujoco.mjtTexture.mjTEXTURE_2D
+            image, kind = load_texture(path), mujoco.mjtTexture.mjTEXTURE_2D
             made = self.spec.add_texture(name=path, type=kind, height=image.shape[0], width=image.shape[1], nchannel=3)
             made.data = image.tobytes()
         return path

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
-from wmspec.sim.scene.script import script
+from wmspec.sim.scene.script import episode_script
 
 from . import articulations, shapes, world
 from .physics import prepare
@@ -27,7 +27,7 @@ CONSTANTS = {
     articulations: ("JOINTS", "MEETING"),
 }
 PARTS = (
-    *(CollisionShape, Rigid, Link, Tie, Gear, Assembly),
+    *(CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly),
     *(shapes.shape, shapes.inside, shapes.xyzw, shapes.single, shapes.several, shapes.objects),
     *(articulations.branches, articulations.depth_first, articulations.still, articulations.put),
     world.World,
@@ -40,4 +40,4 @@ def native(scene: Scene) -> dict[str, str]:
     constants = {name: getattr(module, name) for module, names in CONSTANTS.items() for name in names}
     values = constants | {"ASSEMBLY": whole, "EPISODE": timeline}
     line = "world = World(ASSEMBLY)"
-    return {"run.py": script("PyBullet", "pybullet", scene, parts=PARTS, values=values, world=line)}
+    return {"run.py": episode_script("PyBullet", "pybullet", scene, parts=PARTS, values=values, world=line)}

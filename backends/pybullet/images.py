@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Array, Geom
-from wmspec.sim.scene.render.color import texture
+from wmspec.sim.scene.render.color import load_texture
 from wmspec.sim.shapes.facets import Facets
 
 with silence():
@@ -38,7 +38,7 @@ class Images:
     def number(self, file: str, halvings: int | None) -> int:
         """The image of a file, as it is or halved so often and softened. Raises WmsError if it can't be read."""
         if (file, halvings) not in self._numbers:
-            pixels = texture(file)
+            pixels = load_texture(file)
             with TemporaryDirectory() as folder:
                 path = file if halvings is None else str(Path(folder) / "image.png")
                 if halvings is not None:
@@ -68,7 +68,7 @@ class Pattern:
         if look.texture is None or look.repeats is None:
             return None
         low, high = (np.array([ends(side.points, axis=0) for side in sides]) for ends in (np.min, np.max))
-        size = float(np.prod(texture(look.texture).shape[:2]))
+        size = float(np.prod(load_texture(look.texture).shape[:2]))
         return cls(look.texture, low, high, planes, np.sqrt([size * _share(side) for side in sides]))
 
     def halvings(self, eye: Array, pixel: float) -> list[int]:
@@ -80,7 +80,7 @@ class Pattern:
         flat = self.planes[:, :3].any(axis=1)
         height = np.where(flat, self.planes @ np.append(eye, 1.0), away)
         covered = self.texels * pixel * away / np.clip(height / np.maximum(away, 1e-9), FLATTEST, 1)
-        most = np.log2(max(texture(self.file).shape[:2]))
+        most = np.log2(max(load_texture(self.file).shape[:2]))
         halvings: list[int] = np.floor(np.clip(np.log2(np.maximum(covered, 1)), 0, most)).astype(int).tolist()
         return halvings
 

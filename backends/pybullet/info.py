@@ -37,7 +37,7 @@ INFO = Info(
         Lack(BALL_LIMITS, "PyBullet has no such limits; remove the cone angles, or use hinges"),
         Lack(stiff_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND), _OVERSHOOTS),
         Lack(damped_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND), _OVERSHOOTS),
-        Lack(fine_drives(STEPS_PER_SECOND), "PyBullet makes up to 16 times as many steps", nearly=True),
+        Lack(fine_drives(STEPS_PER_SECOND), "PyBullet makes up to 16 times as many steps", approximate=True),
         Lack(
             SLIDING_MESHES,
             "Bullet keeps contacts where they no longer are: they stop 1 to 8 % early; use boxes or cylinders",
@@ -47,7 +47,7 @@ INFO = Info(
             DOUBLE_PENDULUMS,
             "Bullet integrates to first order: a few per cent come and go",
         ),
-        Lack(TWO_FRICTIONS, "PyBullet has one coefficient, that of motion", nearly=True),
+        Lack(TWO_FRICTIONS, "PyBullet has one coefficient, that of motion", approximate=True),
         Lack(MIMICS_APART, "PyBullet's gears are of one multibody; join the two by a joint"),
         Lack(
             SEVERAL_MATERIALS,

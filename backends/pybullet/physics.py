@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.capability import require
-from wmspec.sim.scene.joints.drives import enough
+from wmspec.sim.scene.joints.drives import required_step_rate
 from wmspec.sim.scene.model import Scene, Trace
 from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
 from wmspec.sim.scene.physics.readback import require_equal
@@ -44,7 +44,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     """The scene in PyBullet's words. Raises WmsError, with the prim path, for what PyBullet doesn't have."""
     validate(scene)
     require(INFO.lacks, scene)
-    timeline = episode(scene, enough(scene, INFO.steps_per_second))
+    timeline = episode(scene, required_step_rate(scene, INFO.steps_per_second))
     return within_margins(footed(assembly(scene, timeline))), timeline
 
 

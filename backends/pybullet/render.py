@@ -13,12 +13,12 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.sim.scene.model.transform import apply, compose, inverse
-from wmspec.sim.scene.render.camera import projection_matrix, seeing, view_matrix
-from wmspec.sim.scene.render.color import whole
+from wmspec.sim.scene.render.camera import projection_matrix, view_matrix, world_camera
+from wmspec.sim.scene.render.color import round_up_color
 from wmspec.sim.scene.render.contact_shadow import ContactShadows
 from wmspec.sim.scene.render.near_plane import NearPlane
-from wmspec.sim.scene.render.picture import Image, check, halve, quantize
-from wmspec.sim.scene.render.shadow import SHADE, Casters
+from wmspec.sim.scene.render.picture import Image, halve, quantize, require_all_poses
+from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowCasters
 from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.shapes.facets import Facets
 
@@ -58,7 +58,7 @@ class Renderer:
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         self._scene, self._size = scene, (width, height)
-        self._casters, self._contact = Casters(scene), ContactShadows(scene)
+        self._casters, self._contact = ShadowCasters(scene), ContactShadows(scene)
         self._near = NearPlane(scene, width / height)
         self._client = pybullet.connect(pybullet.DIRECT)
         # what's in front comes first: what's behind it then need not be coloured
@@ -75,14 +75,14 @@ class Renderer:
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
-        check(self._scene, shot)
-        camera = seeing(self._scene, shot)
+        require_all_poses(self._scene, shot)
+        camera = world_camera(self._scene, shot)
         near = self._near.before(camera, shot)
         fine, coarse = self._layers(near, shot)
         lit, dark = self._smooth(fine), coarse.rgba[..., :3] + np.float32(0.5)
         ids, distance = self._owner[coarse.numbers], _metres(coarse.depth, near)
         distance[ids < 0] = 0
-        shaded = np.float32(SHADE) * self._occlusion(camera, shot, distance)
+        shaded = np.float32(SUN_SHADE) * self._occlusion(camera, shot, distance)
         rgb = quantize(lit - shaded[..., None] * np.maximum(lit - dark, 0))
         return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance if depth else None)
 
@@ -222,7 +222,7 @@ def _add(geom: Geom, images: Images, client: int) -> tuple[tuple[int, ...], Arra
 
 
 def _rgba(geom: Geom) -> list[float]:
-    return [*whole(geom.surface.color), 1.0]
+    return [*round_up_color(geom.surface.color), 1.0]
 
 
 def _side(geom: Geom, facets: Facets, client: int) -> int:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from wmspec.sim.scene.model import Array, Camera
 from wmspec.sim.scene.model.transform import rotation
-from wmspec.sim.scene.render.camera import look_at, rays
+from wmspec.sim.scene.render.camera import look_at, pixel_rays
 from wmspec.sim.scene.render.picture import Image
-from wmspec.sim.scene.render.shadow import Region
+from wmspec.sim.scene.render.shadow import ShadowMapRegion
 
 ANGLE = math.radians(1.0)
 """The sun's map is seen under this angle from far away: its rays are nearly parallel."""
@@ -27,7 +27,7 @@ BIAS = 2.0
 class Sun:
     """The sun as a camera that sees a region."""
 
-    def __init__(self, region: Region, direction: Array) -> None:
+    def __init__(self, region: ShadowMapRegion, direction: Array) -> None:
         away = region.half / math.tan(ANGLE / 2)
         pose = look_at(region.center - direction * away, region.center)
         near, far = max(away - region.reach, away / 2), away + region.reach
@@ -51,7 +51,7 @@ class Sun:
         axes = rotation(self.camera.pose.orientation)
         turn = (rotation(camera.pose.orientation).T @ axes).astype(np.float32)
         move = ((camera.pose.position - self.camera.pose.position) @ axes).astype(np.float32)
-        x, y = (side.astype(np.float32) for side in rays(camera, depth.shape[1], depth.shape[0]))
+        x, y = (side.astype(np.float32) for side in pixel_rays(camera, depth.shape[1], depth.shape[0]))
         return [depth * (x * a + (y * b - c)[:, None]) + d for (a, b, c), d in zip(turn.T, move, strict=True)]
 
 

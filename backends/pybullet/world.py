@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from wmspec.core.native_output import silence
-from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, TOUCH_END, Grip
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
@@ -63,18 +63,18 @@ class World:
         self.targets = {joint: limb.drive[2] for joint, limb in self.drives.items()}
         self.fresh = set(self.drives)
         self.held: set[int] = set()
-        self.ties: dict[int, list[int]] = {}
+        self.loop_closures: dict[int, list[int]] = {}
         self.met: set[tuple[int, int]] = set()
         for a, b in assembly.non_colliding_pairs:
             for one, other in [(one, other) for one in self.parts[a] for other in self.parts[b]]:
                 pybullet.setCollisionFilterPair(one[0], other[0], one[1], other[1], 0, physicsClientId=self.client)
 
-        for tie in assembly.ties:
+        for tie in assembly.loop_closures:
             self.tie(tie)
-        for gear in assembly.gears:
+        for gear in assembly.mimic_constraints:
             self.gear(gear)
 
-    def tie(self, tie: Tie) -> None:
+    def tie(self, tie: LoopClosure) -> None:
         """Close a loop."""
         first, second, above, below = tie.first, tie.second, tie.above, tie.below
         if first < 0:  # the world can only be the second of two
@@ -92,7 +92,7 @@ class World:
             )
             pybullet.changeConstraint(made, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
 
-    def gear(self, gear: Gear) -> None:
+    def gear(self, gear: MimicConstraint) -> None:
         """Let a joint mimic another."""
         made = pybullet.createConstraint(
             *self.ids[gear.body],
@@ -234,7 +234,7 @@ class World:
         if grip.body in self.trees:  # a link can be tied to a free body, but not the other way round
             ends.reverse()
         (one, here), (other, there) = ends
-        self.ties[number] = [
+        self.loop_closures[number] = [
             pybullet.createConstraint(
                 *(*one, *other),
                 pybullet.JOINT_POINT2POINT,
@@ -245,12 +245,12 @@ class World:
             )
             for point, anchor in zip(here, there, strict=True)
         ]
-        for tie in self.ties[number]:
+        for tie in self.loop_closures[number]:
             pybullet.changeConstraint(tie, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
 
     def loose(self, number: int, _grip: Grip) -> None:
         """Let go of what a hand holds."""
-        for tie in self.ties.pop(number):
+        for tie in self.loop_closures.pop(number):
             pybullet.removeConstraint(tie, physicsClientId=self.client)
 
     def weigh(self, body: int, mass: float, moments: Any) -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from wmspec.sim.scene.joints.articulations import Gear, Link, Tie, ascent
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint, ancestors
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
-from wmspec.sim.scene.script import script
+from wmspec.sim.scene.script import episode_script
 
 from . import joints, shapes, world
 from .physics import landing, prepare
@@ -16,12 +16,12 @@ CONSTANTS = {
     joints: ("JOINTS", "STIFFEST", "DAMPED", "FASTEST_JOINT"),
 }
 PARTS = (
-    *(CollisionShape, Rigid, Link, Tie, Gear, Assembly),
+    *(CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly),
     *(
         joints.branches,
         joints.connect,
         joints.couple,
-        ascent,
+        ancestors,
         joints.ball,
         joints.ignored,
         joints.frame,
@@ -37,4 +37,4 @@ def native(scene: Scene) -> dict[str, str]:
     constants = {name: getattr(module, name) for module, names in CONSTANTS.items() for name in names}
     values = constants | {"ASSEMBLY": whole, "LANDING": landing(scene), "EPISODE": timeline}
     made = "world = World(ASSEMBLY, LANDING)"
-    return {"run.py": script("SAPIEN", "sapien", scene, parts=PARTS, values=values, world=made)}
+    return {"run.py": episode_script("SAPIEN", "sapien", scene, parts=PARTS, values=values, world=made)}

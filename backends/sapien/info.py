@@ -44,7 +44,9 @@ INFO = Info(
             "PhysX integrates to first order: a few per cent come and go",
         ),
         # Measured: with PhysX's coefficient at rest too, a box slips on a slope that only this one would hold it on.
-        Lack(TWO_FRICTIONS, "what begins to creep in PhysX has the coefficient of motion from then on", nearly=True),
+        Lack(
+            TWO_FRICTIONS, "what begins to creep in PhysX has the coefficient of motion from then on", approximate=True
+        ),
         Lack(MIMICS_APART, "PhysX's tendons are of one articulation; join the two by a joint"),
         Lack(
             MIMICS_PAST,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from wmspec.core.native_output import silence
-from wmspec.sim.scene.joints.articulations import Gear, Link, ascent
+from wmspec.sim.scene.joints.articulations import Link, MimicConstraint, ancestors
 from wmspec.sim.scene.physics.rigid import Assembly
 
 with silence():
@@ -28,12 +28,12 @@ def once_limited(assembly: Assembly) -> Assembly:
     Where both are at their limits PhysX opens them by itself: a gripper's closed fingers were 59 mm apart after 1 s.
     """
     limits = {limb.body: limb.limits for tree in assembly.trees for limb in tree}
-    kept = {gear.leader for gear in assembly.gears if _within(gear, limits[gear.body], limits[gear.leader])}
+    kept = {gear.leader for gear in assembly.mimic_constraints if _within(gear, limits[gear.body], limits[gear.leader])}
     trees = (tuple(replace(limb, limits=()) if limb.body in kept else limb for limb in tree) for tree in assembly.trees)
     return replace(assembly, trees=tuple(trees))
 
 
-def _within(gear: Gear, mimics: tuple[float, ...], leads: tuple[float, ...]) -> bool:
+def _within(gear: MimicConstraint, mimics: tuple[float, ...], leads: tuple[float, ...]) -> bool:
     """Whether the limits of what mimics keep its leader within its own."""
     if not mimics or not leads or not gear.ratio:
         return False
@@ -77,10 +77,10 @@ def connect(joint: Any, limb: Link, above: Any, *, geared: bool) -> None:
     joint.set_drive_velocity_target(velocity)
 
 
-def couple(gear: Gear, branch: tuple[Link, ...], links: dict[int, Any], step: float) -> None:
+def couple(gear: MimicConstraint, branch: tuple[Link, ...], links: dict[int, Any], step: float) -> None:
     """Let a joint mimic another, by a tendon that is as stiff as steps let; its force on each is its coefficient's."""
     above = {limb.body: limb.parent for limb in branch}
-    one, other = ascent(gear.leader, above), ascent(gear.body, above)
+    one, other = ancestors(gear.leader, above), ancestors(gear.body, above)
     root = next(body for body in one[1:] if body in other[1:])
     passed = {*one[: one.index(root)], *other[: other.index(root)]}
     chain = [root, *(limb.body for limb in branch if limb.body in passed)]

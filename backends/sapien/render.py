@@ -22,12 +22,12 @@ from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Body, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.sim.scene.model.transform import identity, multiply, quaternion, rotation
-from wmspec.sim.scene.render.camera import seeing
-from wmspec.sim.scene.render.color import texture, to_bytes
+from wmspec.sim.scene.render.camera import world_camera
+from wmspec.sim.scene.render.color import load_texture, to_bytes
 from wmspec.sim.scene.render.contact_shadow import ContactShadows
 from wmspec.sim.scene.render.near_plane import NearPlane
-from wmspec.sim.scene.render.picture import check, over
-from wmspec.sim.scene.render.shadow import SHADE, Casters
+from wmspec.sim.scene.render.picture import blend_over, require_all_poses
+from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowCasters
 from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.shapes.facets import Facets, join
 
@@ -51,7 +51,7 @@ class Renderer:
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         _sentinel()
-        self._scene, self._casters, self._contact = scene, Casters(scene), ContactShadows(scene)
+        self._scene, self._casters, self._contact = scene, ShadowCasters(scene), ContactShadows(scene)
         self._near = NearPlane(scene, width / height)
         self._world: Any = _world()
         self._bodies = [_body(self._world, merged(body)) for body in scene.bodies]
@@ -63,8 +63,8 @@ class Renderer:
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
-        check(self._scene, shot)
-        camera = seeing(self._scene, shot)
+        require_all_poses(self._scene, shot)
+        camera = world_camera(self._scene, shot)
         if camera.name not in self._eyes:
             self._eyes[camera.name] = _eyes(self._world, camera, *self._size)
         color, shape = self._eyes[camera.name]
@@ -74,7 +74,7 @@ class Renderer:
         self._place(shot, camera)
         color.take_picture()
         shape.take_picture()  # before the first is waited for
-        rgb, seen = over(color.get_picture("Picture"), self._scene.background), shape.get_picture("Seen")
+        rgb, seen = blend_over(color.get_picture("Picture"), self._scene.background), shape.get_picture("Seen")
         ids, distance = self._ids(seen[..., 1]), seen[..., 0]
         return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance.copy() if depth else None)
 
@@ -202,8 +202,10 @@ def _lights(world: Any, scene: Scene) -> Any:
     light = scene.light
     direction = light.direction.tolist()
     world.set_ambient_light([light.ambient] * 3)
-    world.add_directional_light(direction, [light.diffuse * (1 - SHADE)] * 3)
-    return world.add_directional_light(direction, [light.diffuse * SHADE] * 3, shadow=True, shadow_map_size=SHADOW_MAP)
+    world.add_directional_light(direction, [light.diffuse * (1 - SUN_SHADE)] * 3)
+    return world.add_directional_light(
+        direction, [light.diffuse * SUN_SHADE] * 3, shadow=True, shadow_map_size=SHADOW_MAP
+    )
 
 
 def _body(world: Any, parts: list[list[Geom]]) -> Any:
@@ -261,7 +263,7 @@ def _material(geom: Geom) -> Any:
     material.base_color = [*look.color, 1.0]
     material.roughness, material.metallic, material.specular = max(look.roughness, 0.05), look.metallic, 0.4
     if look.texture is not None:
-        image = texture(look.texture)
+        image = load_texture(look.texture)
         opaque = np.dstack([image, np.full(image.shape[:2], 255, np.uint8)])
         material.base_color_texture = sapien.render.RenderTexture2D(
             opaque, "R8G8B8A8Unorm", mipmap_levels=max(image.shape[:2]).bit_length(), srgb=False

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from wmspec.core.native_output import silence
-from wmspec.sim.scene.joints.articulations import Link, Tie
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure
 from wmspec.sim.scene.physics.episode import Grip
 from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
@@ -50,10 +50,10 @@ class World:
         self.scene.set_timestep(assembly.step)
         self.bodies, self.landing = assembly.bodies, landing
         self.targets: dict[int, Any] = {}
-        self.ties: dict[int, list[Any]] = {}
+        self.loop_closures: dict[int, list[Any]] = {}
         self.lanes = lanes(assembly.bodies)
         self.ignored = ignored(assembly.non_colliding_pairs, len(self.bodies))
-        self.gears, self.seconds = assembly.gears, assembly.step
+        self.mimic_constraints, self.seconds = assembly.mimic_constraints, assembly.step
         self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
         self.joints: dict[int, Any] = {}
         made: dict[int, Any] = {}
@@ -64,10 +64,10 @@ class World:
                 for branch in branches(self.trees[i]):
                     made |= self.grow(branch, made)
         self.parts = [made[i] for i in range(len(self.bodies))]
-        for tie in assembly.ties:
+        for tie in assembly.loop_closures:
             self.tie(tie)
 
-    def tie(self, tie: Tie) -> None:
+    def tie(self, tie: LoopClosure) -> None:
         """Close a loop."""
         first, second, above, below = tie.first, tie.second, tie.above, tie.below
         if second < 0:  # the world can only be the first of two
@@ -126,7 +126,9 @@ class World:
         """Make an articulation; what hangs on the world hangs on a fixed link without shape at its joint."""
         physx, top = sapien.physx, branch[0]
         links: dict[int, Any] = {}
-        geared = {limb.joint for gear in self.gears for limb in branch if limb.body in (gear.body, gear.leader)}
+        geared = {
+            limb.joint for gear in self.mimic_constraints for limb in branch if limb.body in (gear.body, gear.leader)
+        }
         entities = []
         if top.kind not in ("free", "ball"):
             links[-1] = physx.PhysxArticulationLinkComponent(None)
@@ -146,7 +148,7 @@ class World:
             self.scene.add_entity(one)
         iterate(next(iter(links.values())).articulation, VELOCITY_ITERATIONS)
         self.rest(links, branch, moving=True)
-        for gear in self.gears:
+        for gear in self.mimic_constraints:
             if gear.body in links:
                 couple(gear, branch, links, self.seconds)
         return {body: link for body, link in links.items() if body >= 0}
@@ -219,13 +221,13 @@ class World:
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
         """Tie points of a hand to the anchors in a body's frame."""
-        self.ties[number] = [
+        self.loop_closures[number] = [
             self.point(grip.body, grip.hand, anchor, point) for point, anchor in zip(grip.points, anchors, strict=True)
         ]
 
     def loose(self, number: int, grip: Grip) -> None:
         """Let go of what a hand holds."""
-        for tie in self.ties.pop(number):
+        for tie in self.loop_closures.pop(number):
             self.parts[grip.body].entity.remove_component(tie)
 
     def step(self) -> None:

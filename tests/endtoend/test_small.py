@@ -101,12 +101,12 @@ def test_who_reads_no_further_is_no_failure() -> None:
 
 def test_a_camera_that_is_not_there_is_told_in_a_sentence() -> None:
     from wmspec.core.diagnostics import WmsError
-    from wmspec.sim.scene.render.camera import find
+    from wmspec.sim.scene.render.camera import find_camera
     from wmspec.sim.usd import read
 
     (first, _) = wmspec.load(text=SPEC.format(body=BALL))
     with pytest.raises(WmsError, match=r"there is no camera `frnt`; did you mean `front`\?"):
-        find(read(first.stage()), "frnt")
+        find_camera(read(first.stage()), "frnt")
 
 
 def test_distinct_by_is_told_where_it_says_nothing() -> None:

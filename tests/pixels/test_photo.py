@@ -27,7 +27,7 @@ from wmspec.sim.materials import TEXTURES
 from wmspec.sim.photo import library
 from wmspec.sim.photo.light import directions, panels, surroundings
 from wmspec.sim.scene.model import Camera, Frame, Light, Scene, Shot, Surface
-from wmspec.sim.scene.render.camera import look_at, project, seeing
+from wmspec.sim.scene.render.camera import look_at, project, world_camera
 from wmspec.sim.scene.render.color import to_linear
 from wmspec.sim.shapes import Box, Cylinder, Sphere
 
@@ -115,7 +115,7 @@ def test_outlines_agree_with_the_masks() -> None:
 
     what, size = things(), 96
     ids, tracer = drawn(what, look="parity", size=size).ids, Tracer(what, (size, size))
-    plain = tracer._taken(tracer._plain, tracer._glowing(shot(what)), seeing(what, shot(what)), 16)[..., :3]
+    plain = tracer._taken(tracer._plain, tracer._glowing(shot(what)), world_camera(what, shot(what)), 16)[..., :3]
     apart = np.linalg.norm(plain[:, :, None] - to_linear(np.array(list(COLORS.values()))), axis=-1)
     nearest = apart.argmin(axis=-1)
     for number, name in enumerate(COLORS):

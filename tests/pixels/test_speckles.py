@@ -15,7 +15,7 @@ from tests.pixels.test_materials import surface
 from wmspec.sim.materials import MATERIALS
 from wmspec.sim.scene.model import Camera, Shot
 from wmspec.sim.scene.render.camera import look_at
-from wmspec.sim.scene.render.color import texture
+from wmspec.sim.scene.render.color import load_texture
 from wmspec.sim.shapes import Box
 
 
@@ -26,7 +26,7 @@ def test_a_far_top_is_smooth(material: str, engine: str, renderer: Any) -> None:
     frame = renderer(engine, scene(top, cameras=(eye,)), 96, 96).draw(Shot("eye", [top.pose]), depth=True)
     upper = (frame.ids == 0) & (frame.depth > 1.75)
     assert upper.sum() > 200
-    grain = texture(str(MATERIALS[material].path))[..., 1]
+    grain = load_texture(str(MATERIALS[material].path))[..., 1]
     assert frame.rgb[upper][:, 1].std() < 0.2 * grain.std() + 1
 
 

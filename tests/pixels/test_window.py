@@ -18,7 +18,7 @@ from wmspec.backends.mujoco.render import Renderer
 from wmspec.core.resources import resource
 from wmspec.sim.scene.model import Pose, Scene, Shot, Surface
 from wmspec.sim.scene.render.camera import project
-from wmspec.sim.scene.render.window import BLOCK, EDGE, Moving, full
+from wmspec.sim.scene.render.window import TILE, WINDOW_MARGIN, MovingBodies, full_window
 from wmspec.sim.usd import read
 
 SIZE = 128
@@ -113,9 +113,9 @@ def test_outside_of_the_window_nothing_tells(name: str, x: float, y: float, z: f
     region, both = renderer._still.region(eye, shot), (renderer._still, renderer._every)
     with pytest.MonkeyPatch.context() as patch:  # another near plane is another rounding of shadows
         patch.setattr(Cast, "nearest", lambda _, eye, shot: eye)
-        without, within = (renderer._layer(cast, eye, region, shot, full(SIZE, SIZE)) for cast in both)
-    lit = Moving(scene).lit(without.ids, without.depth, eye)
-    window = Moving(scene).window(lit, eye, shot, (SIZE, SIZE), 2 * region.half / render.SHADOW_MAP)
+        without, within = (renderer._layer(cast, eye, region, shot, full_window(SIZE, SIZE)) for cast in both)
+    lit = MovingBodies(scene).lit(without.ids, without.depth, eye)
+    window = MovingBodies(scene).window(lit, eye, shot, (SIZE, SIZE), 2 * region.half / render.SHADOW_MAP)
     outside = np.ones((SIZE, SIZE), bool)
     outside[window.part] = False
     assert not (within.ids != without.ids)[outside].any()
@@ -129,13 +129,13 @@ def test_windows_begin_and_end_with_blocks(scene: Scene) -> None:
         eye = next(camera for camera in scene.cameras if camera.name == shot.camera)
         frame = renderer.draw(shot, depth=True)
         assert frame.depth is not None
-        moving = Moving(scene)
+        moving = MovingBodies(scene)
         window = moving.window(moving.lit(frame.ids, frame.depth, eye), eye, shot, (SIZE, SIZE), 0.006)
-        assert not any(n % BLOCK for n in (window.left, window.right, SIZE - window.top, SIZE - window.bottom))
+        assert not any(n % TILE for n in (window.left, window.right, SIZE - window.top, SIZE - window.bottom))
         numbers = [i for i, body in enumerate(scene.bodies) if body.motion != "static"]
         places, depths = project(eye, [shot.poses[i].position for i in numbers], SIZE, SIZE)
-        inside = ((places > EDGE) & (places < SIZE - EDGE)).all(axis=1) & (depths > 0)
+        inside = ((places > WINDOW_MARGIN) & (places < SIZE - WINDOW_MARGIN)).all(axis=1) & (depths > 0)
         for x, y in places[inside]:
-            assert window.left <= x - EDGE < x + EDGE <= window.right
-            assert window.top <= y - EDGE < y + EDGE <= window.bottom
+            assert window.left <= x - WINDOW_MARGIN < x + WINDOW_MARGIN <= window.right
+            assert window.top <= y - WINDOW_MARGIN < y + WINDOW_MARGIN <= window.bottom
     renderer.close()

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from tests.stage.stages import assert_same, stage
 from wmspec.core.diagnostics import StageError
-from wmspec.sim.scene.joints.articulations import coordinate
+from wmspec.sim.scene.joints.articulations import joint_coordinate
 from wmspec.sim.scene.model import Camera, Drive, Joint, Steer
 from wmspec.sim.scene.model.transform import apply, compose, inverse, rotate
 from wmspec.sim.usd import read
@@ -77,7 +77,7 @@ def test_the_world_at_either_end_keeps_the_sign_of_the_coordinate() -> None:
         (joint,), (body,) = scene.joints, scene.bodies
         assert (joint.first, joint.second) == (None, "b")
         found = compose(inverse(joint.first_frame), compose(body.pose, joint.second_frame))
-        assert_allclose(coordinate(joint, found), expected, atol=1e-6)
+        assert_allclose(joint_coordinate(joint, found), expected, atol=1e-6)
 
 
 def test_static_ends_are_the_world_and_joints_of_nothing_are_left_out() -> None:

@@ -12,7 +12,7 @@ from tests.engines import ENGINES, installed
 from wmspec.core.diagnostics import StageError
 from wmspec.runtime.conformance.build import body, box, joint, stage
 from wmspec.sim.scene.joints.articulations import trees
-from wmspec.sim.scene.joints.coordinates import gears
+from wmspec.sim.scene.joints.coordinates import mimic_constraints
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.validate import validate
 from wmspec.sim.usd import read
@@ -63,7 +63,7 @@ def test_what_does_not_start_where_it_should_is_moved_or_refused() -> None:
     scene = opened(text, strict=False)
     validate(scene)
     assert [str(note) for note in scene.notes if "is moved there" in note.message]
-    (gear,) = gears(scene)
+    (gear,) = mimic_constraints(scene)
     assert gear.offset == pytest.approx(math.radians(30))
     # One unit of force between the two moves the cart, 1 kg, and turns the wheel.
     (wheel,) = [b.inertia for b in scene.bodies if b.name == "wheel"]

@@ -15,7 +15,7 @@ from tests.stage.stages import stage
 from tests.stage.test_meshes import RING, angle, prim
 from wmspec.core.diagnostics import StageError
 from wmspec.sim.scene.model import Body
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.shapes import Mesh
 from wmspec.sim.usd import read
 from wmspec.sim.usd.thin_shells import DEPTH, sheets
@@ -72,7 +72,7 @@ def sheet(text: str) -> Body:
 
 def reach(body: Body) -> Points:
     """The corners (2, 3) of the upright box around what collides."""
-    return upright([geom for geom in body.geoms if geom.collides], body.pose)
+    return world_box([geom for geom in body.geoms if geom.collides], body.pose)
 
 
 @pytest.mark.parametrize("faces", ["0, 1, 2, 3", "3, 2, 1, 0"])

@@ -24,11 +24,11 @@ from wmspec.runtime.compare.regimes import entered
 from wmspec.runtime.compare.tolerance import Tolerances
 from wmspec.runtime.engines import archive
 from wmspec.runtime.engines.registry import info
-from wmspec.sim.scene.capability import approximated, require
+from wmspec.sim.scene.capability import approximation_warnings, require
 from wmspec.sim.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
-from wmspec.sim.scene.model.bounds import middle
-from wmspec.sim.scene.render.appearance import shown_at
-from wmspec.sim.scene.render.camera import find
+from wmspec.sim.scene.model.bounds import box_center
+from wmspec.sim.scene.render.appearance import appearance_at
+from wmspec.sim.scene.render.camera import find_camera
 from wmspec.sim.usd import read
 from wmspec.sim.usd.files import opened
 
@@ -38,15 +38,15 @@ class Track:
     """The way of one body, T samples of it.
 
     `position` (T, 3) m and `orientation` (T, 4), quaternions (w, x, y, z), are of the body's frame; `linear_velocity`
-    (T, 3) m/s and `angular_velocity` (T, 3) rad/s of its centre of mass, in world axes. `middle` (T, 3) m is that
-    of the box around it in its own frame, which is what measures are of; of a simple shape it is where its frame is.
+    (T, 3) m/s and `angular_velocity` (T, 3) rad/s of its centre of mass, in world axes. `center` (T, 3) m is
+    the centre of its bounding box, which measures use; for a simple shape it is the origin of the frame.
     """
 
     position: NDArray[np.float64]
     orientation: NDArray[np.float64]
     linear_velocity: NDArray[np.float64]
     angular_velocity: NDArray[np.float64]
-    middle: NDArray[np.float64]
+    center: NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,7 +86,7 @@ class Episode:
         """What was taken for something else, executed only nearly as it is meant, or is known to go wrong: warnings."""
         wrong = entered(self.scene, self.trace, Tolerances().event)
         doubts = (Diagnostic(regime.told, severity="warning") for regime in wrong)
-        nearly = approximated(info(self.engine).lacks, self.scene)
+        nearly = approximation_warnings(info(self.engine).lacks, self.scene)
         return tuple(dict.fromkeys((*self.scene.notes, *nearly, *doubts)))
 
     @property
@@ -105,7 +105,7 @@ class Episode:
             orientation=frames.orientation,
             linear_velocity=trace.linear_velocity[:, i],
             angular_velocity=trace.angular_velocity[:, i],
-            middle=middle(self.scene.bodies[i], frames),
+            center=box_center(self.scene.bodies[i], frames),
         )
 
     def views(self, camera: str = "") -> list[tuple[str, float]]:
@@ -117,7 +117,7 @@ class Episode:
         views = asked or [(c.name, 0.0) for c in self.scene.cameras]
         if not camera:
             return views
-        find(self.scene, camera)
+        find_camera(self.scene, camera)
         times = sorted({t for c, t in views if c == camera} or {t for _, t in views})
         return [(camera, t) for t in times]
 
@@ -188,11 +188,11 @@ class Episode:
         archive.save(self.stage, self.trace, Path(path), self.notes)
 
     def _drawn(self, camera: str, time: float, depth: bool, drawing: Drawing) -> Frame:
-        find(self.scene, camera)
+        find_camera(self.scene, camera)
         if not -1e-9 <= time <= self.time[-1] + 0.5 / self.scene.rate:
             raise WmsError(f"{time:g} s is outside the episode, which lasts {self.time[-1]:g} s")
         shot = Shot(camera, self.trace.poses(time))
-        return renderer_of(self.engine, **drawing).draw(shown_at(self.scene, time), shot, depth=depth)
+        return renderer_of(self.engine, **drawing).draw(appearance_at(self.scene, time), shot, depth=depth)
 
 
 def open_stage(path: str | PathLike[str]) -> Usd.Stage:

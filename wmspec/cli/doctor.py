@@ -41,23 +41,23 @@ def _capabilities(as_json: bool) -> None:
     import json
 
     from wmspec.runtime.engines.registry import info, names
-    from wmspec.sim.scene.capability import NEARLY, table
+    from wmspec.sim.scene.capability import APPROXIMATE, capability_table
 
     engines = [info(name) for name in names()]
 
     def _mark(why: str) -> str:
-        if why.startswith(NEARLY):
+        if why.startswith(APPROXIMATE):
             return click.style("~~", fg="yellow")
         return click.style("--", fg="red") if why else click.style("ok", fg="green")
 
-    rows = table({engine.name: engine.lacks for engine in engines})
+    rows = capability_table({engine.name: engine.lacks for engine in engines})
     if as_json:
-        nearly = [{e: why for e, why in row.items() if why.startswith(NEARLY)} for _, row in rows]
+        nearly = [{e: why for e, why in row.items() if why.startswith(APPROXIMATE)} for _, row in rows]
         told = [
             {
                 "capability": name,
                 "lacking": {e: why for e, why in _lacking(row).items() if e not in near},
-                "nearly": {e: why.removeprefix(NEARLY) for e, why in near.items()},
+                "nearly": {e: why.removeprefix(APPROXIMATE) for e, why in near.items()},
             }
             for (name, row), near in zip(rows, nearly, strict=True)
         ]

@@ -143,7 +143,7 @@ def _summary(episode: Episode) -> dict[str, Any]:
         track = episode[name]
         bodies[name] = {
             "position": track.position[-1].tolist(),
-            "middle": track.middle[-1].tolist(),
+            "middle": track.center[-1].tolist(),
             "orientation": track.orientation[-1].tolist(),
             "velocity": track.linear_velocity[-1].tolist(),
         }

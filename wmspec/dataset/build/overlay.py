@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from wmspec.dataset.build.typeset import font
 from wmspec.sim.scene.model import Array, Frame, Scene, Shot, Trace
-from wmspec.sim.scene.render.camera import project, seeing
+from wmspec.sim.scene.render.camera import project, world_camera
 
 FINE = 3
 """Lines are drawn so many times larger, for smooth edges."""
@@ -44,7 +44,7 @@ def _way(scene: Scene, trace: Trace, camera: str, body: int, time: float, size: 
     places = trace.position[samples, body]
     if np.ptp(places, axis=0).max() < 0.005:
         return
-    points, depth = project(seeing(scene, Shot(camera, trace.poses(time))), places, *size)
+    points, depth = project(world_camera(scene, Shot(camera, trace.poses(time))), places, *size)
     before = np.concatenate([[False], depth > 0, [False]])
     begins, ends = np.flatnonzero(~before[:-1] & before[1:]), np.flatnonzero(before[:-1] & ~before[1:])
     for begin, end in zip(begins, ends, strict=True):

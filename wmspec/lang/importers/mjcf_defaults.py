@@ -10,7 +10,7 @@ import numpy as np
 from wmspec.lang.importers.markup import Element, Reader
 from wmspec.lang.importers.model import Faults
 from wmspec.sim.scene.model import Array, Pose
-from wmspec.sim.scene.model.transform import multiply, turning
+from wmspec.sim.scene.model.transform import from_rotation_vector, multiply
 
 #: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
 Find = Callable[[Element, str], str]
@@ -87,7 +87,7 @@ class Defaults(Reader):
         turns = [name for name in _TURNS if name in e.attributes]
         if len(turns) > 1:
             self.faults.add(e.where, f"`{turns[0]}` and `{turns[1]}` are both said", "keep one")
-        return Pose(position, getattr(self, f"_{turns[0]}")(e) if turns else turning(np.zeros(3)))
+        return Pose(position, getattr(self, f"_{turns[0]}")(e) if turns else from_rotation_vector(np.zeros(3)))
 
     def _quat(self, e: Element) -> Array:
         w, x, y, z = self.numbers(e, "quat", 4)
@@ -99,7 +99,7 @@ class Defaults(Reader):
 
     def _euler(self, e: Element) -> Array:
         """Turns about axes that go with the thing (xyz), or stand still (XYZ), one after the other."""
-        made = turning(np.zeros(3))
+        made = from_rotation_vector(np.zeros(3))
         for letter, angle in zip(self.sequence, self.numbers(e, "euler", 3), strict=True):
             turn = self._about(e, np.eye(3)["xyz".index(letter.lower())], angle * self.angle)
             made = multiply(made, turn) if letter.islower() else multiply(turn, made)
@@ -111,5 +111,5 @@ class Defaults(Reader):
         if size == 0:
             if angle != 0:
                 self.faults.add(e.where, "it is turned about an axis that is 0", "correct it")
-            return turning(np.zeros(3))
-        return turning(angle / size * axis)
+            return from_rotation_vector(np.zeros(3))
+        return from_rotation_vector(angle / size * axis)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from wmspec.sim.scene.model import Array, Pose
-from wmspec.sim.scene.model.transform import multiply, rotation, turning
+from wmspec.sim.scene.model.transform import from_rotation_vector, multiply, rotation
 
 X, Y, Z = np.eye(3)
 
@@ -18,7 +18,9 @@ _NOTHING = 1e-12
 def posed(xyz: tuple[float, ...] = (0.0, 0.0, 0.0), rpy: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Pose:
     """A frame at a point, turned by roll, pitch and yaw about the axes that stand still, in this order."""
     roll, pitch, yaw = rpy
-    turn = multiply(turning(yaw * Z), multiply(turning(pitch * Y), turning(roll * X)))
+    turn = multiply(
+        from_rotation_vector(yaw * Z), multiply(from_rotation_vector(pitch * Y), from_rotation_vector(roll * X))
+    )
     return Pose(np.array(xyz, float), turn)
 
 

@@ -19,7 +19,7 @@ from wmspec.lang.importers.tree import WORLD
 from wmspec.lang.importers.turns import X
 from wmspec.lang.importers.usd_file import note
 from wmspec.sim.scene import model
-from wmspec.sim.scene.joints.articulations import coordinate, relative
+from wmspec.sim.scene.joints.articulations import joint_coordinate, relative_frame
 from wmspec.sim.scene.model import Body, Pose
 from wmspec.sim.scene.model.transform import compose, identity, inverse, rotate
 from wmspec.sim.shapes import Sphere
@@ -132,7 +132,7 @@ class Stage:
         if joint.mimic:
             reason, remedy = "a spec cannot say that a joint mimics another", "remove the mimic, and drive both joints"
             raise StageError(reason, PrimPlace(joint.path), remedy)
-        start = coordinate(joint, relative(self._bodies, upper, lower, above, below))
+        start = joint_coordinate(joint, relative_frame(self._bodies, upper, lower, above, below))
         parent, child = self._end(upper), self._end(lower)
         if upper is not None and parent == self._root:  # the frame of the base is that of the stage
             above = compose(self._bodies[upper].pose, above)

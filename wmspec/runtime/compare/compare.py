@@ -12,7 +12,7 @@ from wmspec.runtime.compare.model import Comparison, Event, Gap, Rest
 from wmspec.runtime.compare.regimes import regimes
 from wmspec.runtime.compare.tolerance import Tolerances
 from wmspec.sim.scene.model import Body, Scene, Trace
-from wmspec.sim.scene.render.turn import turned
+from wmspec.sim.scene.render.visible_rotation import visible_angle
 
 
 def compare(run: str, scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) -> Comparison:
@@ -29,7 +29,7 @@ def compare(run: str, scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) 
 
 def _gap(body: Body, i: int, a: Trace, b: Trace, allowed: Array, most: float) -> Gap:
     apart = np.linalg.norm(a.position[:, i] - b.position[:, i], axis=1)
-    angle = turned(body, a.orientation[:, i], b.orientation[:, i])
+    angle = visible_angle(body, a.orientation[:, i], b.orientation[:, i])
     beyond = (apart > allowed) | (angle > most)
     worst = int(apart.argmax())
     return Gap(

@@ -21,7 +21,7 @@ from wmspec.sim.scene.capability import (
     ROLLING_CYLINDERS,
     SLIDING_MESHES,
     Capability,
-    approximated,
+    approximation_warnings,
 )
 from wmspec.sim.scene.joints.articulations import trees
 from wmspec.sim.scene.model import Body, Contact, Force, Impulse, JointKind, Launch, Pose, Release, Scene, Trace, Vanish
@@ -52,7 +52,7 @@ FAR, UPRIGHT = 0.05, 1.0
 def regimes(scene: Scene, traces: tuple[Trace, ...], apart: float) -> tuple[Regime, ...]:
     """What a scene and traces of it enter, each kind once; a pair `apart` (s) for longer touches anew."""
     engines = [info(trace.engine) for trace in traces if trace.engine in names()]
-    found = [Regime(d.message, str(d.place)) for engine in engines for d in approximated(engine.lacks, scene)]
+    found = [Regime(d.message, str(d.place)) for engine in engines for d in approximation_warnings(engine.lacks, scene)]
     found += [regime for trace in traces for regime in entered(scene, trace, apart)]
     return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmspec.sim.scene.model import Array
-from wmspec.sim.scene.model.transform import rotate, turned
+from wmspec.sim.scene.model.transform import rotate, to_rotation_vector
 
 RATE = 240  # samples a second
 
@@ -43,7 +43,7 @@ class Track:
         from wmspec.sim.scene.model.transform import conjugate, multiply
 
         whole = multiply(self.orientation[sample(time)], conjugate(self.orientation[0]))
-        return float(np.linalg.norm(turned(whole)))
+        return float(np.linalg.norm(to_rotation_vector(whole)))
 
 
 Run = Mapping[str, Track]

@@ -6,7 +6,7 @@ import numpy as np
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions.observed import Observed
-from wmspec.sim.scene.joints.articulations import coordinate
+from wmspec.sim.scene.joints.articulations import joint_coordinate
 from wmspec.sim.scene.model import Joint, JointKind, Pose
 from wmspec.sim.scene.model.transform import compose, identity, inverse
 
@@ -16,7 +16,7 @@ def angle(observed: Observed, name: str, at: float | None = None) -> float:
     joint = _joint(observed, name, "hinge")
     path = _path(observed, joint)
     turned = np.unwrap(2 * np.arctan2(path.orientation[:, 1], path.orientation[:, 0]))
-    start = coordinate(joint, Pose(path.position[0], path.orientation[0]))
+    start = joint_coordinate(joint, Pose(path.position[0], path.orientation[0]))
     return float(start + turned[observed.moment(at)] - turned[0])
 
 

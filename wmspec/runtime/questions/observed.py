@@ -10,7 +10,7 @@ import numpy as np
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Array, Body, Frame, Pose, Scene, Trace
-from wmspec.sim.scene.model.bounds import middle, upright
+from wmspec.sim.scene.model.bounds import box_center, world_box
 from wmspec.sim.scene.model.transform import identity
 
 #: What gets no further than this (m) from where it was has not moved: engines let things at rest creep by 0.3 mm.
@@ -87,7 +87,7 @@ class Observed:
     def track(self, name: str) -> Array:
         """Where the middle of a body's box is (T, 3), m, over the whole episode."""
         i = self.index(name)
-        return middle(self.scene.bodies[i], Pose(self.trace.position[:, i], self.trace.orientation[:, i]))
+        return box_center(self.scene.bodies[i], Pose(self.trace.position[:, i], self.trace.orientation[:, i]))
 
     def path(self, name: str) -> Array:
         """The part (t, 3) of a body's track that was observed."""
@@ -106,11 +106,11 @@ class Observed:
 
     def box(self, name: str, time: float) -> Array:
         """The corners (2, 3) m of the upright box around a body at a time (s)."""
-        return upright(self.body(name).geoms, self.pose(name, time))
+        return world_box(self.body(name).geoms, self.pose(name, time))
 
     def radius(self, name: str) -> float:
         """How far (m) the furthest point of a body's box is from its middle."""
-        low, high = upright(self.body(name).geoms, identity())
+        low, high = world_box(self.body(name).geoms, identity())
         return float(np.linalg.norm(high - low)) / 2
 
     def picture(self, camera: str, time: float) -> Frame:

@@ -21,12 +21,12 @@ from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.observed import MOVED, Observed
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Array, Body, Frame, Geom, Pose, Scene, Shot, Trace
-from wmspec.sim.scene.model.bounds import bounds, middle, own_middle
+from wmspec.sim.scene.model.bounds import bounds, box_center, own_box_center
 from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.model.transform import compose as placed
 from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.overlap import overlap
-from wmspec.sim.scene.render.appearance import shown_at, vanished
+from wmspec.sim.scene.render.appearance import appearance_at, vanished_bodies
 
 #: Bodies that lie deeper (m) in one another at the start would be thrown apart, by each engine in its own way.
 DEEP = 0.001
@@ -58,7 +58,7 @@ class Run:
     def movers(self) -> set[str]:
         """The names of the bodies that do move, at any time."""
         can = [i for i, body in enumerate(self.scene.bodies) if body.motion != "static"]
-        own = np.array([own_middle(self.scene.bodies[i]) for i in can]).reshape(-1, 3)
+        own = np.array([own_box_center(self.scene.bodies[i]) for i in can]).reshape(-1, 3)
         middles = self.trace.position[:, can] + rotate(self.trace.orientation[:, can], own)
         away = np.linalg.norm(middles - middles[0], axis=2).max(axis=0)
         return {self.scene.bodies[i].name for i, way in zip(can, away.tolist(), strict=True) if way > MOVED}
@@ -73,11 +73,11 @@ class Run:
             label = f"{self.values.change.name}: " if self.values.change else ""
             raise WmsError(f"{label}{time:g} s is outside the episode, which lasts {self.scene.duration:g} s")
         here, index = self.trace.poses(time), {name: k for k, name in enumerate(self.trace.bodies)}
-        rows, gone = np.full((len(names), 7), np.nan), vanished(self.scene, time)
+        rows, gone = np.full((len(names), 7), np.nan), vanished_bodies(self.scene, time)
         for row, name in zip(rows, names, strict=True):
             if name in index and name not in gone:
                 k = index[name]
-                row[:3], row[3:] = middle(self.scene.bodies[k], here[k]), here[k].orientation
+                row[:3], row[3:] = box_center(self.scene.bodies[k], here[k]), here[k].orientation
         return rows
 
     def observed(self, views: Sequence[View], pair: EnginePair) -> Observed:
@@ -86,7 +86,7 @@ class Run:
 
     def draw(self, camera: str, time: float, pair: EnginePair, *, depth: bool = False) -> Frame:
         """What a camera sees at a time (s)."""
-        return pair.renders.draw(shown_at(self.scene, time), Shot(camera, self.trace.poses(time)), depth=depth)
+        return pair.renders.draw(appearance_at(self.scene, time), Shot(camera, self.trace.poses(time)), depth=depth)
 
 
 def values_of(design: Design, instance: Instance, change: Counterfactual | None = None) -> Values:

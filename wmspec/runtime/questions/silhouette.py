@@ -9,10 +9,10 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.model.transform import apply, compose, identity
-from wmspec.sim.scene.render.camera import find, project
+from wmspec.sim.scene.render.camera import find_camera, project
 from wmspec.sim.shapes import Shape
 from wmspec.sim.shapes.facets import tessellate
 
@@ -69,13 +69,13 @@ def box(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tupl
 
 def _corners(body: Body) -> Array:
     """The corners (8, 3) m of the box around all that is visible of a body, in its frame."""
-    low, high = upright([geom for geom in body.geoms if geom.visible], identity())
+    low, high = world_box([geom for geom in body.geoms if geom.visible], identity())
     return np.array(list(product(*zip(low.tolist(), high.tolist(), strict=True))))
 
 
 def placed(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:
     """A camera of the scene in the world, also if it rides on a body."""
-    declared = find(scene, camera)
+    declared = find_camera(scene, camera)
     if declared.body is None:
         return declared
     carrier = next(i for i, b in enumerate(scene.bodies) if b.name == declared.body)

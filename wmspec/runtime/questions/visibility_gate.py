@@ -10,7 +10,7 @@ from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.observed import Observed
 from wmspec.runtime.questions.patch import patch
 from wmspec.runtime.questions.views import View
-from wmspec.sim.scene.render.appearance import vanished
+from wmspec.sim.scene.render.appearance import vanished_bodies
 
 #: A body that covers less of a picture than this cannot be seen in it. (A 6 x 6 patch of 256 x 256 pixels.)
 LEAST_VISIBLE = 36 / 256**2
@@ -78,7 +78,7 @@ def _seen_once(observed: Observed, group: tuple[str, ...], views: Sequence[View]
 
 def _unseen(observed: Observed, group: tuple[str, ...], view: View) -> str:
     """Why a body, or bodies that are seen as one thing, are not well seen in a view; empty if they are, or are gone."""
-    if vanished(observed.scene, view[1]).issuperset(group):
+    if vanished_bodies(observed.scene, view[1]).issuperset(group):
         return ""
     if len(group) == 1:
         return unseen(observed, group[0], view)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wmspec.sim.materials import TEXTURES
 from wmspec.sim.photo.library import mitsuba
 from wmspec.sim.scene.model import Surface
-from wmspec.sim.scene.render.color import texture, to_linear
+from wmspec.sim.scene.render.color import load_texture, to_linear
 
 SMOOTHEST = 0.05
 """Nothing is smoother: a mirror would show the few samples of the sun as sparks."""
@@ -96,11 +96,11 @@ def _image(values: NDArray[np.float32]) -> dict[str, Any]:
 @lru_cache(maxsize=64)
 def _tinted(path: str, color: tuple[float, float, float]) -> NDArray[np.float32]:
     """An image in the colour of a surface, as linear light: UsdPreviewSurface multiplies, Mitsuba can't."""
-    image: NDArray[np.float32] = (to_linear(texture(path) / 255) * to_linear(color)).astype(np.float32)
+    image: NDArray[np.float32] = (to_linear(load_texture(path) / 255) * to_linear(color)).astype(np.float32)
     return image
 
 
 @lru_cache(maxsize=64)
 def _grey(path: str) -> NDArray[np.float32]:
-    grey: NDArray[np.float32] = (texture(path) / 255).mean(axis=-1, keepdims=True).astype(np.float32)
+    grey: NDArray[np.float32] = (load_texture(path) / 255).mean(axis=-1, keepdims=True).astype(np.float32)
     return grey

@@ -15,9 +15,9 @@ from wmspec.sim.photo.light import SKY, SUN, panels, surroundings
 from wmspec.sim.photo.materials import Material, material
 from wmspec.sim.scene.model import Array, Camera, Geom, Pose, Scene, Shot, Surface
 from wmspec.sim.scene.model.transform import apply, compose, rotate, rotation
-from wmspec.sim.scene.render.camera import seeing
+from wmspec.sim.scene.render.camera import world_camera
 from wmspec.sim.scene.render.color import to_linear
-from wmspec.sim.scene.render.picture import check
+from wmspec.sim.scene.render.picture import require_all_poses
 from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.scene.render.tonemap import tonemap
 from wmspec.sim.shapes.facets import Facets
@@ -79,8 +79,8 @@ class Tracer:
 
     def draw(self, shot: Shot) -> NDArray[np.uint8]:
         """Bytes (h, w, 3), with the bodies where the shot places them."""
-        check(self._scene, shot)
-        camera = seeing(self._scene, shot)
+        require_all_poses(self._scene, shot)
+        camera = world_camera(self._scene, shot)
         light = self._taken(self._paths, self._lit(shot, camera), camera, self._samples)
         color = self._taken(self._plain, self._glowing(shot), camera, GUIDES)
         return tonemap(self._developed(light, color))

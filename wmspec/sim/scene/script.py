@@ -1,4 +1,4 @@
-"""A script that plays an episode with an engine and numpy alone: the code that plays it here, and the data, as text."""
+"""Native scripts: the text of a program that executes an episode with an engine and numpy alone."""
 
 from __future__ import annotations
 
@@ -8,7 +8,15 @@ from pprint import pformat
 from typing import Any
 
 from wmspec.sim.scene.model import Scene
-from wmspec.sim.scene.model.transform import conjugate, cross, multiply, rotate, rotated, turned, turning
+from wmspec.sim.scene.model.transform import (
+    conjugate,
+    cross,
+    from_rotation_vector,
+    multiply,
+    rotate,
+    rotate_one,
+    to_rotation_vector,
+)
 from wmspec.sim.scene.physics.episode import (
     BREAK_LENGTH,
     TOUCH_BEGIN,
@@ -38,10 +46,10 @@ _COMMON: tuple[Callable[..., Any], ...] = (
     conjugate,
     multiply,
     cross,
-    rotated,
+    rotate_one,
     rotate,
-    turning,
-    turned,
+    from_rotation_vector,
+    to_rotation_vector,
     Kick,
     Push,
     Drag,
@@ -96,7 +104,7 @@ _MAIN = """if __name__ == "__main__":
 """
 
 
-def script(
+def episode_script(
     engine: str,
     module: str,
     scene: Scene,
@@ -105,10 +113,10 @@ def script(
     values: Mapping[str, object],
     world: str,
 ) -> str:
-    """The text of a script.
+    """Return the text of a script.
 
-    Functions and classes (`parts`), literals by name (`values`), and the lines that make a `world` from them. `values`
-    must contain the `EPISODE`; their `repr` must be their Python text.
+    `parts` are functions and classes to copy, `values` are literals by name whose `repr` is valid Python (with
+    `EPISODE`), and `world` are the lines that create the world.
     """
     values = {
         "NAMES": [body.name for body in scene.bodies],

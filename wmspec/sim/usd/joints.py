@@ -15,7 +15,7 @@ from pxr import Gf, Usd
 
 from wmspec.core.diagnostics import Report
 from wmspec.sim.scene.model import Body, Inertia, Joint, JointKind, Pose
-from wmspec.sim.scene.model.transform import compose, identity, inverse, multiply, rotation, turning
+from wmspec.sim.scene.model.transform import compose, from_rotation_vector, identity, inverse, multiply, rotation
 from wmspec.sim.usd.drives import drive, drives
 from wmspec.sim.usd.frames import World, quaternion, split, vector
 from wmspec.sim.usd.mimics import mimics
@@ -135,7 +135,7 @@ def _frames(here: Pose, there: Pose, ways: Sequence[_Way]) -> Iterator[Pose]:
         if way.kind == "slider":
             step = Pose(axis * between.position[number], identity().orientation)
         else:
-            turn = between.orientation if way.kind == "ball" else turning(axis * angles[number])
+            turn = between.orientation if way.kind == "ball" else from_rotation_vector(axis * angles[number])
             step = Pose(np.zeros(3), turn)
         here = compose(here, step)
         yield here

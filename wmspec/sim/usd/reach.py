@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Gf, Usd
 
 from wmspec.sim.scene.model import Array, Body, Follow, Pose
-from wmspec.sim.scene.model.transform import inverse, multiply, rotate, turning
+from wmspec.sim.scene.model.transform import from_rotation_vector, inverse, multiply, rotate
 from wmspec.sim.usd.frames import World, quaternion, split
 from wmspec.sim.usd.prims import refuse, seconds, targets, value
 
@@ -84,7 +84,7 @@ def _moved(joint: Usd.Prim, outer: _Ways, coordinate: Array) -> _Ways:
     here = outer.then(first)
     way = coordinate[:, None] * axis
     if joint.GetTypeName() == "PhysicsRevoluteJoint":
-        there = _Ways(here.points, multiply(here.turns, turning(way)))
+        there = _Ways(here.points, multiply(here.turns, from_rotation_vector(way)))
     else:
         there = _Ways(here.points + rotate(here.turns, way), here.turns)
     return there.then(inverse(second))

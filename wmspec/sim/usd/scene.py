@@ -8,10 +8,10 @@ from pathlib import PurePath
 from pxr import Usd
 
 from wmspec.core.diagnostics import Report, StageError
-from wmspec.sim.scene.joints.drives import weighed
-from wmspec.sim.scene.joints.initial_state import settled
-from wmspec.sim.scene.joints.loops import opened
-from wmspec.sim.scene.joints.momentum import started
+from wmspec.sim.scene.joints.drives import with_force_drives
+from wmspec.sim.scene.joints.initial_state import project_to_limits
+from wmspec.sim.scene.joints.loops import split_loops
+from wmspec.sim.scene.joints.momentum import project_velocities
 from wmspec.sim.scene.model import Action, Body, Camera, Joint, Observation, Scene
 from wmspec.sim.scene.physics.scene_warnings import scene_warnings
 from wmspec.sim.usd import actions, episode, joints, reach
@@ -69,9 +69,9 @@ def scene(stage: Usd.Stage, notes: Notes) -> Scene:
     )
     if notes.strict:
         return read
-    read, moved = settled(read)
+    read, moved = project_to_limits(read)
     doubtful = scene_warnings(read)
-    read, begun = started(weighed(opened(read)))
+    read, begun = project_velocities(with_force_drives(split_loops(read)))
     return replace(read, notes=(*notes.diagnostics, *moved, *begun, *doubtful))
 
 

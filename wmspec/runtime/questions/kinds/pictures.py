@@ -25,8 +25,8 @@ from wmspec.runtime.questions.visible_object import sightings
 from wmspec.sim.scene.model import Body, Frame, Pose, Scene
 from wmspec.sim.scene.model.digest import digest
 from wmspec.sim.scene.model.memoize import kept
-from wmspec.sim.scene.render.appearance import shown_at
-from wmspec.sim.scene.render.turn import axis, visibly_turned
+from wmspec.sim.scene.render.appearance import appearance_at
+from wmspec.sim.scene.render.visible_rotation import symmetry_axis, visible_angle_about
 
 #: Two option pictures in which fewer pixels than this show something different look alike.
 LEAST_DIFFERENT = 100 / 256**2
@@ -89,7 +89,7 @@ class Pictures(Kind[PictureAnswer]):
             names=(TRUTH, *(change.name for change in asking.changes)),
             bodies=bodies,
             outcomes=np.stack([run.poses(bodies, time) for run in runs]),
-            looks=tuple(appearance(shown_at(run.scene, time)) for run in runs),
+            looks=tuple(appearance(appearance_at(run.scene, time)) for run in runs),
             axes=_axes(runs, bodies),
             lever=lever,
             outcome_kinds=tuple(_outcome_kinds(asking)),
@@ -216,7 +216,7 @@ def turn_between(axes: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[n
 
     `axes` (n, 3) say what turns unseen. What is in one of them alone is not turned.
     """
-    turns = (visibly_turned(axes[k], a[k : k + 1, 3:], b[k : k + 1, 3:]) for k in range(len(axes)))
+    turns = (visible_angle_about(axes[k], a[k : k + 1, 3:], b[k : k + 1, 3:]) for k in range(len(axes)))
     return max((float(turn[0]) for turn in turns if not np.isnan(turn[0])), default=0.0)
 
 
@@ -224,7 +224,7 @@ def _axes(runs: Sequence[Run], bodies: Sequence[str]) -> NDArray[np.float64]:
     """About what the bodies turn unseen; what is another shape in another run hides no turn."""
     rows = []
     for name in bodies:
-        there = [axis(body) for run in runs for body in run.scene.bodies if body.name == name]
+        there = [symmetry_axis(body) for run in runs for body in run.scene.bodies if body.name == name]
         same = all(np.array_equal(one, there[0], equal_nan=True) for one in there)
         rows.append(there[0] if same else np.full(3, np.nan))
     return np.array(rows).reshape(-1, 3)
@@ -283,7 +283,7 @@ def _told_apart(depicted: Sequence[Depicted], frames: Sequence[Frame]) -> None:
     """Raise Reject if two pictures look alike."""
     numbers: dict[tuple[object, ...], int] = {}
     shown = [
-        _shown(shown_at(option.run.scene, option.time), frame, numbers)
+        _shown(appearance_at(option.run.scene, option.time), frame, numbers)
         for option, frame in zip(depicted, frames, strict=True)
     ]
     for i, j in combinations(range(len(shown)), 2):

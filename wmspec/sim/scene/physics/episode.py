@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from wmspec.sim.scene.model.transform import conjugate, multiply, rotate, turned, turning
+from wmspec.sim.scene.model.transform import conjugate, from_rotation_vector, multiply, rotate, to_rotation_vector
 
 Vector = tuple[float, ...]
 
@@ -120,7 +120,7 @@ class Track:
         """Return the same for given pieces of the path (T,)."""
         velocities, spins = np.array(self.velocities)[which], np.array(self.spins)[which]
         since = (times - np.array(self.times)[which])[:, None]
-        turns = multiply(turning(since * spins), np.array(self.turns)[which])
+        turns = multiply(from_rotation_vector(since * spins), np.array(self.turns)[which])
         return np.concatenate([np.array(self.points)[which] + since * velocities, turns, velocities, spins], axis=1)
 
     def steps(self, times: Any) -> tuple[Any, Any, Any]:
@@ -130,7 +130,7 @@ class Track:
         here, there = poses[:-1], poses[1:].copy()
         ends = 1 + np.flatnonzero(begun[1:] != ended[1:])  # the path may jump here
         there[ends - 1] = self.parts(ended[ends], times[ends])[:, :7]
-        turn = turned(multiply(there[:, 3:], conjugate(here[:, 3:])))
+        turn = to_rotation_vector(multiply(there[:, 3:], conjugate(here[:, 3:])))
         return here, there, np.concatenate([there[:, :3] - here[:, :3], turn], axis=1) / np.diff(times)[:, None]
 
 
@@ -218,7 +218,7 @@ class World(Protocol):
         """Return position (3), quaternion (4), linear (3) and angular velocity (3) of a dynamic body."""
 
     def touching(self) -> set[tuple[int, int]]:
-        """Return the pairs of bodies, lower number first, that touched in the last step, by `TOUCH_BEGIN` and `TOUCH_END`."""
+        """Return the pairs of bodies, lower number first, that touched in the last step."""
 
 
 def play(world: World, episode: Episode) -> Recording:

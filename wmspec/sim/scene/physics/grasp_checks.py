@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from wmspec.sim.scene.model import Contact, Follow, Grip, Pose, Scene, Trace
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import compose, rotate
 from wmspec.sim.scene.physics.contact import colliders
 from wmspec.sim.scene.physics.overlap import overlap
@@ -44,7 +44,7 @@ def missed_grasp(scene: Scene, trace: Trace) -> tuple[float, str, str] | None:
         i = trace.sample(grip.start)
         (hand, _), (held, body) = bodies[grip.hand], bodies[grip.body]
         tool = trace.position[i, hand] + rotate(trace.orientation[i, hand], grip.points.mean(axis=0))
-        low, high = upright(body.geoms, Pose(trace.position[i, held], trace.orientation[i, held]))
+        low, high = world_box(body.geoms, Pose(trace.position[i, held], trace.orientation[i, held]))
         if ((tool < low - MAX_GRASP_OFFSET) | (high + MAX_GRASP_OFFSET < tool)).any():
             return float(trace.time[i]), grip.hand, grip.body
     return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wmspec.sim.scene.model import Array, Body, Scene
-from wmspec.sim.scene.model.bounds import bounds, upright
+from wmspec.sim.scene.model.bounds import bounds, world_box
 from wmspec.sim.scene.model.transform import compose
 from wmspec.sim.scene.physics.contact import colliders, combine_friction, non_colliding_pairs
 from wmspec.sim.scene.regime_thresholds import ELASTIC_RESTITUTION
@@ -23,7 +23,7 @@ def initial_drops(scene: Scene) -> frozenset[tuple[int, int]]:
     free = [i for i, b in enumerate(scene.bodies) if b.motion == "dynamic" and colliders(b) and b.name not in jointed]
     if len(free) < 2:
         return frozenset()
-    boxes = {i: upright(colliders(scene.bodies[i]), scene.bodies[i].pose) for i in free}
+    boxes = {i: world_box(colliders(scene.bodies[i]), scene.bodies[i].pose) for i in free}
     owner, around = _around(scene)
     air = [i for i in free if not (_meet(boxes[i], around) & (owner != i)).any()]
     passing = non_colliding_pairs(scene)

@@ -11,7 +11,7 @@ import numpy as np
 
 from wmspec.sim.scene.model import Action, Array, Body, Follow, Glide, Pose, Scene, Teleport, Vanish
 from wmspec.sim.scene.model.numbers import floats, rows
-from wmspec.sim.scene.model.transform import conjugate, multiply, turned, turning
+from wmspec.sim.scene.model.transform import conjugate, from_rotation_vector, multiply, to_rotation_vector
 from wmspec.sim.scene.physics.episode import Track, Vector
 
 Move = Glide | Follow | Teleport
@@ -35,7 +35,7 @@ class PathPiece:
         """Return the pose at `time`."""
         point, turn, velocity, spin = map(np.array, (self.point, self.turn, self.velocity, self.spin))
         dt = time - self.time
-        return Pose(point + dt * velocity, multiply(turning(dt * spin), turn))
+        return Pose(point + dt * velocity, multiply(from_rotation_vector(dt * spin), turn))
 
     def since(self, time: float) -> PathPiece:
         """Return the same motion with a start no earlier than `time`."""
@@ -106,7 +106,11 @@ def misplaced_paths(scene: Scene) -> Iterator[tuple[Follow, Array]]:
 
 
 def _apart(move: Follow, pose: Pose) -> bool:
-    turn = 0.0 if move.orientations is None else np.abs(turned(_between(pose.orientation, move.orientations[0]))).max()
+    turn = (
+        0.0
+        if move.orientations is None
+        else np.abs(to_rotation_vector(_between(pose.orientation, move.orientations[0]))).max()
+    )
     return bool(np.linalg.norm(move.points[0] - pose.position) > MAX_START_GAP or turn > MAX_START_GAP)
 
 
@@ -126,7 +130,7 @@ def _followed(move: Follow, here: Pose) -> list[PathPiece]:
     turns = _turns(move, here)
     lasting = np.diff(move.times)[:, None]
     velocities = np.diff(move.points, axis=0) / lasting
-    spins = turned(_between(turns[:-1], turns[1:])) / lasting
+    spins = to_rotation_vector(_between(turns[:-1], turns[1:])) / lasting
     times = (move.start + move.times[:-1]).tolist()
     parts = zip(times, *map(rows, (move.points[:-1], turns[:-1], velocities, spins)), strict=True)
     return [*(PathPiece(*part) for part in parts), _last(move, here)]

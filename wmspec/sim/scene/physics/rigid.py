@@ -9,12 +9,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmspec.sim.scene.joints.articulations import Gear, Tie, Tree, jointed, ties, trees
-from wmspec.sim.scene.joints.com_frame import com_frame, placed
-from wmspec.sim.scene.joints.coordinates import gears
+from wmspec.sim.scene.joints.articulations import (
+    LoopClosure,
+    MimicConstraint,
+    Tree,
+    jointed_bodies,
+    loop_closures,
+    trees,
+)
+from wmspec.sim.scene.joints.com_frame import com_frame, transform_points
+from wmspec.sim.scene.joints.coordinates import mimic_constraints
 from wmspec.sim.scene.model import Body, Geom, Scene
 from wmspec.sim.scene.model.memoize import kept
-from wmspec.sim.scene.model.numbers import floats, numbers
+from wmspec.sim.scene.model.numbers import floats, pose_numbers
 from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.scene.physics.contact import colliders, non_colliding_pairs
 from wmspec.sim.scene.physics.episode import Episode, Vector
@@ -62,19 +69,27 @@ class Assembly:
     non_colliding_pairs: tuple[tuple[int, int], ...]
     gravity: tuple[float, ...]
     step: float
-    ties: tuple[Tie, ...] = ()
-    gears: tuple[Gear, ...] = ()
+    loop_closures: tuple[LoopClosure, ...] = ()
+    mimic_constraints: tuple[MimicConstraint, ...] = ()
 
 
 def assembly(scene: Scene, episode: Episode) -> Assembly:
     """Return the bodies and joints of a scene. Raises WmsError for joints that no engine supports."""
     passing = tuple(sorted(non_colliding_pairs(scene)))
-    return Assembly(rigids(scene), trees(scene), passing, episode.gravity, episode.step, ties(scene), gears(scene))
+    return Assembly(
+        rigids(scene),
+        trees(scene),
+        passing,
+        episode.gravity,
+        episode.step,
+        loop_closures(scene),
+        mimic_constraints(scene),
+    )
 
 
 def rigids(scene: Scene) -> tuple[Rigid, ...]:
     """Return the bodies of a scene in order."""
-    tied = jointed(scene)
+    tied = jointed_bodies(scene)
     return tuple(
         _rigid(com_frame(body), tied=True) if body.name in tied else kept(body, _unjointed) for body in scene.bodies
     )
@@ -89,7 +104,7 @@ def _rigid(body: Body, *, tied: bool) -> Rigid:
     return Rigid(
         name=body.name,
         motion=body.motion,
-        start=numbers(body.pose),
+        start=pose_numbers(body.pose),
         mass=body.mass,
         moments=floats(body.inertia.moments if body.inertia else np.zeros(3)),
         damping=(float(body.linear_damping), float(body.angular_damping)),
@@ -103,5 +118,5 @@ def _piece(geom: Geom) -> CollisionShape:
     if geom.shape.primitive is not None:
         kind, size = geom.shape.primitive
     else:
-        kind, size, pose = "hull", floats(placed(pose, geom.shape.corners())), identity()
-    return CollisionShape(kind, size, numbers(pose), (float(f.static), float(f.dynamic), float(f.restitution)))
+        kind, size, pose = "hull", floats(transform_points(pose, geom.shape.corners())), identity()
+    return CollisionShape(kind, size, pose_numbers(pose), (float(f.static), float(f.dynamic), float(f.restitution)))

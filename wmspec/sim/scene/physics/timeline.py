@@ -8,10 +8,10 @@ from math import ceil
 import numpy as np
 
 from wmspec.sim.scene import model
-from wmspec.sim.scene.joints.articulations import jointed, trees
-from wmspec.sim.scene.joints.com_frame import com_frame, mount
+from wmspec.sim.scene.joints.articulations import jointed_bodies, trees
+from wmspec.sim.scene.joints.com_frame import body_frame_in_com, com_frame
 from wmspec.sim.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer, Vanish
-from wmspec.sim.scene.model.numbers import floats, numbers
+from wmspec.sim.scene.model.numbers import floats, pose_numbers
 from wmspec.sim.scene.physics.episode import Aim, Drag, Episode, Grip, Hold, Kick, Push
 from wmspec.sim.scene.physics.paths import track, vanished_position
 
@@ -28,8 +28,8 @@ def episode(scene: Scene, steps_per_second: int) -> Episode:
         substeps=substeps,
         samples=round(scene.duration * scene.rate) + 1,
         gravity=floats(scene.gravity),
-        start=tuple(numbers(com_frame(body).pose) for body in scene.bodies),
-        mounts=tuple(numbers(mount(body)) for body in scene.bodies),
+        start=tuple(pose_numbers(com_frame(body).pose) for body in scene.bodies),
+        mounts=tuple(pose_numbers(body_frame_in_com(body)) for body in scene.bodies),
         dynamic=tuple(i for i, body in enumerate(scene.bodies) if body.motion == "dynamic"),
         kicks=kicks(scene, held, rate),
         tracks=tuple(track(scene, i, rate) for i, body in enumerate(scene.bodies) if body.motion == "kinematic"),
@@ -44,7 +44,7 @@ def episode(scene: Scene, steps_per_second: int) -> Episode:
 
 def kicks(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Kick, ...]:
     """Return initial velocities (zero for bodies released later), then launches, each at the nearest step."""
-    later, tied = {hold.body: hold.until for hold in held}, jointed(scene)
+    later, tied = {hold.body: hold.until for hold in held}, jointed_bodies(scene)
     first = [
         Kick(later[i], i, _REST, _REST) if i in later else Kick(0, i, *map(floats, _velocities(body)))
         for i, body in enumerate(scene.bodies)
@@ -91,7 +91,7 @@ def pushes(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Push, ...]:
 
     Joint velocities cannot be corrected by a kick; half a step less of gravity has the same effect.
     """
-    index, tied = _index(scene), jointed(scene)
+    index, tied = _index(scene), jointed_bodies(scene)
     together = {i: tree for tree in trees(scene) for i in (link.body for link in tree)}
     later = {link.body: hold.until for hold in held for link in together.get(hold.body, ())}
     lifts = [
@@ -105,7 +105,7 @@ def pushes(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Push, ...]:
 
 def drags(scene: Scene) -> tuple[Drag, ...]:
     """Return the damping of jointed bodies."""
-    tied = jointed(scene)
+    tied = jointed_bodies(scene)
     return tuple(
         Drag(i, float(body.inertia.mass * body.linear_damping), floats(body.inertia.moments * body.angular_damping))
         for i, body in enumerate(scene.bodies)
