@@ -35,7 +35,7 @@ INFO = Info(
         Lack(fine_drives(STEPS_PER_SECOND), "MuJoCo makes up to 16 times as many steps", approximate=True),
         Lack(
             fast_impacts(GIVES, MAX_STEP_MULTIPLIER),
-            f"contacts are compliant, even with {MAX_STEP_MULTIPLIER} times as many steps; slow the body down or thicken "
+            f"contacts yield, even with {MAX_STEP_MULTIPLIER} times as many steps; slow the body down or thicken "
             "the obstacle",
             approximate=True,
         ),

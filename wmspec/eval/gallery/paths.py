@@ -28,7 +28,7 @@ def paths(row: Row) -> list[dict[str, object]]:
 
 def _moving(pictures: list[np.ndarray], names: list[str]) -> Iterator[dict[str, object]]:
     for place, name in enumerate(names, 1):
-        middles = [_middle(load_image == place) for load_image in pictures]
+        middles = [_middle(image == place) for image in pictures]
         seen = np.array([middle for middle in middles if middle is not None])
         if len(seen) > 1 and float(np.ptp(seen, axis=0).max()) >= LEAST:
             yield {"name": name, "points": middles}

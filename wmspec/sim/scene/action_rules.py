@@ -117,7 +117,7 @@ def sequence(scene: Scene) -> Iterator[Diagnostic]:
     for follow, here in misplaced_paths(scene):
         yield (
             Diagnostic(
-                f"its path starts at {follow.points[0]} m, but '{follow.body}' is at {here} m or has another orientation",
+                f"its path starts at {follow.points[0]} m, but '{follow.body}' is at {here} m or rotated otherwise",
                 PrimPlace(f"action {follow.name}"),
                 "start the path there or teleport the body before",
             )

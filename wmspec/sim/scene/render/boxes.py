@@ -25,10 +25,10 @@ class Boxes:
     """
 
     def __init__(self, scene: Scene) -> None:
-        visible_points = [kept(body, _boxes) for body in scene.bodies]
-        self._middle, self._half, radius = np.concatenate([np.empty((0, 3, 3)), *visible_points]).swapaxes(0, 1)
+        boxes = [kept(body, _boxes) for body in scene.bodies]
+        self._middle, self._half, radius = np.concatenate([np.empty((0, 3, 3)), *boxes]).swapaxes(0, 1)
         self._radius = radius[:, 0]
-        self.body = [i for i, own in enumerate(visible_points) for _ in own]
+        self.body = [i for i, own in enumerate(boxes) for _ in own]
 
     def placed(self, shot: Shot, eye: Array) -> PlacedBoxes:
         """Return the boxes of a shot in world axes, relative to `eye` (3,)."""
