@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.sim.materials import SIZE, TEXTURES
+from wmspec.sim.materials import TEXTURE_SIZE, TEXTURES
 
 Grey = NDArray[np.float64]
 """(SIZE, SIZE) sRGB values 0..1, or any field of this shape."""
 
-Y, X = np.mgrid[0:SIZE, 0:SIZE] / SIZE
+Y, X = np.mgrid[0:TEXTURE_SIZE, 0:TEXTURE_SIZE] / TEXTURE_SIZE
 TOLERANCE = 1
 """By how many of 255 a texel may differ, since libraries of mathematics round differently."""
 
@@ -31,8 +31,8 @@ def noise(seed: int, slope: float, across: float = 1.0, along: float = 1.0, leas
     Frequencies count `across` times in x and `along` times in y (so `across` > 1 draws the noise out in y); those below
     `least` waves an image are left out.
     """
-    draws = np.random.default_rng(seed).standard_normal((SIZE, SIZE))
-    wave = np.fft.fftfreq(SIZE, 1 / SIZE)
+    draws = np.random.default_rng(seed).standard_normal((TEXTURE_SIZE, TEXTURE_SIZE))
+    wave = np.fft.fftfreq(TEXTURE_SIZE, 1 / TEXTURE_SIZE)
     frequency = np.hypot(across * wave[None, :], along * wave[:, None])
     weight = np.where(frequency >= least, np.maximum(frequency, 1e-9) ** -slope, 0)
     field: Grey = np.fft.ifft2(np.fft.fft2(draws) * weight).real
@@ -188,7 +188,7 @@ def weave() -> Grey:
 def leaf() -> Grey:
     """Foliage: leaves over leaves, each of one tone with a light rib."""
     dice = np.random.default_rng(131)
-    grey = np.full((SIZE, SIZE), 0.35)
+    grey = np.full((TEXTURE_SIZE, TEXTURE_SIZE), 0.35)
     for place, turn, tone in zip(dice.random((260, 2)), dice.uniform(0, np.pi, 260), dice.random(260), strict=True):
         dx, dy = ((X - place[0] + 0.5) % 1 - 0.5), ((Y - place[1] + 0.5) % 1 - 0.5)
         along, across = dx * np.cos(turn) + dy * np.sin(turn), dy * np.cos(turn) - dx * np.sin(turn)
@@ -232,7 +232,7 @@ def current(name: str) -> bool:
     if not (TEXTURES / name).is_file():
         return False
     there = np.asarray(Image.open(TEXTURES / name)).astype(int)
-    return there.shape == (SIZE, SIZE) and int(np.abs(there - image(name)).max()) <= TOLERANCE
+    return there.shape == (TEXTURE_SIZE, TEXTURE_SIZE) and int(np.abs(there - image(name)).max()) <= TOLERANCE
 
 
 def main(*arguments: str) -> int:

@@ -25,7 +25,7 @@ from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import drawing
 from wmspec.sim.materials import TEXTURES
 from wmspec.sim.photo import library
-from wmspec.sim.photo.light import directions, panels, surroundings
+from wmspec.sim.photo.light import ceiling_lights, directions, environment_map
 from wmspec.sim.scene.model import Camera, Frame, Light, Scene, Shot, Surface
 from wmspec.sim.scene.render.camera import look_at, project, world_camera
 from wmspec.sim.scene.render.color import to_linear
@@ -176,9 +176,9 @@ def test_only_what_is_wide_and_above_the_eye_is_a_ceiling() -> None:
         return np.array([aside - half, -half, low]), np.array([aside + half, half, low + 0.1])
 
     every = [corners(4, 2.5), corners(4, 0), corners(0.5, 2), corners(4, 2.5, 9)]
-    ((low, high),) = panels(light, every, eye)
+    ((low, high),) = ceiling_lights(light, every, eye)
     assert low[2] == high[2] < 2.5
-    assert not panels(Light(light.direction), every, eye)
+    assert not ceiling_lights(Light(light.direction), every, eye)
 
 
 def test_the_sun_is_as_strong_as_the_scene_says() -> None:
@@ -190,7 +190,7 @@ def test_the_sun_is_as_strong_as_the_scene_says() -> None:
 
     def falls(light: Light) -> float:
         cosine = np.clip(directions(rows)[..., 2:], 0, None)
-        return float((surroundings(light, (0.8, 0.8, 0.8), rows) * cosine * solid).sum() / 3 / math.pi)
+        return float((environment_map(light, (0.8, 0.8, 0.8), rows) * cosine * solid).sum() / 3 / math.pi)
 
     assert falls(Light(down, 1.0, 0.0)) == pytest.approx(0.94, abs=0.02)  # its colour is a little warm
     assert falls(Light(down, 0.0, 1.0)) == pytest.approx(1.5, rel=0.15)

@@ -22,7 +22,7 @@ from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.shapes import SHAPES, Box, Cone, Cylinder, Extrude, Lathe, RoundedBox, Shape, Sphere, Sweep, Torus, Tube
 from wmspec.sim.shapes.facets import tessellate
-from wmspec.sim.shapes.outline import Outline, convex, sound
+from wmspec.sim.shapes.outline import Outline, checked_outline, convex
 from wmspec.sim.shapes.shape import UnfitError
 from wmspec.sim.usd import read
 
@@ -39,7 +39,7 @@ def outlines(draw: st.DrawFn) -> Outline:
     radii = draw(st.lists(st.floats(0.05, 0.4), min_size=count, max_size=count))
     turns = [2 * math.pi * i / count for i in range(count)]
     points = [(0.5 + r * math.cos(t), r * math.sin(t)) for r, t in zip(radii, turns, strict=True)]
-    return sound(points[:: draw(st.sampled_from([1, -1]))], "outline")
+    return checked_outline(points[:: draw(st.sampled_from([1, -1]))], "outline")
 
 
 def meshed(shape: Shape) -> Any:

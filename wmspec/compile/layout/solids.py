@@ -81,7 +81,7 @@ class Face:
 def upward(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
     """The faces of a placed solid that look up, the most level one first."""
     faces = []
-    for normal, offset in solid.flats:
+    for normal, offset in solid.flat_faces:
         turned = rotate(pose.orientation, normal)
         if turned[2] > 1e-9:
             faces.append(Face(pose.apply(scale(offset, normal)), turned, yaw))
@@ -97,12 +97,12 @@ def surface(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:
         own = pose.inverse_apply((x, y, pose.position[2]))
         height = solid.floor(own[0], own[1])
         return None if height is None else Face((x, y, pose.position[2] + height))
-    if not solid.flats:
+    if not solid.flat_faces:
         low, high = bounds((Piece(solid, IDENTITY),), pose)
         held = low[0] <= x <= high[0] and low[1] <= y <= high[1]
         return Face((x, y, high[2])) if held else None
     floor, lid = -math.inf, None
-    for normal, offset in solid.flats:
+    for normal, offset in solid.flat_faces:
         turned = rotate(pose.orientation, normal)
         face = Face(pose.apply(scale(offset, normal)), turned)
         if abs(turned[2]) <= 1e-9:

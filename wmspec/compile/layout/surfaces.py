@@ -57,7 +57,7 @@ def tops(values: Values, base: str) -> list[Face]:
 
 def _tops(values: Values, base: str) -> list[Face]:
     here, made = values.pose(base), pieces(values, base)
-    if len(made) == 1 and made[0].solid.flats:
+    if len(made) == 1 and made[0].solid.flat_faces:
         placed = here.compose(made[0].pose)
         return list(upward(made[0].solid, placed, values.property(base, "yaw")))
     highest = bounds(made, here)[1][2]

@@ -126,7 +126,7 @@ def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
     """
     own = [rotate(a.pose.orientation, axis) for axis in _EDGES]
     others = [rotate(b.pose.orientation, axis) for axis in _EDGES]
-    faces = [rotate(p.pose.orientation, normal) for p in (a, b) for normal, _ in p.solid.flats]
+    faces = [rotate(p.pose.orientation, normal) for p in (a, b) for normal, _ in p.solid.flat_faces]
     between = add(b.pose.position, scale(-1.0, a.pose.position))
     for axis in (*own, *others, *faces, *(cross(x, y) for x in own for y in others), between):
         size = math.hypot(*axis)

@@ -156,7 +156,7 @@ def _within(values: Values, name: str, eye: Vector) -> bool:
 def _inside(solid: Shape, point: Vector) -> bool:
     """Whether a point is within a convex shape: along its axes, its faces, and away from its middle."""
     x, y, _ = point
-    outward = [*_AXES, *(scale(-1.0, a) for a in _AXES), *(normal for normal, _ in solid.flats)]
+    outward = [*_AXES, *(scale(-1.0, a) for a in _AXES), *(normal for normal, _ in solid.flat_faces)]
     outward += [unit(v) for v in (point, (x, y, 0.0)) if math.hypot(*v) > 1e-9]
     return all(dot(d, point) < solid.reach(d) - 1e-9 for d in outward)
 

@@ -15,7 +15,7 @@ from wmspec.lang.importers.tree import Placed, Tree
 from wmspec.lang.importers.turns import angles, clean
 from wmspec.lang.importers.write import Writer
 from wmspec.lang.parse import syntax as s
-from wmspec.sim.shapes import word
+from wmspec.sim.shapes import shape_word
 
 #: What a spec may say of a link and of a joint of an asset, instead of its file.
 OF_LINK = (
@@ -167,7 +167,7 @@ class Blocks:
             return {"file": self.write.text(form.file), "scale": self.write.numbers(form.scale), "collision": way}
         units = {name: _SIZES.get(own.kind, "m") for name, own in form.properties.items()}
         sizes = {name: self.write.value(size, units.get(name, "m")) for name, size in form.words.items()}
-        return {"shape": self.write.name(word(form)), **sizes}
+        return {"shape": self.write.name(shape_word(form)), **sizes}
 
     # ------------------------------------------------------------ joints
 

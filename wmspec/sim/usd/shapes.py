@@ -18,7 +18,7 @@ from wmspec.core.space import Vector
 from wmspec.sim.scene.model import Pose
 from wmspec.sim.shapes import SHAPES, Mesh, Shape
 from wmspec.sim.shapes.facets import tessellate
-from wmspec.sim.shapes.polygons import NAME
+from wmspec.sim.shapes.polygons import SHAPE_ATTRIBUTE
 from wmspec.sim.usd.frames import Place, quaternion, vector
 from wmspec.sim.usd.meshes import mesh
 from wmspec.sim.usd.prims import refuse, value
@@ -155,28 +155,28 @@ def _scale(prim: Usd.Prim, place: Place) -> Vector:
 
 def _mesh(prim: Usd.Prim, place: Place) -> Shape:
     """A mesh, or the shape that it says it is, as long as nothing stretches it."""
-    word = str(value(prim, NAME, ""))
+    word = str(value(prim, SHAPE_ATTRIBUTE, ""))
     kind = SHAPES.get(word)
     if kind is None or not Gf.IsClose(place.stretch, Gf.Matrix4d(1.0), _SAME):
         return mesh(prim, place.stretch)
-    numbers = {field.name: _number(value(prim, f"{NAME}:{field.name}")) for field in fields(kind)}
+    numbers = {field.name: _number(value(prim, f"{SHAPE_ATTRIBUTE}:{field.name}")) for field in fields(kind)}
     made = None if None in numbers.values() else _remade(word, dumps(numbers))
     if made is not None and _drawn_as(prim, made):
         return made
     mesh(prim, place.stretch)  # where all that is wrong with it as a mesh is told
     if made is None:
-        missing = ", ".join(f"{NAME}:{name}" for name, number in numbers.items() if number is None)
-        refuse(prim, f"it says to be a {word}, without {missing}", f"author them, or remove {NAME}")
+        missing = ", ".join(f"{SHAPE_ATTRIBUTE}:{name}" for name, number in numbers.items() if number is None)
+        refuse(prim, f"it says to be a {word}, without {missing}", f"author them, or remove {SHAPE_ATTRIBUTE}")
     points, own = tessellate(made).points, np.asarray(value(prim, "points", []), np.float64)
     if points.shape != own.shape or not np.allclose(points, own, atol=_SAME):
-        refuse(prim, f"its points are not those of the {word} that it says to be", f"remove {NAME}")
+        refuse(prim, f"its points are not those of the {word} that it says to be", f"remove {SHAPE_ATTRIBUTE}")
     return made
 
 
 @lru_cache(maxsize=1024)
 def _remade(word: str, numbers: bytes) -> Shape:
     """The shape of these dumped numbers, of which many prims may be: what is worked out of it is so once."""
-    return SHAPES[word].remade(loads(numbers))
+    return SHAPES[word].from_record(loads(numbers))
 
 
 def _drawn_as(prim: Usd.Prim, shape: Shape) -> bool:

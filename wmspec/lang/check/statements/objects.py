@@ -135,8 +135,8 @@ class Things:
             self.report.add("WMS203", message, of.said["density"].name.span, "remove one of them", notes)
         shape = properties["shape"].value if "shape" in properties else None
         for name in MEASURES:
-            if name in of.said and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].takes(name):
-                takes = [f"`{m}:`" for m in MEASURES if SHAPES[str(shape.value)].takes(m)]
+            if name in of.said and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].accepts(name):
+                takes = [f"`{m}:`" for m in MEASURES if SHAPES[str(shape.value)].accepts(m)]
                 takes = takes[:1] if takes[:1] == ["`size:`"] else takes
                 remedy = f"say how large it is with {either(takes[:3])}"
                 self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.said[name].name.span, remedy)

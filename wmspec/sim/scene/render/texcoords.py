@@ -13,7 +13,7 @@ import numpy as np
 
 from wmspec.sim.scene.model import Array, Geom
 from wmspec.sim.shapes import Shape
-from wmspec.sim.shapes.facets import KEPT, Facets, tessellate
+from wmspec.sim.shapes.facets import MAX_CACHED_SHAPES, Facets, tessellate
 
 
 def texcoords(geom: Geom) -> Facets:
@@ -21,7 +21,7 @@ def texcoords(geom: Geom) -> Facets:
     return _facets(geom.shape, geom.surface.repeats if geom.surface.texture is not None else None)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MAX_CACHED_SHAPES)
 def _facets(shape: Shape, repeats: tuple[float, float] | None) -> Facets:
     facets = tessellate(shape)
     if repeats is None:
