@@ -30,7 +30,7 @@ from wmspec.sim.scene.model.bounds import box_center
 from wmspec.sim.scene.render.appearance import appearance_at
 from wmspec.sim.scene.render.camera import find_camera
 from wmspec.sim.usd import read
-from wmspec.sim.usd.files import opened
+from wmspec.sim.usd.files import open_stage_file
 
 
 @dataclass(frozen=True)
@@ -203,7 +203,7 @@ def open_stage(path: str | PathLike[str]) -> Usd.Stage:
         raise WmsError(reason, FilePlace(str(path)))
     quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us, here and by the reader
     try:
-        return opened(path, str(path))
+        return open_stage_file(path, str(path))
     except WmsError as error:
         raise WmsError(f"not a stage that USD can open: {error}", FilePlace(str(path))) from None
     finally:

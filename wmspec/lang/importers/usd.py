@@ -34,14 +34,14 @@ from wmspec.sim.scene.model import Body, Motion
 from wmspec.sim.shapes import Mesh
 from wmspec.sim.usd import joints, meshes
 from wmspec.sim.usd.bodies import body
-from wmspec.sim.usd.colliders import touched
-from wmspec.sim.usd.filters import filtered
-from wmspec.sim.usd.frames import World, split
-from wmspec.sim.usd.geoms import Materials
+from wmspec.sim.usd.colliders import collision_approximation
+from wmspec.sim.usd.filters import filtered_pairs
+from wmspec.sim.usd.frames import StageFrame, split_transform
+from wmspec.sim.usd.geoms import MaterialTable
 from wmspec.sim.usd.masses import body_inertia
-from wmspec.sim.usd.prims import Names, applied, refuse
-from wmspec.sim.usd.shapes import Placed, placed
-from wmspec.sim.usd.stage_index import Owner, Piece, Walk
+from wmspec.sim.usd.prims import Names, applied_schemas, refuse
+from wmspec.sim.usd.shapes import PlacedShape, placed_shape
+from wmspec.sim.usd.stage_index import BodyPrim, GeomPrim, StageWalk
 from wmspec.sim.usd.unsupported import TYPES
 
 #: What is the spec's business, and no part of an asset.
@@ -64,10 +64,10 @@ class _Usd:
     def __init__(self, stage: Usd.Stage, folder: Path, shown: str, faults: Faults) -> None:
         self.stage, self.folder, self.shown, self.faults = stage, folder.resolve(), shown, faults
         self.problems = Report(StageError)
-        self.world = World(stage, self.problems)
-        self.census = Walk(stage, self.problems, _ASIDE).census
+        self.world = StageFrame(stage, self.problems)
+        self.census = StageWalk(stage, self.problems, _ASIDE).census
         self.owners = tuple(self.census.owners.values())
-        self.materials = Materials((piece for owner in self.owners for piece in owner.pieces), pictured=True)
+        self.materials = MaterialTable((piece for owner in self.owners for piece in owner.pieces), pictured=True)
 
     def asset(self) -> Asset:
         """The base, the rigid bodies and the joints between them; or all of it as one, without any physics."""
@@ -81,7 +81,7 @@ class _Usd:
         apart: tuple[tuple[str, str], ...] = ()
         with self.problems.collect_errors():
             groups = self.census.of("PhysicsCollisionGroup")
-            apart = filtered(self.stage, self.census.filters, groups, self.census.owners, bodies, held)
+            apart = filtered_pairs(self.stage, self.census.filters, groups, self.census.owners, bodies, held)
         note(self.problems.diagnostics, self.shown, self.faults, self.folder)
         stage = Stage(bodies, shapes, apart, self.shown)
         return Asset(stage.links, {}) if self.faults.diagnostics else stage.asset(tuple(held.values()), self.faults)
@@ -108,14 +108,14 @@ class _Usd:
                 bodies[path], shapes[path] = self._body(owner, name)
         return bodies, shapes
 
-    def _body(self, owner: Owner, name: str) -> tuple[Body, tuple[Shape, ...]]:
-        place = split(self.world.matrix(owner.prim), owner.prim)
-        back, shapes, colliders = place.rigid.GetInverse(), list[Shape](), list[tuple[Placed, float]]()
+    def _body(self, owner: BodyPrim, name: str) -> tuple[Body, tuple[Shape, ...]]:
+        place = split_transform(self.world.matrix(owner.prim), owner.prim)
+        back, shapes, colliders = place.rigid.GetInverse(), list[Shape](), list[tuple[PlacedShape, float]]()
         problems = Report(StageError)
         for piece in owner.pieces:
             with problems.collect_errors():
                 bounded(piece.prim)
-                here = placed(piece.prim, split(self.world.matrix(piece.prim) * back, piece.prim))
+                here = placed_shape(piece.prim, split_transform(self.world.matrix(piece.prim) * back, piece.prim))
                 shapes += self._shapes(piece, here, owner.motion)
                 if piece.collides:
                     colliders.append((here, self.materials.density(piece.prim)))
@@ -134,13 +134,13 @@ class _Usd:
         for piece in (piece for owner in self.owners for piece in owner.pieces):
             with self.problems.collect_errors():
                 bounded(piece.prim)
-                here = placed(piece.prim, split(self.world.matrix(piece.prim), piece.prim))
+                here = placed_shape(piece.prim, split_transform(self.world.matrix(piece.prim), piece.prim))
                 touches = not (isinstance(here.shape, Mesh) and meshes.is_flat(here.shape))
-                yield from self._shapes(Piece(piece.prim, touches, visible=True), here, None)
+                yield from self._shapes(GeomPrim(piece.prim, touches, visible=True), here, None)
 
     # ------------------------------------------------------------ shapes
 
-    def _shapes(self, piece: Piece, here: Placed, motion: Motion | None) -> Iterator[Shape]:
+    def _shapes(self, piece: GeomPrim, here: PlacedShape, motion: Motion | None) -> Iterator[Shape]:
         """A geometry; if parts of a mesh look different each of these, and the whole if it can be touched.
 
         Without a `motion` nothing says how meshes are touched and what rubs: by their hulls, as the language says.
@@ -175,7 +175,7 @@ class _Usd:
     def _touched(self, prim: Usd.Prim, mesh: Mesh, motion: Motion) -> tuple[str, tuple[Conditional, ...]]:
         """How a mesh is touched, as a word of the language, and why it cannot be as its file says."""
         try:
-            return _WORDS[touched(prim, mesh, motion)], ()
+            return _WORDS[collision_approximation(prim, mesh, motion)], ()
         except StageError as error:
             if meshes.is_flat(mesh):
                 raise
@@ -209,8 +209,8 @@ class _Usd:
         return faults.diagnostics
 
 
-def _physical(owner: Owner) -> bool:
+def _physical(owner: BodyPrim) -> bool:
     """Whether physics is said of a body or of anything in it."""
-    return "PhysicsRigidBodyAPI" in applied(owner.prim) or any(
-        "PhysicsCollisionAPI" in applied(piece.prim) for piece in owner.pieces
+    return "PhysicsRigidBodyAPI" in applied_schemas(owner.prim) or any(
+        "PhysicsCollisionAPI" in applied_schemas(piece.prim) for piece in owner.pieces
     )

@@ -15,10 +15,10 @@ from wmspec.core.places import FilePlace
 from wmspec.lang.importers.model import Broken, Faults
 from wmspec.sim.shapes import Mesh
 from wmspec.sim.usd import meshes
-from wmspec.sim.usd.files import opened, text_of
-from wmspec.sim.usd.frames import World, split
+from wmspec.sim.usd.files import error_text, open_stage_file
+from wmspec.sim.usd.frames import StageFrame, split_transform
 from wmspec.sim.usd.prims import refuse, value
-from wmspec.sim.usd.unsupported import incomplete
+from wmspec.sim.usd.unsupported import report_missing_files
 
 #: What stands behind the path of a mesh for those of its faces that are in no subset.
 REST = ".rest"
@@ -43,7 +43,7 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
         raise faults.stop(FilePlace(shown), limit.message, limit.help) from None
     except Exception as error:  # noqa: BLE001  what others wrote may be of any type
         raise faults.stop(
-            FilePlace(shown), f"cannot be read: {text_of(error)}", "mend it, or export it again"
+            FilePlace(shown), f"cannot be read: {error_text(error)}", "mend it, or export it again"
         ) from None
     finally:
         del quiet
@@ -52,13 +52,13 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
 @lru_cache(maxsize=1)
 def _stage(path: str, _changed: int, _size: int) -> Usd.Stage:
     """The stage in a file. The last one is kept: its meshes are asked for one by one."""
-    return opened(Path(path), Path(path).name)
+    return open_stage_file(Path(path), Path(path).name)
 
 
 def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) -> None:
     """Complain about what a stage is made of and is missing, or elsewhere, and about too much."""
     problems = Report(StageError)
-    incomplete(stage, problems)
+    report_missing_files(stage, problems)
     note(problems.diagnostics, shown, faults, folder)
     if faults.diagnostics:
         raise Broken
@@ -103,14 +103,14 @@ def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple
                 _none(stage, shown, prim, faults)
             else:
                 with problems.collect_errors():
-                    made = _mesh(of, at, prim, World(stage, problems))
+                    made = _mesh(of, at, prim, StageFrame(stage, problems))
                 note(problems.diagnostics, shown, faults)
     except Broken:
         pass
     return tuple(faults.diagnostics) or made or ()
 
 
-def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: World) -> Mesh:
+def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: StageFrame) -> Mesh:
     """A mesh, one of its subsets, or the rest of it. Raises StageError."""
     bounded(of)
     faces = None
@@ -120,7 +120,7 @@ def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: World) -> Mesh:
         faces = next((rest for part, rest in meshes.parts(of) if part == of), None)
         if faces is None:
             refuse(of, "there are no faces of it that are in none of its subsets", f"leave out `{REST}`")
-    return meshes.mesh(of, split(world.matrix(of), of).stretch, faces)
+    return meshes.mesh(of, split_transform(world.matrix(of), of).stretch, faces)
 
 
 def _none(stage: Usd.Stage, shown: str, prim: str, faults: Faults) -> None:
