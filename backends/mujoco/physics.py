@@ -1,4 +1,4 @@
-"""Run a scene in MuJoCo."""
+"""Executes scenes in MuJoCo."""
 
 from __future__ import annotations
 
@@ -25,68 +25,68 @@ from wmspec.sim.scene.validate import validate
 
 from . import rollout
 from .impact import solref
-from .info import GIVES, INFO, STEPS_PER_SECOND
-from .joints import FAR
+from .info import CONTACT_YIELD, INFO, STEPS_PER_SECOND
+from .joints import MAX_FINITE
 from .mjcf import mjcf
-from .world import World
+from .world import MujocoWorld
 
 with silence():
     import mujoco
 
 
 def execute(scene: Scene) -> Trace:
-    """The trace of the scene's episode.
+    """Return the trace of a scene's episode.
 
-    Raises WmsError for a scene that MuJoCo can't honour, EngineError when MuJoCo loses track of it.
+    Raises WmsError for a scene that MuJoCo does not support, EngineError if MuJoCo fails.
     """
     whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _played(scene, whole, timeline))
+    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _record(scene, whole, timeline))
 
 
-def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
-    with unlogged():
+def _record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+    with suppress_log():
         text = mjcf(scene, timeline, whole, seen=False)
-        return _quick(text, scene, whole, timeline) or _slow(text, scene, whole, timeline)
+        return _record_rollout(text, scene, whole, timeline) or _record_steps(text, scene, whole, timeline)
 
 
-def _quick(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> Recording | None:
-    """What is recorded where MuJoCo can be left alone between events; None where it cannot, or warns."""
-    if not rollout.uneventful(scene, timeline):
+def _record_rollout(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> Recording | None:
+    """Return the recording of an episode stepped by `mujoco.rollout`; None if events prevent that or MuJoCo warns."""
+    if not rollout.is_uneventful(scene, timeline):
         return None
     try:
-        return rollout.play(_world(rollout.sensed(text, scene), scene, whole, timeline), scene, timeline)
-    except FloatingPointError:  # the loop tells at which step
+        return rollout.play(_world(rollout.with_contact_sensors(text, scene), scene, whole, timeline), scene, timeline)
+    except FloatingPointError:  # the step loop reports the step
         return None
 
 
-def _slow(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+def _record_steps(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
     try:
         return play(_world(text, scene, whole, timeline), timeline)
     except FloatingPointError as error:
-        raise EngineError(f"MuJoCo lost the episode: {error}; look for overlaps or extreme velocities") from error
+        raise EngineError(f"MuJoCo failed: {error}; look for overlaps or extreme velocities") from error
 
 
-def _world(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> World:
-    """A world that has the scene's physics, by its MJCF. Raises WmsError if MuJoCo reads it otherwise."""
+def _world(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> MujocoWorld:
+    """Return a world with verified physics. Raises WmsError if MuJoCo reads the model differently."""
     try:
-        world = World(mujoco.MjModel.from_xml_string(text), whole)
+        world = MujocoWorld(mujoco.MjModel.from_xml_string(text), whole)
     except ValueError as error:
-        raise WmsError(f"MuJoCo can't load the scene: {error}") from error
+        raise WmsError(f"MuJoCo cannot load the scene: {error}") from error
     verify(world, scene, timeline)
     return world
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:
-    """The scene in MuJoCo's words. Raises WmsError, with the prim path, for what MuJoCo doesn't have."""
+    """Return assembly and timeline of a scene. Raises WmsError with the prim path of unsupported features."""
     validate(scene)
     require(INFO.lacks, scene)
-    fast = STEPS_PER_SECOND * step_multiplier(scene, GIVES, MAX_STEP_MULTIPLIER)
+    fast = STEPS_PER_SECOND * step_multiplier(scene, CONTACT_YIELD, MAX_STEP_MULTIPLIER)
     timeline = episode(scene, max(fast, required_step_rate(scene, STEPS_PER_SECOND, damped=False)))
     return assembly(scene, timeline), timeline
 
 
-def verify(world: World, scene: Scene, timeline: Episode) -> None:
-    """Raise WmsError unless MuJoCo has the scene's physics."""
+def verify(world: MujocoWorld, scene: Scene, timeline: Episode) -> None:
+    """Raise WmsError unless MuJoCo has the physics of the scene."""
     model = world.model
     require_equal("MuJoCo", "the time step", model.opt.timestep, timeline.step)
     require_equal("MuJoCo", "gravity", model.opt.gravity, scene.gravity)
@@ -97,7 +97,9 @@ def verify(world: World, scene: Scene, timeline: Episode) -> None:
     for limb in (limb for tree in trees(scene) for limb in tree):
         joint = scene.joints[limb.joint]
         if limb.limits:
-            require_equal(joint.path, "the limits", model.joint(joint.name).range, np.clip(limb.limits, -FAR, FAR))
+            require_equal(
+                joint.path, "the limits", model.joint(joint.name).range, np.clip(limb.limits, -MAX_FINITE, MAX_FINITE)
+            )
         if limb.drive:
             require_equal(joint.path, "the drive", -model.actuator(joint.name).biasprm[1:3], limb.drive[:2])
     for i, (a, g, _, h) in enumerate(colliding_geoms(scene)):
@@ -107,8 +109,8 @@ def verify(world: World, scene: Scene, timeline: Episode) -> None:
 
 
 @contextmanager
-def unlogged() -> Iterator[None]:
-    """MuJoCo's warnings are checked here; it must not also write them to a file in the working directory."""
+def suppress_log() -> Iterator[None]:
+    """Prevent MuJoCo from writing warnings to a file in the working directory; they are checked here."""
     previous = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _: None)
     try:

@@ -1,4 +1,4 @@
-"""Run a scene in PyBullet."""
+"""Executes scenes in PyBullet."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from wmspec.sim.scene.physics.timeline import episode
 from wmspec.sim.scene.physics.to_trace import trace
 from wmspec.sim.scene.validate import validate
 
-from .collision_margin import within_margins
-from .cylinders import footed
+from .collision_margin import shrink_by_margin
+from .cylinders import add_support_boxes
 from .info import INFO
-from .world import World
+from .world import PybulletWorld
 
 with silence():
     import pybullet
 
 
 def execute(scene: Scene) -> Trace:
-    """The trace of the scene's episode.
+    """Return the trace of a scene's episode.
 
-    Raises WmsError for a scene that PyBullet can't honour, EngineError when PyBullet loses track of it.
+    Raises WmsError for a scene that PyBullet does not support, EngineError if PyBullet fails.
     """
     whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _played(scene, whole, timeline))
+    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _record(scene, whole, timeline))
 
 
-def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
-    world = World(whole)
+def _record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+    world = PybulletWorld(whole)
     try:
         verify(world, scene, timeline)
         return play(world, timeline)
@@ -41,15 +41,15 @@ def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:
-    """The scene in PyBullet's words. Raises WmsError, with the prim path, for what PyBullet doesn't have."""
+    """Return assembly and timeline of a scene. Raises WmsError with the prim path of unsupported features."""
     validate(scene)
     require(INFO.lacks, scene)
     timeline = episode(scene, required_step_rate(scene, INFO.steps_per_second))
-    return within_margins(footed(assembly(scene, timeline))), timeline
+    return shrink_by_margin(add_support_boxes(assembly(scene, timeline))), timeline
 
 
-def verify(world: World, scene: Scene, timeline: Episode) -> None:
-    """Raise WmsError unless PyBullet has the scene's physics (it doesn't tell restitution and limits)."""
+def verify(world: PybulletWorld, scene: Scene, timeline: Episode) -> None:
+    """Raise WmsError unless PyBullet has the physics of the scene (it does not report restitution and limits)."""
     engine = pybullet.getPhysicsEngineParameters(physicsClientId=world.client)
     require_equal("PyBullet", "the time step", engine["fixedTimeStep"], timeline.step)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]

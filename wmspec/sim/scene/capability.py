@@ -29,7 +29,7 @@ class Capability:
     """A feature that a stage may use; `asked` finds its uses in a scene."""
 
     name: str
-    asked: Callable[[Scene], Occurrences] = _nowhere
+    occurrences: Callable[[Scene], Occurrences] = _nowhere
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def require(lacks: Iterable[Lack], scene: Scene, *, strict: bool = False) -> Non
     for lack in lacks:
         if strict or not lack.approximate:
             report.include(
-                Diagnostic(what, PrimPlace(path), lack.reason) for path, what in lack.capability.asked(scene)
+                Diagnostic(what, PrimPlace(path), lack.reason) for path, what in lack.capability.occurrences(scene)
             )
     report.stop_if_failed()
 
@@ -62,7 +62,7 @@ def approximation_warnings(lacks: Iterable[Lack], scene: Scene) -> tuple[Diagnos
         Diagnostic(f"{what} ({lack.reason})", PrimPlace(path), severity="warning")
         for lack in lacks
         if lack.approximate
-        for path, what in lack.capability.asked(scene)
+        for path, what in lack.capability.occurrences(scene)
     )
 
 
@@ -85,7 +85,7 @@ def capability_table(engines: Mapping[str, Iterable[Lack]]) -> list[tuple[str, d
     return [(name, {engine: reasons.get(engine, "") for engine in engines}) for name, reasons in rows.items()]
 
 
-# ---------------------------------------------------------------- where scenes ask
+# ---------------------------------------------------------------- occurrences in scenes
 
 
 def _meshes(scene: Scene) -> Occurrences:
@@ -198,7 +198,7 @@ def _drive(joint: Joint) -> str:
     return f"a drive of stiffness {joint.drive.stiffness:g} and damping {joint.drive.damping:g}, stiff for its load"
 
 
-# ---------------------------------------------------------------- what may be asked for
+# ---------------------------------------------------------------- features
 
 PRIMITIVES = Capability("boxes, spheres, cylinders, cones, capsules")
 ROLLING_CYLINDERS = Capability("discs that roll on: cylinders shorter than thick")

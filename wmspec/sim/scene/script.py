@@ -120,9 +120,9 @@ def episode_script(
     """
     values = {
         "NAMES": [body.name for body in scene.bodies],
-        "MEET": TOUCH_BEGIN,
-        "TOUCH": TOUCH_END,
-        "TORN": BREAK_LENGTH,
+        "TOUCH_BEGIN": TOUCH_BEGIN,
+        "TOUCH_END": TOUCH_END,
+        "BREAK_LENGTH": BREAK_LENGTH,
         **values,
     }
     sections = [

@@ -60,14 +60,14 @@ class _IgnoredKind:
     prims: set[str] = field(default_factory=set)
 
     @property
-    def told(self) -> str:
+    def subject(self) -> str:
         """The names, and the verb."""
         names = list(self.names)
         more = [f"{len(names) - _MAX_LISTED} more"] if len(names) > _MAX_LISTED else []
-        return f"{', '.join((*names[:_MAX_LISTED], *more))}{self.elsewhere} {'are' if len(names) > 1 else 'is'}"
+        return f"{', '.join((*names[:_MAX_LISTED], *more))}{self.other_prims} {'are' if len(names) > 1 else 'is'}"
 
     @property
-    def elsewhere(self) -> str:
+    def other_prims(self) -> str:
         """On how many other prims."""
         others = len(self.prims) - 1
         return f" (here and on {others} other prim{'s' * (others > 1)})" if others else ""
@@ -148,29 +148,29 @@ def _properties() -> Mapping[str, list[str]]:
 
 def _warn_foreign(_which: str, kind: _IgnoredKind, notes: Substitutions) -> None:
     remedy = "express it with UsdPhysics, or remove it"
-    notes.record(kind.prim, f"{kind.told} specific to another engine and ignored", "ignored", remedy)
+    notes.record(kind.prim, f"{kind.subject} specific to another engine and ignored", "ignored", remedy)
 
 
 def _warn_unapplied(api: str, kind: _IgnoredKind, notes: Substitutions) -> None:
     if api:
         taken = "still read" if all(map(_READ_UNAPPLIED.fullmatch, kind.names)) else "ignored"
-        notes.record(kind.prim, f"{kind.told} of {api}, which is not applied", taken, f"apply {api}")
+        notes.record(kind.prim, f"{kind.subject} of {api}, which is not applied", taken, f"apply {api}")
         return
     known = [name for names in _properties().values() for name in names]
     near = "physics:velocity" if "physics:linearVelocity" in kind.names else closest_word(next(iter(kind.names)), known)
     remedy = f"did you mean {near}?" if near else "remove it"
-    notes.record(kind.prim, f"{kind.told} of a schema that is not applied", "ignored", remedy)
+    notes.record(kind.prim, f"{kind.subject} of a schema that is not applied", "ignored", remedy)
 
 
 def _warn_misspelled(name: str, kind: _IgnoredKind, notes: Substitutions) -> None:
     core = name.removeprefix("Physics").removesuffix("API")
     near = _APIS.get(closest_word(core, _APIS)) or closest_word(name, _APIS.values())
     remedy = f"did you mean {near}?" if near else "remove it"
-    notes.record(kind.prim, f"UsdPhysics has no schema {name}{kind.elsewhere}", "ignored", remedy)
+    notes.record(kind.prim, f"UsdPhysics has no schema {name}{kind.other_prims}", "ignored", remedy)
 
 
 def _warn_empty_joint(_which: str, kind: _IgnoredKind, notes: Substitutions) -> None:
-    notes.record(kind.prim, f"a joint without bodies{kind.elsewhere}", "ignored", "target one body or two")
+    notes.record(kind.prim, f"a joint without bodies{kind.other_prims}", "ignored", "target one body or two")
 
 
 _WARNINGS = {

@@ -103,12 +103,12 @@ def _triangulate(prim: Usd.Prim, points: Array, vertices: _Indices, faces: _Indi
         refuse(prim, "its faceVertexCounts and faceVertexIndices do not fit", "author polygons of 3 or more points")
     if vertices.min() < 0 or vertices.max() >= len(points):
         refuse(prim, "its faceVertexIndices and points do not fit", "author indices in 0 .. len(points) - 1")
-    wanted = np.arange(len(counts)) if faces is None else faces
-    wanted = np.setdiff1d(wanted, np.asarray(value(prim, "holeIndices", []), np.int32))
-    if not len(wanted) or wanted.min() < 0 or wanted.max() >= len(counts):
+    expected = np.arange(len(counts)) if faces is None else faces
+    expected = np.setdiff1d(expected, np.asarray(value(prim, "holeIndices", []), np.int32))
+    if not len(expected) or expected.min() < 0 or expected.max() >= len(counts):
         refuse(prim, "it has no faces, or a subset names missing faces", "author face indices that exist")
-    first, triangles = np.cumsum(counts) - counts, counts[wanted] - 2
-    fan = np.repeat(first[wanted], triangles)
+    first, triangles = np.cumsum(counts) - counts, counts[expected] - 2
+    fan = np.repeat(first[expected], triangles)
     step = 1 + np.arange(len(fan)) - np.repeat(np.cumsum(triangles) - triangles, triangles)
     return np.column_stack([fan, fan + step, fan + step + 1]).astype(np.int32)
 

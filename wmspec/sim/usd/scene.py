@@ -72,9 +72,9 @@ def scene(stage: Usd.Stage, notes: Substitutions) -> Scene:
     if notes.strict:
         return read
     read, moved = project_to_limits(read)
-    doubtful = scene_warnings(read)
+    warnings = scene_warnings(read)
     read, begun = project_velocities(with_force_drives(split_loops(read)))
-    return replace(read, notes=(*notes.diagnostics, *moved, *begun, *doubtful))
+    return replace(read, notes=(*notes.diagnostics, *moved, *begun, *warnings))
 
 
 def _cameras(

@@ -181,17 +181,17 @@ def _restored(word: str, numbers: bytes) -> Shape:
 def _is_written_as(prim: Usd.Prim, shape: Shape) -> bool:
     """Whether the mesh data of a prim equals what wmspec writes for the shape."""
     written = tessellate(shape)
-    wanted: dict[str, NDArray[Any]] = {
+    expected: dict[str, NDArray[Any]] = {
         "points": written.points,
         "faceVertexIndices": written.faces.reshape(-1),
         "primvars:st": written.st,
     }
-    said = {name: np.asarray(value(prim, name, ())) for name in (*wanted, "faceVertexCounts")}
-    alike = all(said[name].shape == numbers.shape for name, numbers in wanted.items())
+    said = {name: np.asarray(value(prim, name, ())) for name in (*expected, "faceVertexCounts")}
+    alike = all(said[name].shape == numbers.shape for name, numbers in expected.items())
     faces = said["faceVertexCounts"]
     if not alike or faces.shape != (len(written.faces),) or (faces != 3).any():
         return False
-    return all(bool((said[name] == numbers.astype(said[name].dtype)).all()) for name, numbers in wanted.items())
+    return all(bool((said[name] == numbers.astype(said[name].dtype)).all()) for name, numbers in expected.items())
 
 
 def _number(authored: Any) -> Any:

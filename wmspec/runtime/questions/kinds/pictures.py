@@ -24,7 +24,7 @@ from wmspec.runtime.questions.runs import Run
 from wmspec.runtime.questions.visible_object import sightings
 from wmspec.sim.scene.model import Body, Frame, Pose, Scene
 from wmspec.sim.scene.model.digest import digest
-from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.model.memoize import cached_on
 from wmspec.sim.scene.render.appearance import appearance_at
 from wmspec.sim.scene.render.visible_rotation import symmetry_axis, visible_angle_about
 
@@ -261,7 +261,7 @@ def appearance(scene: Scene) -> str:
     """
     static = [body for body in scene.bodies if body.motion == "static"]
     fixed = [(b.name, b.pose.position.tobytes(), b.pose.orientation.tobytes()) for b in static]
-    looks = look_key(replace(scene, bodies=tuple(kept(body, _without_rounding) for body in scene.bodies)))
+    looks = look_key(replace(scene, bodies=tuple(cached_on(body, _without_rounding) for body in scene.bodies)))
     return digest(looks, fixed).hex()
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.sim.scene.model import Array, Body, Inertia, Pose
-from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.model.memoize import cached_on
 from wmspec.sim.scene.model.transform import apply, compose, identity, inverse
 
 _ROUND_OFF = 1e-12  # m, or of a unit quaternion
@@ -18,12 +18,12 @@ _ROUND_OFF = 1e-12  # m, or of a unit quaternion
 
 def body_frame_in_com(body: Body) -> Pose:
     """Return the body frame in the centre-of-mass frame; the identity unless the body is dynamic."""
-    return kept(body, _mount)
+    return cached_on(body, _mount)
 
 
 def com_frame(body: Body) -> Body:
     """Return the body expressed in its centre-of-mass frame."""
-    return body if body.inertia is None else kept(body, _com_frame)
+    return body if body.inertia is None else cached_on(body, _com_frame)
 
 
 def _mount(body: Body) -> Pose:

@@ -26,7 +26,7 @@ MAX_VELOCITY_ERROR = 1e-3
 def project_velocities(scene: Scene) -> tuple[Scene, tuple[Diagnostic, ...]]:
     """Return the scene with consistent initial velocities, and a warning for each body that changed."""
     found = _allowed(scene)
-    told = tuple(
+    warnings = tuple(
         replace(d, message=f"{d.message}: it is corrected", severity="warning")
         for d in inconsistent_velocities(scene, found)
     )
@@ -34,7 +34,7 @@ def project_velocities(scene: Scene) -> tuple[Scene, tuple[Diagnostic, ...]]:
         replace(body, linear_velocity=found[i][:3], angular_velocity=found[i][3:]) if i in found else body
         for i, body in enumerate(scene.bodies)
     )
-    return replace(scene, bodies=bodies), told
+    return replace(scene, bodies=bodies), warnings
 
 
 def inconsistent_velocities(scene: Scene, allowed: dict[int, Array] | None = None) -> Iterator[Diagnostic]:
@@ -65,9 +65,9 @@ def _allowed(scene: Scene) -> dict[int, Array]:
         return {}
     every = coordinates(scene)
     moves = every.ways.T @ _null(_constraints(scene, every))
-    wanted = np.concatenate([_velocity(scene.bodies[i]) for i in every.bodies])
+    given = np.concatenate([_velocity(scene.bodies[i]) for i in every.bodies])
     pulled = moves.T @ every.masses
-    rates = np.linalg.lstsq(pulled @ moves, pulled @ wanted, rcond=None)[0]
+    rates = np.linalg.lstsq(pulled @ moves, pulled @ given, rcond=None)[0]
     return dict(zip(every.bodies, (moves @ rates).reshape(-1, 6), strict=True))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from wmspec.sim.scene.model import Array, Body, Geom, Pose
-from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.model.memoize import cached_on
 from wmspec.sim.scene.model.transform import compose, identity, rotate, rotation
 from wmspec.sim.shapes import Shape
 
@@ -33,7 +33,7 @@ def box_center(body: Body, frames: Pose) -> Array:
 
 def own_box_center(body: Body) -> Array:
     """Return the centre (3,) of a body's own box in its frame."""
-    return kept(body, _own_middle)
+    return cached_on(body, _own_middle)
 
 
 def _own_middle(body: Body) -> Array:

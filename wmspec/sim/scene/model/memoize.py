@@ -1,4 +1,4 @@
-"""What is worked out of a body once: bodies never change, and most of a scene were in the scene before."""
+"""Values computed once per body: bodies are immutable, and consecutive scenes share most of them."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from wmspec.sim.scene.model import Body
 T = TypeVar("T")
 
 
-def kept(body: Body, make: Callable[[Body], T]) -> T:
-    """What `make` makes of the body, made when it is first asked for and kept with it."""
+def cached_on(body: Body, make: Callable[[Body], T]) -> T:
+    """Return `make(body)`, computed on first use and stored with the body."""
     name = f"{make.__module__}.{make.__qualname__}"
     if name not in body.__dict__:
         body.__dict__[name] = make(body)

@@ -20,7 +20,7 @@ from wmspec.sim.scene.joints.articulations import (
 from wmspec.sim.scene.joints.com_frame import com_frame, transform_points
 from wmspec.sim.scene.joints.coordinates import mimic_constraints
 from wmspec.sim.scene.model import Body, Geom, Scene
-from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.model.memoize import cached_on
 from wmspec.sim.scene.model.numbers import floats, pose_numbers
 from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.scene.physics.contact import colliders, non_colliding_pairs
@@ -91,7 +91,8 @@ def rigids(scene: Scene) -> tuple[Rigid, ...]:
     """Return the bodies of a scene in order."""
     tied = jointed_bodies(scene)
     return tuple(
-        _rigid(com_frame(body), tied=True) if body.name in tied else kept(body, _unjointed) for body in scene.bodies
+        _rigid(com_frame(body), tied=True) if body.name in tied else cached_on(body, _unjointed)
+        for body in scene.bodies
     )
 
 

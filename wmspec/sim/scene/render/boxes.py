@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmspec.sim.scene.model import Array, Body, Camera, Scene, Shot
-from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.model.memoize import cached_on
 from wmspec.sim.scene.model.transform import rotation
 from wmspec.sim.shapes.facets import tessellate
 
@@ -25,7 +25,7 @@ class Boxes:
     """
 
     def __init__(self, scene: Scene) -> None:
-        boxes = [kept(body, _boxes) for body in scene.bodies]
+        boxes = [cached_on(body, _boxes) for body in scene.bodies]
         self._middle, self._half, radius = np.concatenate([np.empty((0, 3, 3)), *boxes]).swapaxes(0, 1)
         self._radius = radius[:, 0]
         self.body = [i for i, own in enumerate(boxes) for _ in own]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.sim.scene.model import Array, Body, Camera, Scene, Shot
-from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.model.memoize import cached_on
 from wmspec.sim.scene.model.transform import rotation
 from wmspec.sim.scene.render.boxes import visible_points
 from wmspec.sim.scene.render.camera import look_at
@@ -46,7 +46,7 @@ class ShadowCasters:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._radius = np.array([kept(body, _radius) for body in scene.bodies])
+        self._radius = np.array([cached_on(body, _radius) for body in scene.bodies])
         self._axes = rotation(look_at(-scene.light.direction, np.zeros(3)).orientation)
 
         self._moves = np.array([body.motion != "static" for body in scene.bodies], dtype=bool)
