@@ -20,7 +20,7 @@ def execute(scene: Scene) -> Trace:
 
 
 def renderer(scene: Scene, width: int, height: int) -> Renderer:
-    """Return a renderer of the bodies and cameras of a scene. Raises GraphicsError if graphics libraries are missing."""
+    """Return a renderer of the bodies and cameras of a scene. Raises GraphicsError if libraries are missing."""
     from . import render
 
     return render.SapienRenderer(scene, width, height)
