@@ -20,6 +20,7 @@ __all__ = ["browser", "shared"]  # here alone: a process has one of each, howeve
 
 # Time limits belong in benchmarks: a loaded machine must not fail a law. In CI the same examples are tried every time.
 settings.register_profile("wmspec", deadline=None, derandomize=bool(os.environ.get("CI")))
+settings.register_profile("long", settings.get_profile("wmspec"))
 settings.load_profile("wmspec")
 
 # Datasets say when they were published: in tests, always on the same day.
