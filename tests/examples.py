@@ -8,5 +8,5 @@ from hypothesis import settings
 
 
 def examples(few: int, many: int, **others: Any) -> settings:
-    """Settings of a test whose examples take long: `make test-all` tries `many`, with `others` as Hypothesis has them."""
+    """Settings of a test whose examples take long: `many` in `make test-all`; the others are those of Hypothesis."""
     return settings(max_examples=many if settings.get_current_profile_name() == "long" else few, **others)

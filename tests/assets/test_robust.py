@@ -58,7 +58,7 @@ def told(folder: Path, content: bytes, name: str = "a.urdf") -> list[str]:
     return [d.code for d in report.diagnostics]
 
 
-@examples(20, 100)
+@examples(100, 1000)
 @given(data=st.data())
 def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     text = data.draw(st.sampled_from(TEXTS))
@@ -69,7 +69,7 @@ def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataO
     told(tmp_path_factory.getbasetemp(), text.encode(errors="replace"))
 
 
-@examples(15, 60)
+@examples(60, 600)
 @given(data=st.data())
 def test_mutated_words_of_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """Well formed, but names and numbers go astray."""
@@ -80,7 +80,7 @@ def test_mutated_words_of_assets(tmp_path_factory: pytest.TempPathFactory, data:
     told(tmp_path_factory.getbasetemp(), '"'.join(words).encode())
 
 
-@examples(15, 50)
+@examples(50, 500)
 @given(content=st.binary(max_size=200))
 def test_bytes(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
     assert "WMS210" in told(tmp_path_factory.getbasetemp(), content)
@@ -133,7 +133,7 @@ def test_other_specs_do_not_wait_for_what_reads_assets() -> None:
 STAGES = [(HERE / name).read_text() for name in ("balance.usda", "box.usda")]
 
 
-@examples(10, 40)
+@examples(20, 200)
 @given(data=st.data())
 def test_mutated_stages(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """A new file for each, since USD remembers those that it has opened."""

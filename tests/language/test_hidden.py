@@ -59,7 +59,7 @@ COORDINATE = st.floats(-2, 2).map(lambda x: round(x, 2))
 POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE)
 
 
-@examples(60, 300)
+@examples(300, 3000)
 @given(eye=POINT, point=POINT, yaw=st.floats(-math.pi, math.pi))
 def test_a_box_between_two_points_has_a_point_of_the_way_between_them(
     eye: tuple[float, float, float], point: tuple[float, float, float], yaw: float

@@ -43,13 +43,13 @@ def test_mutated_specs(data: st.DataObject) -> None:
     survive(text)
 
 
-@examples(50, 150)
+@examples(150, 1500)
 @given(st.text())
 def test_random_text(text: str) -> None:
     survive(text)
 
 
-@examples(20, 80)
+@examples(80, 800)
 @given(
     st.lists(
         st.one_of(FRAGMENTS, st.sampled_from(["task", "object", "factor", "let", "action", "question", "x", "red"])),
