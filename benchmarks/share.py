@@ -34,7 +34,7 @@ from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import load_source
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.trace_cache import TraceCache
-from wmspec.runtime.questions.robustness import NUDGE
+from wmspec.runtime.questions.robustness import DEFAULT_NUDGE
 from wmspec.runtime.questions.runs import EnginePair, Run, execute, nudged
 from wmspec.sim.scene.model import Scene
 
@@ -99,7 +99,7 @@ def _episodes(design: Design, index: int, pair: EnginePair) -> list[tuple[Scene,
     truth = execute(design, instance, None, pair)
     others: list[Run] = [execute(design, instance, c, pair) for c in question.alternatives(instance.factors)]
     end = truth.scene.duration
-    aside = nudged(truth, NUDGE, instance.key, pair)
+    aside = nudged(truth, DEFAULT_NUDGE, instance.key, pair)
     return [(truth.scene, (0.0, 0.17, 0.24, end)), *((run.scene, (end,)) for run in others), (aside.scene, ())]
 
 

@@ -7,7 +7,7 @@ import pytest
 import wmspec
 from wmspec.core.resources import resource
 from wmspec.dataset.build.units import MOST, units
-from wmspec.runtime.questions.closed_sets import has_closed
+from wmspec.runtime.questions.closed_sets import has_closed_set
 
 TASKS = {
     "positioning_tabletop": "perception/space/positioning.wms",  # closed sets in groups that cross more
@@ -29,7 +29,7 @@ def test_units(name: str, part: float) -> None:
     pieces = [piece for unit in made for piece in unit]
     blocks = [{task.design.blocks.locate(index)[0] for index in piece} for piece in pieces]
     assert all(len(of) == 1 for of in blocks)
-    if has_closed(task.spec):  # each group is asked once
+    if has_closed_set(task.spec):  # each group is asked once
         assert len(pieces) == len({block for (block,) in blocks})
 
 

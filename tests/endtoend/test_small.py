@@ -15,7 +15,7 @@ from tests.engines import installed
 from wmspec.compile.layout.values import Values
 from wmspec.dataset.build.words import human
 from wmspec.lang.check.statements.builder import observe, task, thing
-from wmspec.runtime.questions.verbalize import say
+from wmspec.runtime.questions.verbalize import verbalize
 
 BALL = "object ball { shape: sphere  size: 6 cm  color: red  on: table }"
 SPEC = "use tabletop\ntask t : custom {{ factor n in [1, 2]  {body}  observe front at [0 s, 0.1 s] }}"
@@ -85,7 +85,7 @@ def test_run_tells_the_middle_of_a_compound_as_measures_do(tmp_path: Path) -> No
 @pytest.mark.parametrize(("mass", "words"), [(0.2, "200 g"), (0.9994, "999.4 g"), (1.0, "1 kg"), (1.5, "1.5 kg")])
 def test_a_mass_is_said_as_people_do(mass: float, words: str) -> None:
     values = Values(task("t", thing("camera", "front", at=(0, -1, 1)), observe("front", [0.0])), {})
-    assert say(mass, "mass", values) == words
+    assert verbalize(mass, "mass", values) == words
     assert mass < 1 or human(mass, "kg") == words
 
 

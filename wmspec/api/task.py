@@ -278,12 +278,12 @@ class Instance:
         """
         from wmspec.api.drawing import renderer_of
         from wmspec.api.episode import executor
-        from wmspec.runtime.questions.closed_sets import ask_whole
+        from wmspec.runtime.questions.closed_sets import ask_complete
         from wmspec.runtime.questions.model import Rejected
         from wmspec.runtime.questions.runs import EnginePair
 
         pair = EnginePair(executor(engine), renderer_of(engine, **drawing))
-        answers = ask_whole(self.task.design.redrawn(self.drawn.redrawn), self.index, pair)
+        answers = ask_complete(self.task.design.redrawn(self.drawn.redrawn), self.index, pair)
         rejected = tuple(a for a in answers if isinstance(a, Rejected))
         return Asked(tuple(a for a in answers if not isinstance(a, Rejected)), rejected)
 

@@ -49,9 +49,9 @@ def by_size(sizes: Mapping[str, int]) -> dict[int, list[str]]:
 
 def balanced(question: str) -> str:
     """What balance may cost."""
-    from wmspec.runtime.questions.balance import MOST_DRAWS
+    from wmspec.runtime.questions.balance import MAX_DRAWS
 
-    most = f"each group is drawn up to {MOST_DRAWS} times"
+    most = f"each group is drawn up to {MAX_DRAWS} times"
     return f"balanced answers of `{question}`: {most}; `wmspec generate --dry-run` measures how often"
 
 

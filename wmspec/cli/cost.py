@@ -47,7 +47,9 @@ def _print(costs: Sequence[Cost], workers: int) -> None:
     for name in ("task", "instances", "time", "size", "tried", "s each", "rejected"):
         table.add_column(name, justify="left" if name == "task" else "right", overflow="fold")
     for c in costs:
-        table.add_row(c.task, *_together([c], workers), f"{c.tried}", f"{c.seconds:.2f}", f"{c.rejected} of {c.asked}")
+        table.add_row(
+            c.task, *_together([c], workers), f"{c.tried}", f"{c.seconds:.2f}", f"{c.rejected} of {c.questions}"
+        )
     if len(costs) > 1:
         table.add_row("together", *_together(costs, workers))
     Console(soft_wrap=False).print(table, highlight=False)

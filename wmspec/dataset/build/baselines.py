@@ -20,7 +20,7 @@ class Baselines:
     independent control groups.
     """
 
-    asked: int
+    questions: int
     groups: int
     chance: float
     answer: float
@@ -34,7 +34,7 @@ def baselines(files: Iterable[Path]) -> Baselines:
     asked = [row for row in rows if row["answer"] is not None]
     count = max(len(asked), 1)
     return Baselines(
-        asked=len(asked),
+        questions=len(asked),
         groups=len({row["block"] for row in rows}),
         chance=sum(1 / len(row["option_kind"]) for row in asked) / count,
         answer=_commonest(asked, "option_name") / count,

@@ -164,9 +164,9 @@ def _use(plan: Plan) -> str:
 def _baselines(scores: Mapping[str, Baselines]) -> str:
     head = ["task", "questions with options", "control groups", "chance", "commonest answer", "commonest place"]
     rows = [
-        [name, f"{b.asked:,}", f"{b.groups:,}", *(f"{share:.1%}" for share in (b.chance, b.answer, b.place))]
+        [name, f"{b.questions:,}", f"{b.groups:,}", *(f"{share:.1%}" for share in (b.chance, b.answer, b.place))]
         for name, b in scores.items()
-        if b.asked
+        if b.questions
     ]
     told = (
         "What is right without looking: by guessing, by always saying the answer, or the place of it, that is most "

@@ -18,7 +18,7 @@ from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan, Shard
 from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.worker import Outcome
-from wmspec.runtime.questions.model import PASSING, Rejected
+from wmspec.runtime.questions.model import TRANSIENT, Rejected
 
 _SUFFIX = ".instance"
 
@@ -59,7 +59,7 @@ def kept(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
 
 def passing(rejected: Iterable[Rejected]) -> set[int]:
     """The instances that may yield their questions another time."""
-    return {r.index for r in rejected if r.reason in PASSING}
+    return {r.index for r in rejected if r.reason in TRANSIENT}
 
 
 def _arrow(content: pa.Table) -> bytes:

@@ -40,7 +40,7 @@ class Cost:
     seconds: float
     error: float | None
     size: float
-    asked: int
+    questions: int
     rejected: int
     reasons: dict[str, int]
     examples: dict[str, Rejected]
@@ -156,7 +156,7 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
         seconds=seconds,
         error=error,
         size=len(parquet(table(rows, schema(task.spec)))) / tried,
-        asked=tried * len(task.spec.questions) * len(plan.engines),
+        questions=tried * len(task.spec.questions) * len(plan.engines),
         rejected=len(rejected),
         reasons=reasons,
         examples=examples,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wmspec.dataset.build.pictures import lossless, png
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.kinds import KINDS
-from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Sighting, Strength, Vote
+from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Strength, VisibleObject, Vote
 from wmspec.runtime.questions.views import channels_of
 
 Row = dict[str, Any]
@@ -216,7 +216,7 @@ def encode(question: QuestionRow) -> Row:
 
 
 def _options(question: QuestionRow) -> Row:
-    options, offered = question.options, KINDS[question.kind].offered(question.options)
+    options, offered = question.options, KINDS[question.kind].option_set(question.options)
     if len(offered.texts or ()) + len(offered.pictures) != len(options):
         raise ValueError("every option of a question has a text, or every one has a picture")
     return {
@@ -230,14 +230,14 @@ def _options(question: QuestionRow) -> Row:
     }
 
 
-def _objects(pictures: Iterable[Iterable[Sighting]]) -> list[Row]:
+def _objects(pictures: Iterable[Iterable[VisibleObject]]) -> list[Row]:
     """The objects of pictures, each with the place of its picture."""
     return [_object(place, seen) for place, objects in enumerate(pictures) for seen in objects]
 
 
-def _object(picture: int, seen: Sighting) -> Row:
+def _object(picture: int, seen: VisibleObject) -> Row:
     numbers = (*seen.position, *seen.orientation, seen.share, seen.across, seen.down, *(seen.color or (None,) * 3))
-    known = {"picture": picture, "name": seen.name, "look": " ".join(seen.words), "asked": seen.asked}
+    known = {"picture": picture, "name": seen.name, "look": " ".join(seen.words), "asked": seen.queried}
     return known | dict(zip(_SCALARS, numbers, strict=True))
 
 

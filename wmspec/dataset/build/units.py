@@ -18,8 +18,8 @@ from wmspec.compile.stage.episode import built
 from wmspec.compile.stage.one_factor import changed_by
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
-from wmspec.runtime.questions.balance import MOST_DRAWS
-from wmspec.runtime.questions.closed_sets import has_closed
+from wmspec.runtime.questions.balance import MAX_DRAWS
+from wmspec.runtime.questions.closed_sets import has_closed_set
 
 #: A unit has so many instances at most (but a closed set is never parted): what a worker gets at a time.
 MOST = 32
@@ -55,7 +55,7 @@ def units(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Pi
 
 def _pieces(design: Design, indices: Sequence[int]) -> Iterable[Piece]:
     """What is asked at a time: an instance, or what is wanted of a group that is asked as a whole."""
-    if not has_closed(design.spec):
+    if not has_closed_set(design.spec):
         return ((index,) for index in indices)
     groups: dict[int, list[int]] = {}
     for index in indices:
@@ -65,7 +65,7 @@ def _pieces(design: Design, indices: Sequence[int]) -> Iterable[Piece]:
 
 def weight(spec: TaskSpec, piece: Piece) -> int:
     """How many instances may have to be made for a piece."""
-    return len(piece) * (MOST_DRAWS if spec.plan.balance else 1)
+    return len(piece) * (MAX_DRAWS if spec.plan.balance else 1)
 
 
 class _Kin:

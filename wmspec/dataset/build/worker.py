@@ -13,8 +13,8 @@ from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.scene_cache import SceneCache
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.questions.ask import ask
-from wmspec.runtime.questions.balance import balanced
-from wmspec.runtime.questions.closed_sets import Answers, has_closed, kept_whole
+from wmspec.runtime.questions.balance import balanced_batch
+from wmspec.runtime.questions.closed_sets import Answers, drop_incomplete_groups, has_closed_set
 from wmspec.runtime.questions.consensus import Consensus, consensus
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 from wmspec.runtime.questions.runs import EnginePair
@@ -99,9 +99,9 @@ def work(job: Job, task: str, indices: tuple[int, ...]) -> Made:
     design, before = _design(job, task), _counted(job)
     block, balance = design.blocks.locate(indices[0])[0], Balance()
     if design.spec.plan.balance:
-        lap = balanced(design, block, partial(_group, job))
+        lap = balanced_batch(design, block, partial(_group, job))
         answers, balance = lap.answers, Balance(lap.executed, lap.kept)
-    elif has_closed(design.spec):
+    elif has_closed_set(design.spec):
         answers = _group(job, design, block)
     else:
         answers = {index: _answers(job, design, index) for index in indices}
@@ -113,12 +113,12 @@ def work(job: Job, task: str, indices: tuple[int, ...]) -> Made:
 def _group(job: Job, design: Design, block: int) -> Mapping[int, Answers]:
     """The answers of all members of a group."""
     answers = {member: _answers(job, design, member) for member in design.blocks.members(block)}
-    return kept_whole(design.spec, answers) if has_closed(design.spec) else answers
+    return drop_incomplete_groups(design.spec, answers) if has_closed_set(design.spec) else answers
 
 
 def _counted(job: Job) -> tuple[int, ...]:
     """What was asked of this process's engines, and what they did."""
-    counts = [(p.traces.asked, p.traces.executed, p.renders.asked, p.renders.drawn) for p in _pairs(job).values()]
+    counts = [(p.traces.requests, p.traces.executed, p.renders.requests, p.renders.drawn) for p in _pairs(job).values()]
     return tuple(map(sum, zip(*counts, strict=True)))
 
 

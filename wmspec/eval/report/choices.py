@@ -10,7 +10,7 @@ import pandas as pd
 
 from wmspec.eval.report.intervals import Estimate, estimate, means, ratio, resampled
 from wmspec.eval.report.replies import Replies
-from wmspec.runtime.questions.model import FORESEEN
+from wmspec.runtime.questions.model import HYPOTHETICAL
 
 #: What a counterfactual may change, beside several at once. A change is written as its kind and what it changed.
 BOTH, OTHER = "both", "other"
@@ -134,7 +134,7 @@ def mistaken(replies: Replies) -> tuple[Mistaken, ...]:
     if replies.questions is None:
         return ()
     known = replies.questions.table
-    foresees = known["kinds"].map(lambda kinds: not FORESEEN.isdisjoint(kinds))
+    foresees = known["kinds"].map(lambda kinds: not HYPOTHETICAL.isdisjoint(kinds))
     table = replies.table[replies.table["id"].isin(known.index[foresees]) & (replies.table["right"] == 0)]
     table = table[table["parsed"].notna()]
     changed = {str(name): tuple(map(change, changes)) for name, changes in known["changes"].items()}

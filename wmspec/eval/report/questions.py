@@ -11,7 +11,7 @@ import pandas as pd
 
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.rows import Row
-from wmspec.runtime.questions.model import FORESEEN
+from wmspec.runtime.questions.model import HYPOTHETICAL
 
 _WANTED = (
     "id", "task", "dimension", "index", "question", "question_name", "engine", "text", "option_text", "option_kind",
@@ -57,7 +57,7 @@ def _rows(dataset: DatasetReader, task: str) -> list[Row]:
 
 def _table(rows: list[Row]) -> pd.DataFrame:
     table = pd.DataFrame([_question(row) for row in rows]).set_index("id")
-    foresees = table["kinds"].map(lambda kinds: not FORESEEN.isdisjoint(kinds))
+    foresees = table["kinds"].map(lambda kinds: not HYPOTHETICAL.isdisjoint(kinds))
     predicts = table["dimension"].str.split(".").str[0] == "prediction"
     table["query"] = predicts & foresees.groupby(table["task"]).transform("any") & ~foresees
     return table

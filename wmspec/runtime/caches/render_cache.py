@@ -15,7 +15,7 @@ REMEMBERED, OPEN = 96_000_000, 4
 class RenderCache:
     """Draws in one engine at one size (pixels), in a look, with so many samples a pixel. Close it when done.
 
-    `asked` is how many pictures it was asked for, `drawn` how many it drew.
+    `requests` counts requested pictures, `drawn` those that were drawn.
     """
 
     def __init__(
@@ -29,7 +29,7 @@ class RenderCache:
     ) -> None:
         self.engine = engine
         self.size = (width, height)
-        self.asked = self.drawn = 0
+        self.requests = self.drawn = 0
         self._look, self._samples = look, samples
         self._room = remembered
         self._frames: OrderedDict[tuple[bytes, bytes, bool], Frame] = OrderedDict()
@@ -38,7 +38,7 @@ class RenderCache:
     def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
         """The picture of a scene from a camera, with every body at the pose of the shot."""
         key = look_key(scene), shot_key(shot), depth
-        self.asked += 1
+        self.requests += 1
         if key not in self._frames:
             self.drawn += 1
             self._keep(key, self._renderer(scene).draw(shot, depth=depth))

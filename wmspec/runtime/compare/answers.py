@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.runtime.questions.gates import passed
+from wmspec.runtime.questions.gates import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Answer, Reject
-from wmspec.runtime.questions.question_context import Asking, refused
+from wmspec.runtime.questions.question_context import QuestionContext, rejection_of
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class EngineAnswer:
     rejected: str | None
 
 
-def answer(asking: Asking) -> EngineAnswer:
+def answer(asking: QuestionContext) -> EngineAnswer:
     """An engine's answer, whatever the gates say."""
     kind, measured = KINDS[asking.question.kind], asking.measured
     try:
@@ -33,7 +33,7 @@ def answer(asking: Asking) -> EngineAnswer:
     except (Reject, WmsError) as error:
         return EngineAnswer(None, "nothing", measured.readings, _reason(error))
     try:
-        passed(asking.question, measured)
+        smallest_margin(asking.question, measured)
         kind.gate(asking, value)
         rejected = None
     except (Reject, WmsError) as error:
@@ -59,5 +59,5 @@ def difference(a: EngineAnswer, b: EngineAnswer, engines: tuple[str, str]) -> st
 
 
 def _reason(error: Reject | WmsError) -> str:
-    reject = error if isinstance(error, Reject) else refused(error)
+    reject = error if isinstance(error, Reject) else rejection_of(error)
     return f"{reject.reason}: {reject.detail}"

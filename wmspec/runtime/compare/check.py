@@ -19,7 +19,7 @@ from wmspec.runtime.compare.model import Cause, Checked, Comparison, Failure, Pa
 from wmspec.runtime.compare.tolerance import Tolerances
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import TRUTH
-from wmspec.runtime.questions.question_context import Asking
+from wmspec.runtime.questions.question_context import QuestionContext
 from wmspec.runtime.questions.runs import EnginePair, Run, values_of
 from wmspec.sim.scene.model import Scene, Trace
 
@@ -115,7 +115,7 @@ class _Executed:
             return self._run(engine, run_name(spec, q, change), change)
 
         pair = EnginePair(TraceCache(engine), _renders(engine))
-        return answer(Asking(question, self._run(engine, TRUTH, None), alternative, pair))
+        return answer(QuestionContext(question, self._run(engine, TRUTH, None), alternative, pair))
 
     def _run(self, engine: str, name: str, change: Counterfactual | None) -> Run:
         """What was executed, as it is asked about."""

@@ -1,4 +1,4 @@
-"""What a picture shows of a body: the patch of pixels that are its own."""
+"""The pixels of a body in a picture."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Patch:
-    """`pixels` of a picture, a `share` of it, with their middle and their mean colour (0..1), None if there are none.
+    """`pixels` of a body, their `share` of the picture, centre and mean colour (0..1); None without pixels.
 
-    `across` from the left edge, `down` from the top, as shares of the picture's sides. `rows` and `columns`: the first
-    and the last with one of them.
+    `across` and `down` are relative to the picture size, from left and top. `rows` and `columns`: first and last.
     """
 
     pixels: int
@@ -31,15 +30,12 @@ class Patch:
 
 
 def patch(frame: Frame, index: int) -> Patch:
-    """What is seen of a body."""
-    return known(frame, index, _patch)
+    """Return the patch of a body."""
+    return memoized(frame, index, _patch)
 
 
-def known(frame: Frame, index: int, find: Callable[[Frame, int], T]) -> T:
-    """What `find` finds about a body in a picture.
-
-    Kept with the picture, which never changes: instances that share it ask for the same.
-    """
+def memoized(frame: Frame, index: int, find: Callable[[Frame, int], T]) -> T:
+    """Return `find(frame, index)`, cached with the frame, which instances share."""
     found = frame.__dict__.setdefault("_known", {})
     key = (find, index)
     if key not in found:
