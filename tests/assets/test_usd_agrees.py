@@ -385,7 +385,7 @@ def test_shapes_of_ours_that_usd_does_not_have(tmp_path: Path) -> None:
         f"object o{i} {{ shape: {kind}  {more}  at: ({i} m, 0, 1 m)  fixed: {str(kind == 'plane').lower()} }}\n"
         for i, (kind, more) in enumerate(
             {
-                **{kind: "size: 20 cm" for kind, shape in SHAPES.items() if shape.takes("size")},
+                **{kind: "size: 20 cm" for kind, shape in SHAPES.items() if shape.accepts("size")},
                 "sweep": "thickness: 2 cm  along: [(0 cm, 0 cm, 0 cm), (20 cm, 0 cm, 0 cm), (20 cm, 10 cm, 5 cm)]",
                 "lathe": "profile: [(0 cm, 0 cm), (10 cm, 0 cm), (4 cm, 20 cm)]",
                 "extrude": "depth: 10 cm  outline: [(0 cm, 0 cm), (20 cm, 0 cm), (20 cm, 10 cm), (10 cm, 20 cm)]",

@@ -175,7 +175,7 @@ def test_too_few_questions_are_said_to_be_too_few(audited: Audited) -> None:
 
 def test_engines_are_not_counted_as_questions(tmp_path: Path) -> None:
     found = look(make(tmp_path / "made", "race", race(), 40, engines=("mujoco", "pybullet")))
-    assert {p.asked for p in found.probes} == {40}
+    assert {p.questions for p in found.probes} == {40}
     assert max(sum(map(sum, t.counts)) for t in found.tests) == 40
 
 

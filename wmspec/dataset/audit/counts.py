@@ -73,8 +73,8 @@ def _one_truth(case: Case) -> bool:
 def _judged(counts: Counts) -> Finding:
     """How many questions were kept. A task that yields none fails, and one in which something broke."""
     reasons = ", ".join(f"{n:,} {reason}" for reason, n in counts.rejected.items())
-    lost = counts.queried - counts.kept
-    share = f"{counts.kept:,} of {counts.queried:,} questions kept of {counts.instances:,} instances"
-    what = f"{share}; rejected {lost / max(1, counts.queried):.1%}: {reasons}" if lost else f"{share}, none rejected"
+    lost = counts.questions - counts.kept
+    share = f"{counts.kept:,} of {counts.questions:,} questions kept of {counts.instances:,} instances"
+    what = f"{share}; rejected {lost / max(1, counts.questions):.1%}: {reasons}" if lost else f"{share}, none rejected"
     broken = sum(counts.rejected.get(reason, 0) for reason in BROKEN)
     return Finding("counts", counts.task, "fails" if not counts.kept or broken else "holds", what)

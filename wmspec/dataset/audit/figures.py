@@ -65,11 +65,11 @@ def rejected(counts: Sequence[Counts]) -> Figure:
         parts.append(_text(count.task, WORDS - 12, y + LINE / 2, "end"))
         shares = [("kept", count.kept), *((r, count.rejected.get(r, 0)) for r in reasons)]
         for name, number in shares:
-            wide = (WIDTH - WORDS - 60) * number / max(1, count.queried)
+            wide = (WIDTH - WORDS - 60) * number / max(1, count.questions)
             kind = "kept" if name == "kept" else f"lost{reasons.index(name) % 6}"
             parts.append(_rect(kind, left, y + 4, wide, LINE - 8, f"{count.task}: {number:,} {name}"))
             left += wide
-        parts.append(_text(f"{count.kept / max(1, count.queried):.0%}", WIDTH - 4, y + LINE / 2, "end"))
+        parts.append(_text(f"{count.kept / max(1, count.questions):.0%}", WIDTH - 4, y + LINE / 2, "end"))
     keys = [("kept", "kept"), *((f"lost{i % 6}", reason) for i, reason in enumerate(reasons))]
     return _figure("The share of questions kept, and rejected by reason", parts, LINE * len(counts), keys)
 

@@ -61,7 +61,7 @@ class Probe:
     task: str
     sees: str
     family: str
-    queried: int
+    questions: int
     right: float
     chance: float
     deviation: float
@@ -76,7 +76,7 @@ class Probe:
     @property
     def accuracy(self) -> float:
         """The share of questions that it answers."""
-        return self.right / self.queried if self.queried else 0.0
+        return self.right / self.questions if self.questions else 0.0
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Counts:
     task: str
     dimension: str
     instances: int
-    queried: int
+    questions: int
     kept: int
     rejected: dict[str, int]
 

@@ -121,7 +121,7 @@ class _Task:
             task=self._name,
             sees=line.sees,
             family=line.family,
-            queried=len(right),
+            questions=len(right),
             right=float(right.sum()),
             chance=float(chance.mean()),
             deviation=power.deviation(right, chance, self._groups),
@@ -282,7 +282,7 @@ def _reach(probe: Probe) -> power.Reach:
 
 
 def _weighed(probe: Probe, beyond: float | None) -> Probe:
-    low, high = clopper_pearson(probe.right, probe.queried, 0.95)
+    low, high = clopper_pearson(probe.right, probe.questions, 0.95)
     if beyond is None:  # it is not judged, or a single option is left: nothing to overlook
         return replace(probe, low=low, high=high, least=1.0 - probe.judged)
     luck = probe.accuracy - probe.chance <= beyond * probe.deviation
@@ -301,7 +301,7 @@ def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
 
 def judge(probe: Probe) -> Finding:
     """What a probe says about its task, in words."""
-    result = f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.queried:,} answered (chance {probe.chance:.0%})"
+    result = f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.questions:,} answered (chance {probe.chance:.0%})"
     outcome = verdict(probe)
     if outcome in ("told", "fails"):
         return Finding("shortcut", probe.task, outcome, f"{result}; {probe.why}")
