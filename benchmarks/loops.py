@@ -20,7 +20,7 @@ from wmspec.backends.mujoco import physics as in_mujoco
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.world import World as MuJoCo
 from wmspec.backends.pybullet import physics as in_pybullet
-from wmspec.backends.pybullet.lists import lists
+from wmspec.backends.pybullet.shared_lists import shared_lists
 from wmspec.backends.pybullet.world import World as PyBullet
 from wmspec.backends.sapien import physics as in_sapien
 from wmspec.backends.sapien.render import bodies, eye
@@ -87,7 +87,7 @@ def _shown(scene: Scene) -> int:
     client: int = pybullet.connect(pybullet.DIRECT)
     for body in scene.bodies:
         for geom in (geom for geom in body.geoms if geom.visible):
-            with lists(texcoords(geom)) as mesh:
+            with shared_lists(texcoords(geom)) as mesh:
                 color = [*geom.surface.color, 1.0]
                 shape = pybullet.createVisualShape(pybullet.GEOM_MESH, rgbaColor=color, physicsClientId=client, **mesh)
             pose = compose(body.pose, geom.pose)
@@ -103,7 +103,7 @@ def _sapien(every: list[tuple[Scene, int]], size: int) -> None:
     for scene, pictures in every:
         whole, timeline = in_sapien.prepare(scene)
         if kinematic_recording(timeline) is None:
-            play(Sapien(whole, in_sapien.landing(scene)), timeline)
+            play(Sapien(whole, in_sapien.landing_bodies(scene)), timeline)
         if pictures:
             world = sapien.Scene([sapien.render.RenderSystem()])
             for entity, body in zip(bodies(world, scene, linear=True), scene.bodies, strict=True):

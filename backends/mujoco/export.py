@@ -10,10 +10,10 @@ from wmspec.sim.scene.script import episode_script
 from .clearance import CLEARANCE, box_distance, is_clear
 from .mjcf import mjcf
 from .physics import prepare
-from .world import HEAVY, MujocoWorld, rates
+from .world import HEAVY, World, rates
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))
-world = MujocoWorld(model, ASSEMBLY)"""
+world = World(model, ASSEMBLY)"""
 
 
 def native(scene: Scene) -> dict[str, str]:
@@ -37,7 +37,7 @@ def native(scene: Scene) -> dict[str, str]:
             rates,
             box_distance,
             is_clear,
-            MujocoWorld,
+            World,
         ],
         values=values,
         world=WORLD,

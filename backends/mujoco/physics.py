@@ -28,7 +28,7 @@ from .impact import solref
 from .info import CONTACT_YIELD, INFO, STEPS_PER_SECOND
 from .joints import MAX_FINITE
 from .mjcf import mjcf
-from .world import MujocoWorld
+from .world import World
 
 with silence():
     import mujoco
@@ -66,10 +66,10 @@ def _record_steps(text: str, scene: Scene, whole: Assembly, timeline: Episode) -
         raise EngineError(f"MuJoCo failed: {error}; look for overlaps or extreme velocities") from error
 
 
-def _world(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> MujocoWorld:
+def _world(text: str, scene: Scene, whole: Assembly, timeline: Episode) -> World:
     """Return a world with verified physics. Raises WmsError if MuJoCo reads the model differently."""
     try:
-        world = MujocoWorld(mujoco.MjModel.from_xml_string(text), whole)
+        world = World(mujoco.MjModel.from_xml_string(text), whole)
     except ValueError as error:
         raise WmsError(f"MuJoCo cannot load the scene: {error}") from error
     verify(world, scene, timeline)
@@ -85,7 +85,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     return assembly(scene, timeline), timeline
 
 
-def verify(world: MujocoWorld, scene: Scene, timeline: Episode) -> None:
+def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless MuJoCo has the physics of the scene."""
     model = world.model
     require_equal("MuJoCo", "the time step", model.opt.timestep, timeline.step)

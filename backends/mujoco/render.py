@@ -31,7 +31,7 @@ with silence():
 
 SHADOW_MAP = 1024
 SHADOW_BIAS = 0.35
-"""Texels of the shadow map by which a shadow starts behind its caster (see `MujocoRenderer._aim`).
+"""Texels of the shadow map by which a shadow starts behind its caster (see `Renderer._aim`).
 
 MuJoCo adds 1.5 times the slope of a surface per texel. Depths are rounded by nearly this amount; with a full texel,
 flat tops have speckles.
@@ -48,7 +48,7 @@ GL_RGBA = 0x1908
 _BACKDROPS = Backdrops()
 
 
-class MujocoRenderer:
+class Renderer:
     """Draws one scene: every body is a mocap body, so a shot sets poses only.
 
     Raises WmsError if OpenGL is missing.

@@ -31,7 +31,7 @@ from wmspec.sim.scene.physics.episode import (
     to_body_frames,
 )
 
-from .world import MujocoWorld
+from .world import World
 
 with silence():
     import mujoco
@@ -94,7 +94,7 @@ def with_contact_sensors(text: str, scene: Scene) -> str:
     return f"{head}<sensor>{sensors}</sensor>{end}{rest}"
 
 
-def play(world: MujocoWorld, scene: Scene, timeline: Episode) -> Recording:
+def play(world: World, scene: Scene, timeline: Episode) -> Recording:
     """Execute the episode in a new world of the model with sensors. Raises FloatingPointError on a warning."""
     model, data = world.model, world.data
     steps, kind, paths = _steps(timeline), mujoco.mjtState.mjSTATE_FULLPHYSICS, _paths(timeline)
@@ -127,7 +127,7 @@ def _event_steps(timeline: Episode, paths: Paths) -> list[int]:
 
 
 def _advance(
-    world: MujocoWorld, led: Any, spare: Any, i: int, stop: int
+    world: World, led: Any, spare: Any, i: int, stop: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], bool]:
     """Advance from step `i` to `stop` without events; return states, sensor data, and whether a resting body was
     struck.
@@ -152,7 +152,7 @@ def _advance(
     return after[0], read[0], False
 
 
-def _states(world: MujocoWorld, timeline: Episode, whole: NDArray[np.float64], kicked: Any) -> NDArray[np.float64]:
+def _states(world: World, timeline: Episode, whole: NDArray[np.float64], kicked: Any) -> NDArray[np.float64]:
     """Return the recorded states (T, N, 13) from MuJoCo's states before every step."""
     states: NDArray[np.float64] = scripted_states(timeline)
     sampled = whole[:: timeline.substeps]

@@ -21,7 +21,7 @@ with silence():
 HEAVY = 1e6  # kg and kg m²: immovable by other bodies
 
 
-class MujocoWorld:
+class World:
     """A model of the bodies of a scene, with frames at their centres of mass."""
 
     def __init__(self, model: Any, assembly: Assembly) -> None:

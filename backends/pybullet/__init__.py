@@ -23,7 +23,7 @@ def renderer(scene: Scene, width: int, height: int) -> Renderer:
     """Return a renderer of the bodies and cameras of a scene."""
     from . import render
 
-    return render.PybulletRenderer(scene, width, height)
+    return render.Renderer(scene, width, height)
 
 
 def native(scene: Scene) -> dict[str, str]:

@@ -30,7 +30,7 @@ PARTS = (
     *(CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly),
     *(shapes.shape, shapes.relative_pose, shapes.xyzw, shapes.single, shapes.several, shapes.objects),
     *(articulations.add_multibody, articulations.depth_first, articulations.disable_motor, articulations.reset_tree),
-    world.PybulletWorld,
+    world.World,
 )
 
 
@@ -39,5 +39,5 @@ def native(scene: Scene) -> dict[str, str]:
     whole, timeline = prepare(scene)
     constants = {name: getattr(module, name) for module, names in CONSTANTS.items() for name in names}
     values = constants | {"ASSEMBLY": whole, "EPISODE": timeline}
-    line = "world = PybulletWorld(ASSEMBLY)"
+    line = "world = World(ASSEMBLY)"
     return {"run.py": episode_script("PyBullet", "pybullet", scene, parts=PARTS, values=values, world=line)}

@@ -16,7 +16,7 @@ from wmspec.sim.scene.validate import validate
 from .collision_margin import shrink_by_margin
 from .cylinders import add_support_boxes
 from .info import INFO
-from .world import PybulletWorld
+from .world import World
 
 with silence():
     import pybullet
@@ -32,7 +32,7 @@ def execute(scene: Scene) -> Trace:
 
 
 def _record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
-    world = PybulletWorld(whole)
+    world = World(whole)
     try:
         verify(world, scene, timeline)
         return play(world, timeline)
@@ -48,7 +48,7 @@ def prepare(scene: Scene) -> tuple[Assembly, Episode]:
     return shrink_by_margin(add_support_boxes(assembly(scene, timeline))), timeline
 
 
-def verify(world: PybulletWorld, scene: Scene, timeline: Episode) -> None:
+def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless PyBullet has the physics of the scene (it does not report restitution and limits)."""
     engine = pybullet.getPhysicsEngineParameters(physicsClientId=world.client)
     require_equal("PyBullet", "the time step", engine["fixedTimeStep"], timeline.step)

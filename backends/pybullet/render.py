@@ -53,7 +53,7 @@ class DrawnGeom:
     pattern: Pattern | None
 
 
-class PybulletRenderer:
+class Renderer:
     """Draws one scene: every side of a visible geom is a massless body of its own client."""
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:

@@ -29,7 +29,7 @@ TIE_FORCE = 1e6  # N: maximum force of a grip point
 MAX_JOINT_SPEED = 1e4  # rad/s or m/s of a joint; PyBullet's default is 100
 
 
-class PybulletWorld:
+class World:
     """A client with the bodies of a scene in order. Close it after use."""
 
     def __init__(self, assembly: Assembly) -> None:

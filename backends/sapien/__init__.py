@@ -23,7 +23,7 @@ def renderer(scene: Scene, width: int, height: int) -> Renderer:
     """Return a renderer of the bodies and cameras of a scene. Raises GraphicsError if libraries are missing."""
     from . import render
 
-    return render.SapienRenderer(scene, width, height)
+    return render.Renderer(scene, width, height)
 
 
 def native(scene: Scene) -> dict[str, str]:

@@ -34,7 +34,7 @@ PARTS = (
         joints.frame,
     ),
     *(shapes.lanes, shapes.geometric_mean, shapes.groups, shapes.shape),
-    *(world.SapienWorld, world.entity, world.solve, world.iterate),
+    *(world.World, world.entity, world.solve, world.iterate),
 )
 
 
@@ -43,5 +43,5 @@ def native(scene: Scene) -> dict[str, str]:
     whole, timeline = prepare(scene)
     constants = {name: getattr(module, name) for module, names in CONSTANTS.items() for name in names}
     values = constants | {"ASSEMBLY": whole, "LANDING": landing_bodies(scene), "EPISODE": timeline}
-    made = "world = SapienWorld(ASSEMBLY, LANDING)"
+    made = "world = World(ASSEMBLY, LANDING)"
     return {"run.py": episode_script("SAPIEN", "sapien", scene, parts=PARTS, values=values, world=made)}

@@ -18,7 +18,7 @@ from .cylinders import add_rolling_capsules
 from .info import INFO
 from .joints import collision_words, without_redundant_limits
 from .shapes import BITS, geometric_mean, lanes
-from .world import SapienWorld
+from .world import World
 
 SINGLE_PRECISION = 1e-6  # PhysX uses 32-bit floats
 
@@ -33,7 +33,7 @@ def execute(scene: Scene) -> Trace:
 
 
 def _record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
-    world = SapienWorld(whole, landing_bodies(scene))
+    world = World(whole, landing_bodies(scene))
     verify(world, scene, timeline)
     return play(world, timeline)
 
@@ -67,7 +67,7 @@ def landing_bodies(scene: Scene) -> tuple[int, ...]:
     return tuple(sorted({number for pair in initial_drops(scene) for number in pair}))
 
 
-def verify_joints(world: SapienWorld, scene: Scene) -> None:
+def verify_joints(world: World, scene: Scene) -> None:
     """Raise WmsError unless SAPIEN has the limits and drives of the scene."""
     for limb in dict.fromkeys(limb for tree in world.trees.values() for limb in tree):
         path = scene.joints[limb.joint].path
@@ -82,7 +82,7 @@ def verify_joints(world: SapienWorld, scene: Scene) -> None:
             )
 
 
-def verify(world: SapienWorld, scene: Scene, timeline: Episode) -> None:
+def verify(world: World, scene: Scene, timeline: Episode) -> None:
     """Raise WmsError unless SAPIEN has the physics of the scene."""
     require_equal("SAPIEN", "the time step", world.scene.get_timestep(), timeline.step, tolerance=SINGLE_PRECISION)
     require_equal("SAPIEN", "gravity", world.system.config.gravity, scene.gravity, tolerance=SINGLE_PRECISION)

@@ -42,7 +42,7 @@ CAMERA_TURN = quaternion(np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0
 """Rotation from SAPIEN's camera (along +x, +z up) to USD's."""
 
 
-class SapienRenderer:
+class Renderer:
     """Draws one scene: bodies are entities without physics that move from shot to shot.
 
     Raises WmsError if Vulkan is missing or too old.

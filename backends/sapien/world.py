@@ -26,7 +26,7 @@ LANDING_ITERATIONS = 64  # for landings; with 4 a body rebounds with up to half 
 JUMP_DISTANCE = 1e-9  # m: a larger distance from the target means a teleport
 
 
-class SapienWorld:
+class World:
     """A SAPIEN scene with the given bodies in order.
 
     PhysX averages materials, but the geometric mean is required. So each pair of materials has a lane, a bit of the

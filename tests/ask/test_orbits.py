@@ -143,7 +143,7 @@ def test_an_outcome_that_is_of_no_kind_is_not_asked_about() -> None:
     question = replace(of.spec.questions[0], kinds=of.spec.questions[0].kinds[:1])
     (found,) = ask(Design(replace(of.spec, questions=(question,))), 0, pair())
     assert isinstance(found, Rejected)
-    assert (found.reason, found.detail.partition(" is ")[2]) == ("ensure", "of none of the kinds shoved")
+    assert (found.reason, found.detail.partition(" is ")[2]) == ("ensure", "matches none of the kinds shoved")
 
 
 # ---------------------------------------------------------------- turns
@@ -191,7 +191,7 @@ def test_options_are_told_apart_by_a_turn_that_is_large_enough(by: str, kept: bo
     assert isinstance(found, QuestionRow) == kept, found
     if isinstance(found, Rejected):
         assert found.reason == "alike"
-        assert ("turned by 60°" in found.detail) == ("deg" in by)
+        assert ("rotated by 60°" in found.detail) == ("deg" in by)
 
 
 # ---------------------------------------------------------------- each other level, and an action more

@@ -34,7 +34,7 @@ def test_a_far_top_is_smooth(material: str, engine: str, renderer: Any) -> None:
 def test_halved_images_keep_their_mean(times: int, seed: int) -> None:
     images = pytest.importorskip("wmspec.backends.pybullet.images")
     image = np.random.default_rng(seed).integers(0, 256, (64, 128, 3)).astype(np.uint8)
-    half = images.halved(image, times)
+    half = images.downsample(image, times)
     assert half.shape == (max(64 >> times, 1), max(128 >> times, 1), 3)
     assert np.abs(half.mean(axis=(0, 1)) - image.mean(axis=(0, 1))).max() < 1
-    assert np.abs(images.soft(half).mean(axis=(0, 1)) - half.mean(axis=(0, 1))).max() < 1
+    assert np.abs(images.smooth_tiled(half).mean(axis=(0, 1)) - half.mean(axis=(0, 1))).max() < 1

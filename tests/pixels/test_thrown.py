@@ -30,7 +30,7 @@ def scene() -> Scene:
 @pytest.fixture(autouse=True)
 def all_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures are drawn whole, not on backdrops."""
-    monkeypatch.setattr(render, "WIDEST", -1.0)
+    monkeypatch.setattr(render, "MAX_WINDOW_SHARE", -1.0)
 
 
 def test_no_pixel_tells(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import wmspec
 from wmspec.backends.mujoco import render
 from wmspec.backends.mujoco.backdrop import Backdrops
-from wmspec.backends.mujoco.cast import Cast
+from wmspec.backends.mujoco.body_subset import BodySubset
 from wmspec.backends.mujoco.render import Renderer
 from wmspec.core.resources import resource
 from wmspec.sim.scene.model import Pose, Scene, Shot, Surface
@@ -48,8 +48,8 @@ def test_pictures_are_those_that_are_drawn_at_once(scene: Scene, monkeypatch: py
     drawn = Renderer._layer
     monkeypatch.setattr(Renderer, "_layer", lambda *all: windows.append(all[-1]) or drawn(*all))
     frames = [renderer.draw(shot, depth=True) for shot in shots(scene)]
-    assert any(0 < window.share < render.WIDEST for window in windows)
-    monkeypatch.setattr(render, "WIDEST", -1.0)
+    assert any(0 < window.share < render.MAX_WINDOW_SHARE for window in windows)
+    monkeypatch.setattr(render, "MAX_WINDOW_SHARE", -1.0)
     for shot, frame in zip(shots(scene), frames, strict=True):
         whole = renderer.draw(shot, depth=True)
         apart = np.abs(whole.rgb.astype(int) - frame.rgb).max(axis=2)
@@ -112,7 +112,7 @@ def test_outside_of_the_window_nothing_tells(name: str, x: float, y: float, z: f
     renderer.draw(shot)
     region, both = renderer._still.region(eye, shot), (renderer._still, renderer._every)
     with pytest.MonkeyPatch.context() as patch:  # another near plane is another rounding of shadows
-        patch.setattr(Cast, "nearest", lambda _, eye, shot: eye)
+        patch.setattr(BodySubset, "nearest", lambda _, eye, shot: eye)
         without, within = (renderer._layer(cast, eye, region, shot, full_window(SIZE, SIZE)) for cast in both)
     lit = MovingBodies(scene).lit(without.ids, without.depth, eye)
     window = MovingBodies(scene).window(lit, eye, shot, (SIZE, SIZE), 2 * region.half / render.SHADOW_MAP)

@@ -210,7 +210,7 @@ BROKEN = {
     "primvars:st": ([(0.5, 0.5)], "primvars:st .* does not fit"),
     "faceVertexCounts": ([3], "faceVertexCounts and faceVertexIndices do not fit"),
     "points": ([(0.0, 0.0, 0.0)], "faceVertexIndices and points do not fit"),
-    "wms:shape:depth": (0.2, "its points are not those of the extrude"),
+    "wms:shape:depth": (0.2, "its points differ from those of the extrude"),
 }
 
 

@@ -35,5 +35,5 @@ def test_several_joints_between_two_bodies_are_told_and_lock_each_other() -> Non
     bodies = body("one", CUBE), body("other", CUBE, (0.5, 0, 0))
     hinges = [joint("Revolute", f"about_{axis}", "one", "other", (0.25, 0, 0), (-0.25, 0, 0), axis) for axis in "XY"]
     (note,) = [note for note in told(stage(*bodies, *hinges)) if "same two bodies" in note]
-    assert note.startswith("/World/about_X: it holds the same two bodies as /World/about_Y")
+    assert note.startswith("/World/about_X: it joins the same two bodies as /World/about_Y")
     assert not [note for note in told(stage(*bodies, hinges[0])) if "same two bodies" in note]

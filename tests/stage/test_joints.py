@@ -156,15 +156,15 @@ REFUSED = {
     "nobody": (joint("Fixed").replace("/World/b", "/World/c"), "not on the stage"),
     "strange drive": (
         joint("Revolute", DRIVE.replace("%s", "linear"), '"PhysicsDriveAPI:linear"'),
-        "drive 'linear' is of no axis",
+        "drive 'linear' is on a locked axis",
     ),
     "drive of a ball": (
         joint("Spherical", DRIVE.replace("%s", "rotX"), '"PhysicsDriveAPI:rotX"'),
-        "drive 'rotX' is of a ball joint",
+        "drive 'rotX' belongs to a ball joint",
     ),
     "drive of a generic ball": (
         joint("", locked(*SLIDES)[0] + DRIVE_Y, locked(*SLIDES)[1] + ', "PhysicsDriveAPI:rotY"'),
-        "drive 'rotY' is of a ball joint",
+        "drive 'rotY' belongs to a ball joint",
     ),
     "animated drive": (
         joint(
@@ -267,7 +267,7 @@ def test_half_a_body_cannot_pass_through() -> None:
         def Cube "x" (prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsFilteredPairsAPI"]) {
             rel physics:filteredPairs = </World/b> }
         def Sphere "y" (prepend apiSchemas = ["PhysicsCollisionAPI"]) {} }"""
-    with pytest.raises(StageError, match="/World/a: only some of its colliders pass through /World/b"):
+    with pytest.raises(StageError, match="/World/a: only some of its colliders are filtered against /World/b"):
         read(stage(two + BODY % ("b", "(9, 0, 0)", "(1, 0, 0, 0)")))
 
 

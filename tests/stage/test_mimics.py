@@ -58,7 +58,7 @@ def test_what_mimics_a_mimic_does_what_that_does() -> None:
 
 def test_what_does_not_start_where_it_should_is_moved_or_refused() -> None:
     text = machine(RAIL, axle(("rail", 30.0, 1.0)))
-    with pytest.raises(StageError, match=r"axle: it starts 0\.524 from where the joint that it mimics puts it"):
+    with pytest.raises(StageError, match=r"axle: it starts 0\.524 off its mimicked coordinate"):
         validate(opened(text))
     scene = opened(text, strict=False)
     validate(scene)

@@ -41,8 +41,8 @@ CASES = {
     "a material": (BALL % "rel material:binding = </nowhere>", "", "left out"),
     "an ellipsoid": (BALL % SQUASHED, "", "less volume"),
     "a group": (GROUP, "", "the geometries below it collide"),
-    "no collider": ("", "", "spread as in a ball of 0.1 m"),
-    "two suns": (BALL % "", 'def DistantLight "a" {}\ndef DistantLight "b" {}', "the first one shines"),
+    "no collider": ("", "", "distributed as in a ball of 0.1 m"),
+    "two suns": (BALL % "", 'def DistantLight "a" {}\ndef DistantLight "b" {}', "the first one is used"),
     "two scenes": (BALL % "", 'def PhysicsScene "a" {}\ndef PhysicsScene "b" {}', "which has the same gravity"),
 }
 
@@ -224,7 +224,7 @@ def test_a_drive_by_acceleration_is_a_force_for_what_it_moves() -> None:
     drive = driven.joints[0].drive
     assert drive is not None
     assert (drive.stiffness, drive.damping) == pytest.approx((200, 10))
-    assert any("a force for what it moves" in str(note) for note in driven.notes)
+    assert any("a force drive for its initial load" in str(note) for note in driven.notes)
     with pytest.raises(StageError, match="by acceleration"):
         read(stage(text))
 

@@ -118,7 +118,7 @@ def test_a_mesh_of_too_many_faces_is_refused() -> None:
     ball = trimesh.creation.icosphere(4)
     bowl = trimesh.Trimesh(ball.vertices, ball.faces[ball.triangles_center[:, 2] < 0])
     with pytest.raises(
-        StageError, match=r"/World/m: it can't collide as it is: it has .* flat faces.* set physics:approx"
+        StageError, match=r"/World/m: its surface cannot collide: it has .* flat faces.* set physics:approx"
     ):
         read(stage(prim(bowl, "none", dynamic=False)))
 

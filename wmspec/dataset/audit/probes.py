@@ -301,7 +301,7 @@ def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
 
 def judge(probe: Probe) -> Finding:
     """What a probe says about its task, in words."""
-    result = f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.questions:,} answered (chance {probe.chance:.0%})"
+    result = f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.questions:,} right (chance {probe.chance:.0%})"
     outcome = verdict(probe)
     if outcome in ("told", "fails"):
         return Finding("shortcut", probe.task, outcome, f"{result}; {probe.why}")
