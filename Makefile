@@ -48,6 +48,7 @@ check: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
+	cd conformance && ../$(BIN)/deptry .
 
 QUICK := -n auto --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 
@@ -58,7 +59,7 @@ lowest: setup
 	$(BIN)/python -m venv --clear build/lowest
 	$(BIN)/python -m tools.supply lowest > build/lowest/lowest.txt
 	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
-	build/lowest/bin/pip install --quiet --no-deps -e .
+	build/lowest/bin/pip install --quiet --no-deps -e . -e ./conformance
 	build/lowest/bin/pytest $(QUICK)
 
 # The tests of the checkout, run on an installed wheel: what only a checkout can do fails here.

@@ -61,8 +61,9 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
-        for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
-            item.add_marker(need)
+        if item.path.is_relative_to(HERE):
+            for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
+                item.add_marker(need)
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker("browser")
     if config.getoption("--one-engine"):

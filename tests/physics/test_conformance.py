@@ -12,9 +12,9 @@ from click.testing import CliRunner
 from pxr import Usd
 
 from tests.engines import ENGINES, installed
+from usdphysics_conformance.stages import body, cylinder, floor, stage
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
-from wmspec.runtime.conformance.build import body, cylinder, floor, stage
 from wmspec.runtime.conformance.case import RATE
 from wmspec.runtime.conformance.score import by_backend, by_traces, cases, chosen, scores
 from wmspec.sim.usd import read
