@@ -1,25 +1,25 @@
-"""The conformance suite: its stages are plain USD, its answers are those of mechanics, scores tell engines apart."""
+"""`wmspec conformance`: the cases of usdphysics-conformance in the engines of wmspec."""
 
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
 from pxr import Usd
 
 from tests.engines import ENGINES, installed
+from usdphysics_conformance import all_cases, score_folder, select_cases
 from usdphysics_conformance.stages import body, cylinder, floor, stage
 from wmspec.cli import main
-from wmspec.core.diagnostics import WmsError
-from wmspec.runtime.conformance.case import RATE
-from wmspec.runtime.conformance.score import by_backend, by_traces, cases, chosen, scores
+from wmspec.runtime.conformance import score_engine
 from wmspec.sim.usd import read
 
-CASES = cases()
+CASES = all_cases()
 COUPLED = (
     "mimic_hoist",
     "mimic_counterweight",
@@ -36,12 +36,6 @@ def opened(text: str) -> Usd.Stage:
     return stage
 
 
-def test_there_are_many_and_each_names_its_source() -> None:
-    assert len(CASES) >= 40
-    measures = [measure for case in CASES.values() for measure in case.measures]
-    assert all(m.source and m.formula and m.tolerance >= 0 and np.isfinite(m.answer) for m in measures)
-
-
 @pytest.mark.parametrize("name", CASES)
 def test_stages_are_plain_usd_that_the_strict_read(name: str) -> None:
     text = CASES[name].stage
@@ -54,19 +48,19 @@ def test_stages_are_plain_usd_that_the_strict_read(name: str) -> None:
 def test_cylinders_slide_stand_and_tip_on_their_ends_in_pybullet() -> None:
     installed("pybullet")
     names = ("slide_puck", "slide_standing_cylinder", "stand_cylinder_slope", "topple_cylinder")
-    for score in scores("pybullet", by_backend("pybullet"), chosen(names)):
-        assert score.passed, (score.measure.what, score.measured, score.refusal)
+    for score in score_engine("pybullet", select_cases(names)):
+        assert score.passed, (score.criterion.description, score.measured, score.refusal)
 
 
 def test_a_thin_wall_holds_what_is_fast_in_mujoco() -> None:
     installed("mujoco")
-    (score,) = scores("mujoco", by_backend("mujoco"), chosen(["thin_wall"]))
+    (score,) = score_engine("mujoco", select_cases(["thin_wall"]))
     assert score.passed, score.measured
 
 
 def test_what_falls_on_what_rests_stays_there_in_sapien() -> None:
     installed("sapien")
-    (score,) = scores("sapien", by_backend("sapien"), chosen(["drop_on_box"]))
+    (score,) = score_engine("sapien", select_cases(["drop_on_box"]))
     assert score.passed, score.measured
 
 
@@ -89,39 +83,37 @@ def test_cylinders_as_long_as_thick_are_balls_inside_in_sapien_unless_they_stand
 )
 def test_engines_pass_what_they_are_known_to_do(engine: str, name: str) -> None:
     installed(engine)
-    for score in scores(engine, by_backend(engine), chosen([name])):
-        assert score.passed, (score.measure.what, score.measured, score.refusal)
+    for score in score_engine(engine, select_cases([name])):
+        assert score.passed, (score.criterion.description, score.measured, score.refusal)
 
 
-def test_another_engine_is_scored_by_its_traces(tmp_path: Path) -> None:
-    t = np.arange(RATE + 1)[:, None] / RATE
-    still = np.zeros((len(t), 1, 3))
-    turn = np.tile([1.0, 0, 0, 0], (len(t), 1, 1))
-    way = still + [0, 0, 10] + (t**2 * [0, 0, -9.81 / 2])[:, None]
-    ball = {"bodies": ["/World/ball"], "orientation": turn, "linear_velocity": still, "angular_velocity": still}
-    np.savez(tmp_path / "free_fall.npz", position=way, **ball)  # type: ignore[arg-type]
-    np.savez(tmp_path / "projectile.npz", position=way, **ball)  # type: ignore[arg-type]
-    np.savez(tmp_path / "spin.npz", refusal="no tops here")
-    command = ["conform", "free_fall", "projectile", "spin", "-b", "none", "--traces", f"mine={tmp_path}", "--json"]
-    told = CliRunner().invoke(main, command)
-    assert told.exit_code == 1
-    fall, thrown, spin = json.loads(told.output)
-    assert fall["passed"]
-    assert thrown["error"] == pytest.approx(1e3 * np.hypot(1.5, np.hypot(0.5, 3.0)), rel=0.2)
-    assert not thrown["passed"]
-    assert "no tops here" in spin["refusal"]
+def test_traces_are_kept_and_score_the_same(tmp_path: Path) -> None:
+    installed("mujoco")
+    command = ["conformance", "free_fall", "cradle_touching", "-b", "mujoco", "--json", "-o", str(tmp_path / "traces")]
+    done = CliRunner().invoke(main, command)
+    assert done.exit_code == 1, "touching balls do not leave one by one"
+    kept = score_folder("mujoco", tmp_path / "traces/mujoco", select_cases(["free_fall", "cradle_touching"]))
+    assert json.loads(done.stdout) == [score.record() for score in kept]
+    assert CliRunner().invoke(main, command[:2] + command[3:]).exit_code == 0
 
 
-def test_what_is_no_trace_is_refused_by_file(tmp_path: Path) -> None:
-    np.savez(tmp_path / "free_fall.npz", bodies=["ball"], position=np.zeros((2, 1, 3)))
-    with pytest.raises(WmsError, match=r"free_fall\.npz"):
-        by_traces(tmp_path)(CASES["free_fall"])
-    with pytest.raises(WmsError, match="did you mean `free_fall`"):
-        chosen(["freefall"])
+def test_an_engine_that_refuses_a_case_fails_it_with_the_reason(tmp_path: Path) -> None:
+    installed("mujoco")
+    stage = CASES["free_fall"].stage.replace("(0, 0, -1)", "(0, 0, 0)").replace("9.81", "-inf")
+    refused = replace(CASES["free_fall"], stage=stage.replace("double radius = 0.1", "double radius = -1"))
+    (score,) = score_engine("mujoco", [refused], tmp_path)
+    assert not score.passed
+    assert "radius" in score.refusal
+    (kept,) = score_folder("mujoco", tmp_path, [refused])
+    assert score.refusal in kept.refusal
 
 
-def test_the_stages_are_written_for_others(tmp_path: Path) -> None:
-    assert CliRunner().invoke(main, ["conform", "--write", str(tmp_path)]).exit_code == 0
-    index = json.loads((tmp_path / "cases.json").read_text())
-    assert set(index) == set(CASES)
-    assert all((tmp_path / about["stage"]).is_file() for about in index.values())
+def test_an_unknown_case_and_a_missing_distribution_have_a_remedy() -> None:
+    unknown = CliRunner().invoke(main, ["conformance", "freefall"])
+    assert unknown.exit_code == 2
+    assert "did you mean `free_fall`" in unknown.output
+    hide = "import sys; sys.modules['usdphysics_conformance'] = None; from wmspec.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", hide, "conformance"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "pip install 'wmspec[conformance]'" in done.stderr
+    assert "Traceback" not in done.stderr

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from importlib.util import find_spec
 from pathlib import Path
 
 import click
@@ -28,12 +27,11 @@ def conformance_command(
     The cases are those of the distribution usdphysics-conformance, whose own command writes stages for other engines
     and scores their traces. Exit code 1 if a result is out of tolerance or an engine refuses a case.
     """
-    if find_spec("usdphysics_conformance") is None:
-        raise WmsError(
-            "the conformance cases need the distribution usdphysics-conformance",
-            help="install it with `pip install 'wmspec[conformance]'`, or in a checkout with `pip install ./conformance`",
-        )
-    from usdphysics_conformance import ConformanceError, score_text, select_cases
+    try:
+        from usdphysics_conformance import ConformanceError, Score, score_text, select_cases
+    except ImportError:
+        remedy = "install it with `pip install 'wmspec[conformance]'`, in a checkout with `pip install ./conformance`"
+        raise WmsError("the cases are in the distribution usdphysics-conformance", help=remedy) from None
     from wmspec.runtime.conformance import score_engine
     from wmspec.runtime.engines import registry
 
@@ -41,7 +39,7 @@ def conformance_command(
         selected = select_cases(cases)
     except ConformanceError as error:
         raise WmsError(str(error)) from None
-    scores = []
+    scores: list[Score] = []
     for engine in registry.chosen(backend):
         folder = make_folder(output / engine) if output else None
         scores += score_engine(engine, selected, folder)

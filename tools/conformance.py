@@ -1,0 +1,45 @@
+"""Writes docs/benchmarks/conformance.md from what `wmspec conformance --json` printed.
+
+python -m tools.conformance SCORES.json... [ENGINE=VERSION]...
+
+Versions are given for engines that are no backends of wmspec, and were scored by `usdphysics-conformance score --json`.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+
+from usdphysics_conformance import __version__, score_card
+from wmspec.runtime.engines.registry import version_of
+
+PAGE = Path(__file__).parent.parent / "docs/benchmarks/conformance.md"
+
+TEXT = """# Conformance: scores
+
+Generated on {date} by `{command}`; usdphysics-conformance {version}, {engines}.
+
+Bold: out of tolerance. A dash: the engine did not execute the case. [Conformance](../conformance.md) explains the cases.
+
+{card}"""
+
+
+def main() -> None:
+    """Rewrite the page."""
+    files = [argument for argument in sys.argv[1:] if "=" not in argument]
+    versions = dict(argument.split("=") for argument in sys.argv[1:] if "=" in argument)
+    records = [record for file in files for record in json.loads(Path(file).read_text())]
+    engines = dict.fromkeys(record["engine"] for record in records)
+    named = ", ".join(f"{engine} {versions.get(engine) or version_of(engine)}" for engine in engines)
+    command = " ".join(["python -m tools.conformance", *(Path(file).name for file in files)])
+    text = TEXT.format(
+        date=datetime.now(UTC).date(), command=command, version=__version__, engines=named, card=score_card(records)
+    )
+    PAGE.parent.mkdir(exist_ok=True)
+    PAGE.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
