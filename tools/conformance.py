@@ -21,7 +21,7 @@ TEXT = """# Conformance: scores
 
 Generated on {date} by `{command}`; usdphysics-conformance {version}, {engines}.
 
-Bold: out of tolerance. A dash: the engine did not execute the case. [Conformance](../conformance.md) explains the cases.
+Bold: out of tolerance. A dash: the case was not executed. [Conformance](../conformance.md) explains the cases.
 
 {card}"""
 
