@@ -19,7 +19,7 @@ PAGE = Path(__file__).parent.parent / "docs/benchmarks/conformance.md"
 
 TEXT = """# Conformance: scores
 
-Generated on {date} by `{command}`; usdphysics-conformance {version}, {engines}.
+Generated on {date} by `{command}`: usdphysics-conformance {version}, {engines}.
 
 Bold: out of tolerance. A dash: the case was not executed. [Conformance](../conformance.md) explains the cases.
 
@@ -33,7 +33,7 @@ def main() -> None:
     records = [record for file in files for record in json.loads(Path(file).read_text())]
     engines = dict.fromkeys(record["engine"] for record in records)
     named = ", ".join(f"{engine} {versions.get(engine) or version_of(engine)}" for engine in engines)
-    command = " ".join(["python -m tools.conformance", *(Path(file).name for file in files)])
+    command = " ".join(["python -m tools.conformance", *sys.argv[1:]])
     text = TEXT.format(
         date=datetime.now(UTC).date(), command=command, version=__version__, engines=named, card=score_card(records)
     )
