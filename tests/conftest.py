@@ -76,11 +76,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def _sharing(item: pytest.Item) -> str:
     """The folder or file whose tests share a fixture of this one: a single process makes it (`--dist loadgroup`)."""
     known = getattr(item, "_fixtureinfo", None)
-    definitions = [each[-1] for each in known.name2fixturedefs.values()] if known else []
-    shared = {
-        d.baseid: d.scope for d in definitions if d.scope in ("module", "session") and d.baseid not in ("", "tests")
-    }
-    return min(shared, key=len, default="")
+    fixtures = [each[-1] for each in known.name2fixturedefs.values()] if known else []
+    places = {fixture.baseid for fixture in fixtures if fixture.scope in ("module", "session")}
+    return min(places - {"", "tests"}, key=len, default="")
 
 
 def _engines(item: pytest.Item) -> set[str]:
