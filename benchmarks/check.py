@@ -21,11 +21,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
-from wmspec.api.loading import spec_files
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.lang.check.statements.task import check
-from wmspec.lang.parse.load import catalogue_folders
+from wmspec.lang.parse.files import catalogue_folders, spec_files
 
 MOST_SECONDS = 0.3
 LEAST_RATE = 20_000
