@@ -113,15 +113,30 @@ def joined(found: Sequence[Diagnosis]) -> Diagnosis:
     )
 
 
+class TextCheck:
+    """A text that is to be the file at `path`, parsed and checked. Raises WmsError if a library cannot be read."""
+
+    def __init__(self, text: str, path: Path) -> None:
+        self._report = Report()
+        program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, self._report)
+        tasks = tuple(Task(spec, program, path) for spec in check_program(program, self._report))
+        self.tasks = () if self._report.failed else tasks
+        """Those of a text without mistakes."""
+        self._tasks = tasks
+
+    def diagnosis(self, *, tried: bool = True) -> Diagnosis:
+        """What is wrong with the text, and if it is `tried` with a sample of its scenes as well."""
+        return _diagnosis(self._report, self._tasks, tried)
+
+
 def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnosis, tuple[Task, ...]]:
-    """The same for a text that is to be the file at `path`, and its tasks if it has no mistakes.
+    """The diagnosis of a text that is to be the file at `path`, and its tasks if it has no mistakes.
 
     Unless it is `tried`, no scenes are built.
     """
-    report = Report()
-    program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, report)
-    tasks = tuple(Task(spec, program, path) for spec in check_program(program, report))
-    return _diagnosis(report, tasks, tried), () if report.failed else tasks
+    check = TextCheck(text, path)
+    diagnosis = check.diagnosis(tried=tried)
+    return diagnosis, check.tasks if diagnosis.passed else ()
 
 
 def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:

@@ -43,7 +43,8 @@ def load(path: Path, report: Report) -> Program:
 
 def load_source(source: Source, folder: Path, report: Report) -> Program:
     """Parse a spec from text. Libraries are looked for in `folder`, on WMSPEC_PATH, then in wmspec's own."""
-    file = parse(source, report)
+    file, mistakes = _parsed(source)
+    report.include(mistakes)
     program = Program(source, file, {}, {})
     _collect(file, folder, report, program, ())
     return program
@@ -105,16 +106,22 @@ def _collect(file: File, folder: Path, report: Report, program: Program, trail: 
             program.libraries[path] = library
 
 
+@lru_cache(maxsize=4)  # an editor asks for the tree of one text several times
+def _parsed(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
+    """The syntax tree of a text, and its mistakes."""
+    report = Report()
+    return parse(source, report), report.diagnostics
+
+
 @lru_cache(maxsize=64)
 def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
     """A library as it is now, and its mistakes; parsed once for all specs that use it."""
     if (tree := library_cache.kept(source)) is not None:
         return tree, ()
-    report = Report()
-    tree = parse(source, report)
-    if not report.diagnostics:
+    tree, mistakes = _parsed(source)
+    if not mistakes:
         library_cache.keep(source, tree)
-    return tree, report.diagnostics
+    return tree, mistakes
 
 
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
