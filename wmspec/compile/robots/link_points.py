@@ -31,9 +31,16 @@ def limbs(arm: Arm) -> tuple[tuple[int, Array], ...]:
     entry = f"links-{disk_cache.digest(key.encode())[:32]}.npz"
     if (content := disk_cache.read(entry)) is not None:
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return tuple((int(number), arrays[number]) for number in arrays.files)
+            each = np.split(arrays["points"], arrays["stops"][:-1])
+            return tuple(zip(arrays["numbers"].tolist(), each, strict=True))
     found, made = _limbs(arm), io.BytesIO()
-    np.savez(made, **{str(number): points for number, points in found})
+    points = [points for _, points in found]
+    np.savez(
+        made,
+        numbers=np.array([number for number, _ in found]),
+        points=np.concatenate(points),
+        stops=np.cumsum([len(each) for each in points]),
+    )
     disk_cache.write(entry, made.getvalue())
     return found
 

@@ -45,7 +45,7 @@ def load_source(source: Source, folder: Path, report: Report) -> Program:
     """Parse a spec from text. Libraries are looked for in `folder`, on WMSPEC_PATH, then in wmspec's own."""
     file, mistakes = _parsed(source)
     report.include(mistakes)
-    program = Program(source, file, {}, {})
+    program = Program(file.span.source, file, {}, {})  # the very text in which its places are
     _collect(file, folder, report, program, ())
     return program
 
