@@ -6,12 +6,13 @@ For each spec (by default all that rebuild the paper): a whole process with an e
 libraries are cached (the spec has just changed), one in which the result is cached, and a re-check in the language
 server after an edit (its libraries are in memory): until the mistakes of the text are known, and until the scenes have
 been tried as well. Then fifty specs in one call, and how many instances a second are built from their indices. Medians
-of five runs; the first run of a process fills Python's own bytecode cache and does not count. The exit code is 1 if a
+of five runs (of fifty specs at once: one run unless cached); the first run of a process fills Python's own bytecode cache and does not count. The exit code is 1 if a
 bar is missed.
 """
 
 from __future__ import annotations
 
+import gc
 import os
 import resource
 import shutil
@@ -46,19 +47,19 @@ class Processes:
         self._environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
         self._environment |= {"PYTHONPYCACHEPREFIX": str(folder / "bytecode"), "WMSPEC_CACHE_DIR": str(self._cache)}
 
-    def seconds(self, *command: str, before: Callable[[], None] = lambda: None) -> float:
-        """The median of what a run of Python takes; `before` is called before each."""
+    def seconds(self, *command: str, before: Callable[[], None] = lambda: None, runs: int = RUNS) -> float:
+        """The median of what some runs of Python take; `before` is called before each."""
         taken = []
-        for _ in range(RUNS + 1):
+        for _ in range(runs + 1):
             before()
             began = _children()
             subprocess.run([sys.executable, *command], check=True, capture_output=True, env=self._environment)
             taken.append(_children() - began)
         return median(taken[1:])
 
-    def check(self, *paths: Path, before: Callable[[], None] = lambda: None) -> float:
+    def check(self, *paths: Path, before: Callable[[], None] = lambda: None, runs: int = RUNS) -> float:
         """The same of `wmspec check`."""
-        return self.seconds("-m", "wmspec", "check", *map(str, paths), before=before)
+        return self.seconds("-m", "wmspec", "check", *map(str, paths), before=before, runs=runs)
 
     def forget(self) -> None:
         """Empty the cache of wmspec."""
@@ -139,6 +140,7 @@ def fifty(folder: Path, paths: list[Path]) -> list[Path]:
 def main() -> None:
     """Measure, and print a table."""
     paths = specs()
+    gc.set_threshold(100_000, 20, 100)  # as the language server does
     with tempfile.TemporaryDirectory() as name:
         processes = Processes(Path(name))
         numpy = processes.seconds("-c", "import numpy")
@@ -146,7 +148,7 @@ def main() -> None:
         print(f"{'import numpy':<34} {numpy:8.3f}")
         found = list(rows(processes, paths))
         many = fifty(Path(name), paths)
-        in_one_call = [processes.check(*many, before=f) for f in (processes.forget, processes.forget_results)]
+        in_one_call = [processes.check(*many, before=f, runs=1) for f in (processes.forget, processes.forget_results)]
         cached = processes.check(*many)
     columns = list(zip(*found, strict=True))
     print(line(f"the median of {len(found)} specs", tuple(map(median, columns))))
