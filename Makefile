@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: dist sbom help setup browser inspect demo quick lowest installed test test-all check format docs oracles agreement clean
+.PHONY: dist sbom help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -17,6 +17,8 @@ help:
 	@echo "make test      that and all tests but the slow ones, on an installed wheel"
 	@echo "make test-all  the same with the slow tests"
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
+	@echo "make coverage  the lines and branches that the tests of make test run, in out/coverage"
+	@echo "make generate  everything that is made from the code: tables, grammars, schema, licences"
 	@echo "make format    rewrite the sources in the house style"
 	@echo "make sbom      a bill of materials of what is installed (CycloneDX), in out/sbom.json"
 	@echo "make dist      wheels and source archives of the distributions, in dist"
@@ -49,7 +51,7 @@ check: setup
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
 
-QUICK := -n auto --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
+QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 
 quick: setup
 	$(BIN)/pytest $(QUICK)
@@ -57,12 +59,12 @@ quick: setup
 lowest: setup
 	$(BIN)/python -m venv --clear build/lowest
 	$(BIN)/python -m tools.supply lowest > build/lowest/lowest.txt
-	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
+	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt filelock hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
 	build/lowest/bin/pip install --quiet --no-deps -e .
 	build/lowest/bin/pytest $(QUICK)
 
 # The tests of the checkout, run on an installed wheel: what only a checkout can do fails here.
-TEST := PYTHONSAFEPATH=1 build/installed/bin/python -m pytest --installed -n auto
+TEST := PYTHONSAFEPATH=1 build/installed/bin/python -m pytest --installed -n auto --dist loadgroup --durations=50
 
 installed: setup
 	$(BIN)/python -m tools.installed
@@ -71,7 +73,21 @@ test: check browser installed
 	$(TEST)
 
 test-all: check browser inspect installed
-	$(TEST) -m ""
+	$(TEST) -m "" --hypothesis-profile long
+
+# Tracing more than doubles the time of Python code, so it is no part of `make test`.
+coverage: browser
+	@mkdir -p out
+	$(BIN)/pytest -n auto --dist loadgroup --cov --cov-report=html --cov-report=term:skip-covered
+
+generate: setup
+	$(BIN)/python tools/reference.py
+	$(BIN)/python tools/grammars.py
+	$(BIN)/python tools/capabilities.py
+	$(BIN)/python tools/looks.py
+	@mkdir -p out
+	$(BIN)/wmspec schema > out/generated && mv out/generated docs/schema.json
+	$(BIN)/python -m tools.supply licences > out/generated && mv out/generated docs/licences.md
 
 format: setup
 	$(BIN)/ruff check --fix .

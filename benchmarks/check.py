@@ -6,8 +6,8 @@ For each spec (by default all that rebuild the paper): a whole process with an e
 libraries are cached (the spec has just changed), one in which the result is cached, and a re-check in the language
 server after an edit (its libraries are in memory): until the mistakes of the text are known, and until the scenes have
 been tried as well. Then fifty specs in one call, and how many instances a second are built from their indices. Medians
-of five runs (of fifty specs at once: one run unless cached); the first run of a process fills Python's own bytecode cache and does not count. The exit code is 1 if a
-bar is missed.
+of five runs (of fifty specs at once one run unless cached); the first run of a process fills Python's own bytecode
+cache and does not count. The exit code is 1 if a bar is missed.
 """
 
 from __future__ import annotations

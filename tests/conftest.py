@@ -67,6 +67,8 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
+        if group := _sharing(item):
+            item.add_marker(pytest.mark.xdist_group(group))
         for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
             item.add_marker(need)
         if "browser" in getattr(item, "fixturenames", ()):
@@ -75,6 +77,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         one = {default()}
         config.hook.pytest_deselected(items=[item for item in items if _engines(item) - one])
         items[:] = [item for item in items if not _engines(item) - one]
+
+
+def _sharing(item: pytest.Item) -> str:
+    """The folder or file whose tests share a fixture of this one: a single process makes it (`--dist loadgroup`)."""
+    known = getattr(item, "_fixtureinfo", None)
+    fixtures = [each[-1] for each in known.name2fixturedefs.values()] if known else []
+    places = {fixture.baseid for fixture in fixtures if fixture.scope in ("module", "session")}
+    return min(places - {"", "tests"}, key=len, default="")
 
 
 def _engines(item: pytest.Item) -> set[str]:

@@ -23,7 +23,7 @@ SPECS = sorted(library_folder().parent.rglob("*.wms"))
 
 def test_the_files_are_those_that_the_tables_make() -> None:
     stale = [path.name for path, text in files().items() if path.read_text(encoding="utf-8") != text]
-    assert not stale, "run `python tools/grammars.py`"
+    assert not stale, "run `make generate`"
     assert {*statements(), *joining()} == {*keywords()} >= {"task", "in", "title"}
 
 

@@ -101,5 +101,5 @@ def test_a_task_made_in_python_is_the_one_written_as_text() -> None:
 
 
 def test_the_tables_are_current() -> None:
-    """If they are not: `python tools/reference.py`."""
+    """If they are not: `make generate`."""
     assert subprocess.run([sys.executable, ROOT / "tools/reference.py", "--check"], check=False).returncode == 0
