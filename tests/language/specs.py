@@ -9,7 +9,8 @@ from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check_program
-from wmspec.lang.parse.load import catalogue_folders, load, load_source
+from wmspec.lang.parse.files import catalogue_folders
+from wmspec.lang.parse.load import load, load_source
 
 SPECS = sorted(path for folder in catalogue_folders() for path in folder.rglob("*.wms"))
 
