@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 import wmspec
 from wmspec.compile.design.design import Design
+from wmspec.core.limits import MAX_DRAWS
 from wmspec.core.rng import bits
 from wmspec.lang.check.ir.ir import Plan
-from wmspec.runtime.questions.balance import MAX_DRAWS, balanced_batch, pick_assignment
+from wmspec.runtime.questions.balance import balanced_batch, pick_assignment
 from wmspec.runtime.questions.kinds.labels import LabelAnswer
 from wmspec.runtime.questions.model import Option, QuestionRow, Rejected
 

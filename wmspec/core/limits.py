@@ -53,3 +53,5 @@ EPISODE_SECONDS = Limit(600, "seconds", "shorten the episode")
 EPISODE_POSES = Limit(20_000_000, "poses, samples times bodies", "shorten the episode or use fewer bodies")
 #: All tasks of a dataset.
 INSTANCES = Limit(10_000_000, "instances", "generate fewer: use --per-task")
+#: Number of draws of a group that are tried for balanced answers.
+MAX_DRAWS = 32

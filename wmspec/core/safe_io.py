@@ -8,6 +8,9 @@ import os
 import re
 import stat
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,8 +28,25 @@ def is_file_name(text: object) -> bool:
     return isinstance(text, str) and _NAME.fullmatch(text) is not None
 
 
+#: The folders that were searched for files other than specs, while they are collected.
+_searched: ContextVar[set[Path] | None] = ContextVar("_searched", default=None)
+
+
+@contextmanager
+def folders_searched() -> Iterator[set[Path]]:
+    """Collect the folders that the block searches for files other than specs."""
+    folders = set[Path]()
+    token = _searched.set(folders)
+    try:
+        yield folders
+    finally:
+        _searched.reset(token)
+
+
 def is_within(folder: Path, path: Path) -> bool:
     """Whether a path is a file below the folder after symbolic links are resolved."""
+    if (searched := _searched.get()) is not None and path.suffix != ".wms":
+        searched.add(folder)
     try:
         return path.is_file() and path.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError):  # a name that is too long, a null character, links in a circle

@@ -13,11 +13,10 @@ from itertools import islice
 from operator import add
 
 from wmspec.compile.design.design import Design
+from wmspec.core.limits import MAX_DRAWS
 from wmspec.runtime.questions.closed_sets import Answers
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 
-#: Number of draws tried per group.
-MAX_DRAWS = 32
 #: Number of partial assignments followed per batch.
 MAX_ASSIGNMENTS = 20_000
 
