@@ -15,7 +15,7 @@ from lark.exceptions import UnexpectedInput
 from tests.language.specs import SPECS, random_text
 from tests.language.trees import expressions, files, statements, written
 from wmspec.lang.parse.lexer import Token, read
-from wmspec.lang.parse.machine import END, Machine, Tree
+from wmspec.lang.parse.lr_parser import END, LRParser, Tree
 from wmspec.lang.parse.syntax import Expr, File, Statement
 from wmspec.lang.parse.tables import grammar, lark_parser, tables
 
@@ -26,7 +26,7 @@ def lark() -> Lark:
 
 
 def ours(text: str) -> Any:
-    machine = Machine("start")
+    machine = LRParser("start")
     tokens = [t for t in read(text) if t.type not in ("WHITE", "COMMENT", "OPEN_STRING")]
     if not all(machine.read(token) for token in [*tokens, Token(END, "", len(text), 0)]):
         return "refused"

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from wmspec.lang.parse.lexer import Token, read
-from wmspec.lang.parse.machine import END, Machine, Part, Tree
+from wmspec.lang.parse.lr_parser import END, LRParser, Part, Tree
 from wmspec.lang.parse.recover import recover
 from wmspec.lang.parse.tables import tables
 
@@ -61,13 +61,13 @@ def _unit(before: str) -> tuple[int, tuple[Part, ...]] | None:
     return None
 
 
-def _stack(machine: Machine, kind: str, offset: int) -> tuple[Part, ...] | None:
+def _stack(machine: LRParser, kind: str, offset: int) -> tuple[Part, ...] | None:
     """What a word of this type would follow."""
     tried = _copy(machine)
     return tuple(tried.parts[:-1]) if tried.read(Token(kind, "x", offset, 0)) else None
 
 
-def _only_a_name(machine: Machine, kind: str) -> bool:
+def _only_a_name(machine: LRParser, kind: str) -> bool:
     """Whether a keyword of this type would be no more than a name there."""
     tried = _copy(machine)
     tried.read(Token(kind, "x", 0, 0))
@@ -75,11 +75,11 @@ def _only_a_name(machine: Machine, kind: str) -> bool:
     return all(action < 0 and tried.tables.rules[~action].origin == "name" for action in actions)
 
 
-def _fed(text: str) -> Machine:
+def _fed(text: str) -> LRParser:
     """The machine after a text. What cannot be read is passed over, but never the last statement."""
     tokens = [t for t in read(text) if t.type not in ("WHITE", "COMMENT", "STRAY", "OPEN_STRING")]
     tokens.append(Token(END, "", len(text), 0))
-    machine, i = Machine("start"), 0
+    machine, i = LRParser("start"), 0
     while i < len(tokens) - 1:
         if machine.read(tokens[i]):
             i += 1
@@ -91,8 +91,8 @@ def _fed(text: str) -> Machine:
     return machine
 
 
-def _copy(machine: Machine) -> Machine:
-    copy = Machine("start")
+def _copy(machine: LRParser) -> LRParser:
+    copy = LRParser("start")
     copy.states, copy.parts = list(machine.states), list(machine.parts)
     return copy
 

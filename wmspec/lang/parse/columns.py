@@ -1,4 +1,4 @@
-"""Lines set in columns: a cell is as wide as the widest of its neighbours above and below that are of the same sort."""
+"""Column alignment: adjacent cells of the same kind get the width of the widest."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Cell:
-    """A piece of a line: its text, its sort, and the space before it if it is not the first."""
+    """A piece of a line: its text, its kind, and the space before it unless it is the first."""
 
     text: str
     sort: str
@@ -17,7 +17,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Line:
-    """A line: its indent, its cells, the comment that ends it, and whether a blank line comes before it."""
+    """A line: its indent, its cells, its trailing comment, and whether a blank line precedes it."""
 
     indent: int
     cells: tuple[Cell, ...]
@@ -25,7 +25,7 @@ class Line:
     blank: bool = False
 
     def follows(self, other: Line, cells: int) -> bool:
-        """Whether the first so many cells of this line stand under those of the other, the line before."""
+        """Whether the first `cells` cells of this line align with those of `other`, the previous line."""
         mine, theirs = ([c.sort for c in line.cells[:cells]] for line in (self, other))
         return (
             mine == theirs and len(mine) == cells and bool(mine[0]) and not self.blank and self.indent == other.indent
@@ -33,7 +33,7 @@ class Line:
 
 
 def in_columns(lines: Iterable[Line], width: int) -> str:
-    """The text of the lines. A column that would make a line longer than `width` is left out."""
+    """Return the text of the lines. A column that would make a line longer than `width` is not aligned."""
     rows = list(lines)
     texts = [text for run in _runs(rows, 1) for text in _aligned(run, width)]
     texts = _commented(rows, texts)
@@ -51,7 +51,7 @@ def _runs(rows: list[Line], cells: int) -> list[list[Line]]:
 
 
 def _aligned(run: list[Line], width: int) -> list[str]:
-    """The texts of neighbours, with those columns, from the left, that make none of them too long."""
+    """Return the texts of adjacent lines, aligning columns from the left while every line fits."""
     widths: list[dict[int, int]] = [{} for _ in run]
     fits = [len(_text(row, {})) <= width for row in run]
     for cell in range(max(len(row.cells) for row in run) - 1):
@@ -75,7 +75,7 @@ def _text(row: Line, widths: dict[int, int]) -> str:
 
 
 def _commented(rows: list[Line], texts: list[str]) -> list[str]:
-    """The texts with their comments, which stand under one another on lines that follow one another."""
+    """Return the texts with their comments; comments of consecutive lines are aligned."""
     lines: list[str] = []
     column = 0
     for i, row in enumerate(rows):

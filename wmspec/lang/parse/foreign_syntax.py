@@ -1,4 +1,4 @@
-"""What is written as in other languages: an import, a choice with `?`, a comma in a number, a colon after a keyword."""
+"""Repairs of syntax from other languages: imports, `?:`, decimal commas, colons after keywords."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.repair_candidates import UNITS, Place, Repair
 from wmspec.lang.parse.tables import tables
 
-#: What statements and words are called elsewhere; of several, what fits the place.
-OTHERWISE: dict[str, tuple[str, ...]] = {
+#: Keywords of other languages and their equivalents; the first that fits the place applies.
+KEYWORD_ALIASES: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("import", "include", "using"), ("use",)),
     **dict.fromkeys(("const", "var", "define", "def", "set"), ("let",)),
     **dict.fromkeys(("assert", "constraint", "where"), ("require", "ensure")),
@@ -24,10 +24,10 @@ OTHERWISE: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("duration",), ("horizon",)),
 }
 _OPENING, _CLOSING = ("LPAR", "LSQB", "LBRACE"), ("RPAR", "RSQB", "RBRACE")
-#: Keywords that stand within a value.
+#: Keywords that occur inside values.
 _INNER = frozenset({"AND", "OR", "NOT", "TRUE", "FALSE"})
-#: So many words a value has at most that is turned round.
-_LONG = 40
+#: Maximum number of tokens of a rewritten value.
+_MAX_TOKENS = 40
 
 
 def elsewhere(place: Place) -> Iterator[Repair]:
@@ -37,9 +37,9 @@ def elsewhere(place: Place) -> Iterator[Repair]:
 
 
 def _otherwise(place: Place) -> Iterator[Repair]:
-    """`import room`, `elif`."""
+    """Foreign keywords: `import room`, `elif`."""
     text = place.word.text
-    for written in OTHERWISE.get(text, ()):
+    for written in KEYWORD_ALIASES.get(text, ()):
         kinds = tables().keywords
         made = tuple(place.word._replace(type=kinds[w], text=w) for w in written.split())
         if made[0].type in place.accepted:
@@ -47,8 +47,8 @@ def _otherwise(place: Place) -> Iterator[Repair]:
 
 
 def _import(place: Place) -> Iterator[Repair]:
-    """`from room import *`."""
-    word, line = place.word, [t for t in place.words[place.i : place.i + _LONG] if t.line == place.word.line]
+    """Python imports: `from room import *`."""
+    word, line = place.word, [t for t in place.words[place.i : place.i + _MAX_TOKENS] if t.line == place.word.line]
     if word.text == "from" and "USE" in place.accepted and [t.text for t in line[2:3]] == ["import"]:
         made = (word._replace(type="USE", text="use"), line[1])
         help = f"write `use {line[1].text}`; `use {line[1].text} only [a, b]` takes some of it"
@@ -56,7 +56,7 @@ def _import(place: Place) -> Iterator[Repair]:
 
 
 def _colon(place: Place) -> Iterator[Repair]:
-    """`at: 0.2 s`: a colon after a keyword."""
+    """A colon after a keyword: `at: 0.2 s`."""
     kind = tables().keywords.get(place.word.text, "")
     if place.after.type == "COLON" and kind in place.accepted - {"NAME"}:
         made, help = place.word._replace(type=kind), f"write `{place.word.text}`"
@@ -64,7 +64,7 @@ def _colon(place: Place) -> Iterator[Repair]:
 
 
 def _quoted(place: Place) -> Iterator[Repair]:
-    """`use "room"`: a name in quotes."""
+    """A name in quotes: `use "room"`."""
     name = place.word.text.strip('"').removesuffix(".wms")
     wanted = "NAME" in place.accepted and "STRING" not in place.accepted
     if place.word.type == "STRING" and wanted and name.isidentifier():
@@ -73,20 +73,20 @@ def _quoted(place: Place) -> Iterator[Repair]:
 
 
 def _ending(place: Place) -> Iterator[Repair]:
-    """`use room.wms`."""
+    """A file extension: `use room.wms`."""
     if (place.word.type, place.after.text) == ("DOT", "wms"):
         yield place.instead(told="a library is named without `.wms`", help="remove it", cost=0.5, of=2)
 
 
 def _decimal(place: Place) -> Iterator[Repair]:
-    """`2,5 s`."""
+    """A decimal comma: `2,5 s`."""
     if place.i and (made := decimal(*place.words[place.i - 1 : place.i + 2])) is not None:
         told, help = "a number has a point, no comma", f"write `{made.text}`"
         yield Repair(place.i - 1, place.i + 2, (made,), told, help, 0.5)
 
 
 def decimal(*words: Token) -> Token | None:
-    """The number that a number, a comma and a number may be meant for, if nothing is between them."""
+    """Return the number that adjacent number, comma and number tokens may stand for, or None."""
     if [w.type for w in words[:2]] != ["NUMBER", "COMMA"] or words[-1].type not in ("NUMBER", "QUANTITY"):
         return None
     touch = len(words) == 3 and words[0].end == words[1].start and words[1].end == words[2].start
@@ -96,7 +96,7 @@ def decimal(*words: Token) -> Token | None:
 
 
 def _bracketed(place: Place) -> Iterator[Repair]:
-    """`orbit of [tone, size]`: brackets around names that need none."""
+    """Needless brackets around names: `orbit of [tone, size]`."""
     if place.word.type not in ("LPAR", "LSQB") or place.word.type in place.accepted or "NAME" not in place.accepted:
         return
     end = _first(place.words, place.i + 1, lambda t: t.type in _CLOSING)
@@ -108,7 +108,7 @@ def _bracketed(place: Place) -> Iterator[Repair]:
 
 
 def _shared_unit(place: Place) -> Iterator[Repair]:
-    """`(1, 2, 3) cm`: one unit for a tuple."""
+    """One unit for a tuple: `(1, 2, 3) cm`."""
     if place.word.text not in UNITS or place.before.type != "RPAR":
         return
     i, end = place.i, place.i + 1
@@ -132,7 +132,7 @@ def _shared_unit(place: Place) -> Iterator[Repair]:
 
 
 def _choice(place: Place) -> Iterator[Repair]:
-    """`A if C else B`, `C ? A : B`, `if C: A else: B`."""
+    """Conditionals: `A if C else B`, `C ? A : B`, `if C: A else: B`."""
     words, i = place.words, place.i
     sign = place.word.text
     if sign not in ("if", "?", ":"):
@@ -164,9 +164,9 @@ def _word(keyword: str, place: Place) -> Token:
 
 
 def _first(words: Sequence[Token], i: int, is_it: Callable[[Token], bool]) -> int | None:
-    """The first such word from the `i`-th on, but for what is in brackets; None after what closes these here."""
+    """Return the first matching index from `i` on, outside nested brackets; None past the enclosing bracket."""
     deep = 0
-    for k in range(i, min(len(words), i + _LONG)):
+    for k in range(i, min(len(words), i + _MAX_TOKENS)):
         if deep == 0 and is_it(words[k]):
             return k
         deep += (words[k].type in _OPENING) - (words[k].type in _CLOSING)
@@ -176,7 +176,7 @@ def _first(words: Sequence[Token], i: int, is_it: Callable[[Token], bool]) -> in
 
 
 def _begin(words: Sequence[Token], i: int) -> int:
-    """Where the value before the `i`-th word begins."""
+    """Return the index at which the value before token `i` begins."""
     deep = 0
     for k in range(i - 1, -1, -1):
         kind = words[k].type
@@ -191,7 +191,7 @@ def _keywords() -> frozenset[str]:
 
 
 def _united(words: Sequence[Token]) -> list[Token]:
-    """The words with numbers and units together: a colon after a unit keeps them apart."""
+    """Return the tokens with numbers and units merged; a colon after a unit had kept them apart."""
     made: list[Token] = []
     for word in words:
         if made and made[-1].type == "NUMBER" and word.text in UNITS:
@@ -202,6 +202,6 @@ def _united(words: Sequence[Token]) -> list[Token]:
 
 
 def _text(words: Sequence[Token]) -> str:
-    """The words as they stand in the text, on one line."""
+    """Return the tokens as written, on one line."""
     gaps = [" " * (b.start > a.end) for a, b in pairwise(words)]
     return "".join(t.text + gap for t, gap in zip(words, [*gaps, ""], strict=False))

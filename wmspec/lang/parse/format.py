@@ -1,8 +1,8 @@
-"""The one way to write a spec: spaces, indents and columns are the formatter's, line breaks mostly the author's.
+"""Formatter of specs: it sets spaces, indents and columns, and keeps most line breaks of the author.
 
-Every statement begins a line. A block stays on one line if it was written so and fits, else the properties that the
-author put on one line stay on one. Lines of one kind that follow one another are set in columns. At most one blank line
-is kept. Words and comments stay as they are and in their order, which is checked at the end.
+Every statement begins a line. A block stays on one line if it was written so and fits; otherwise properties that share
+a line keep sharing it. Consecutive lines of one kind are aligned in columns. At most one blank line is kept. Tokens and
+comments keep their text and order, which is verified at the end.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from wmspec.lang.parse.layout import INDENT, Layout, spelled
 from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.parser import parse, words
 
-#: The longest line that a block is kept on, in characters.
+#: Maximum length (characters) of a block on one line.
 WIDTH = 120
 
 
 def format_spec(source: Source) -> str:
-    """The formatted text of a spec. Raises SpecError if it cannot be parsed."""
+    """Return the formatted text of a spec. Raises SpecError if it cannot be parsed."""
     report = Report()
     file = parse(source, report)
     report.stop_if_failed()
@@ -73,13 +73,13 @@ def _rows_between(before: Token, here: Token) -> int:
 
 
 def _blank_before(tokens: list[Token], i: int, layout: Layout) -> bool:
-    """Whether the author left lines empty before a line, other than at the start or end of a block."""
+    """Whether the author left a blank line before this line, except at the start or end of a block."""
     first, last = tokens[i - 1].start in layout.opens, tokens[i].start in layout.closes
     return _rows_between(tokens[i - 1], tokens[i]) > 1 and not first and not last
 
 
 def _within_statement(tokens: list[Token], layout: Layout) -> list[bool]:
-    """For each token, whether a line that begins with it goes on with the statement of the line before."""
+    """Return for each token whether a line that begins with it continues the statement of the previous line."""
     within = [False] * len(tokens)
     following = False
     for i in range(len(tokens) - 1, -1, -1):
@@ -90,7 +90,7 @@ def _within_statement(tokens: list[Token], layout: Layout) -> list[bool]:
 
 
 def _filled(line: Line, tokens: list[Token], first: int, end: int, layout: Layout) -> Line:
-    """The line with its cells: tokens `first` to `end`, without the comment that may end them."""
+    """Return the line with its cells: tokens `first` to `end`, without a trailing comment."""
     comment = tokens[end - 1].type == "COMMENT"
     cells: list[Cell] = []
     for i in range(first, end - comment):

@@ -1,4 +1,4 @@
-"""Reading a spec with the libraries that it uses."""
+"""Loads a spec with the libraries that it uses."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ P = TypeVar("P", Place, Place | None)
 
 @dataclass(frozen=True)
 class Program:
-    """A parsed file, the libraries that it uses, directly or not, in order of use, and which library a name means."""
+    """A parsed file, its direct and indirect libraries in order of use, and the library path of each `use`."""
 
     source: Source
     file: File
@@ -30,28 +30,28 @@ class Program:
 
     @property
     def whole(self) -> bool:
-        """Whether all was read and found; if not, names may be missing."""
+        """Whether all files were parsed and found; if not, names may be missing."""
         files = (self.file, *self.libraries.values())
         return all(file.whole and all(use.name.span in self.paths for use in _uses(file.items)) for file in files)
 
 
 def load(path: Path, report: Report) -> Program:
-    """Read and parse the spec at `path`. Raises WmsError if there is no such readable file."""
+    """Read and parse the spec at `path`. Raises WmsError if the file cannot be read."""
     source = read_source(path)
     return load_source(source, path.parent, report)
 
 
 def load_source(source: Source, folder: Path, report: Report) -> Program:
-    """Parse a spec from text. Libraries are looked for in `folder`, on WMSPEC_PATH, then in wmspec's own."""
+    """Parse a spec from text. Libraries are searched in `folder`, on WMSPEC_PATH, then among the bundled ones."""
     file, mistakes = _parsed(source)
     report.include(mistakes)
-    program = Program(file.span.source, file, {}, {})  # the very text in which its places are
+    program = Program(file.span.source, file, {}, {})  # the text that its spans refer to
     _collect(file, folder, report, program, ())
     return program
 
 
 def pointed(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """The diagnostics with the texts at the places that the IR keeps, where these can still be read."""
+    """Return the diagnostics with source text at the locations that the IR stores, where it is still readable."""
     texts = _Texts()
     return tuple(
         replace(d, place=texts.at(d.place), notes=tuple(replace(note, place=texts.at(note.place)) for note in d.notes))
@@ -60,13 +60,13 @@ def pointed(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 class _Texts:
-    """The texts of files, each read once."""
+    """Texts of files; each file is read once."""
 
     def __init__(self) -> None:
         self._sources: dict[str, Source | None] = {}
 
     def at(self, place: P) -> P | Span:
-        """The text at a location; any other place as it is."""
+        """Return the source span of a location; other places are returned unchanged."""
         if not isinstance(place, Location) or (source := self._source(place.file)) is None:
             return place
         end = len(source.text)
@@ -74,7 +74,7 @@ class _Texts:
 
     def _source(self, name: str) -> Source | None:
         if name not in self._sources:
-            self._sources[name] = None  # of a task that was made in Python
+            self._sources[name] = None  # for tasks built in Python
             with suppress(WmsError):
                 self._sources[name] = read_source(located(name))
         return self._sources[name]
@@ -106,16 +106,16 @@ def _collect(file: File, folder: Path, report: Report, program: Program, trail: 
             program.libraries[path] = library
 
 
-@lru_cache(maxsize=4)  # an editor asks for the tree of one text several times
+@lru_cache(maxsize=4)  # an editor requests the tree of one text several times
 def _parsed(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
-    """The syntax tree of a text, and its mistakes."""
+    """Return the syntax tree of a text and its diagnostics."""
     report = Report()
     return parse(source, report), report.diagnostics
 
 
 @lru_cache(maxsize=64)
 def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
-    """A library as it is now, and its mistakes; parsed once for all specs that use it."""
+    """Return a library's tree and diagnostics; it is parsed once for all specs that use it."""
     if (tree := library_cache.kept(source)) is not None:
         return tree, ()
     tree, mistakes = _parsed(source)
@@ -125,7 +125,7 @@ def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
 
 
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
-    if not name.id:  # it is missing, and that was reported
+    if not name.id:  # a missing name was reported
         return None
     path = found(name.id, folder)
     if path is None:

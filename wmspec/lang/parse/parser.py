@@ -1,4 +1,4 @@
-"""The parser: the machine fed with the words of a text, with recovery, so that one run finds every mistake."""
+"""Parser with error recovery: one run finds every syntax error."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from wmspec.lang.parse.braces import indented, rebraced
 from wmspec.lang.parse.build import build_expression, build_file
 from wmspec.lang.parse.confusables import readable
 from wmspec.lang.parse.lexer import Token, read
-from wmspec.lang.parse.machine import END, Machine, Tree
+from wmspec.lang.parse.lr_parser import END, LRParser, Tree
 from wmspec.lang.parse.quotes import requoted, unbroken
 from wmspec.lang.parse.recover import dropped, recover
 from wmspec.lang.parse.repair import repair, repaired, sure
@@ -16,7 +16,7 @@ from wmspec.lang.parse.repair_candidates import shown
 from wmspec.lang.parse.syntax import Expr, File
 from wmspec.lang.parse.tables import tables
 
-#: How a terminal is called in a message.
+#: Names of terminals in messages.
 SPOKEN = {
     "NAME": "a name",
     "STRING": "a text in quotes",
@@ -34,17 +34,16 @@ SPOKEN = {
     "ELSE": "`else`",
     "NUMBER": "a value",
 }
-#: Deeper trees are refused: whoever walks one recursively would exhaust the stack.
+#: Deeper trees are rejected: recursive visitors would exhaust the stack.
 MAX_DEPTH = 100
-#: So many mistakes are mended one by one, in longer texts fewer, for each time all is read anew; after that what cannot
-#: be read is dropped.
-MOST_REPAIRS, MOST_WORDS = 24, 200_000
-#: So many lines with quotes missing are mended, if they are no longer than this.
-MOST_QUOTES, MOST_LINE = 4, 300
+#: Maximum number of single repairs. Each one re-reads the text, so longer texts get fewer; later errors are dropped.
+MAX_REPAIRS, MAX_REREAD_TOKENS = 24, 200_000
+#: Maximum number of lines with quote repairs, and their maximum length (characters).
+MAX_QUOTE_REPAIRS, MAX_QUOTE_LINE = 4, 300
 
 
 def parse(source: Source, report: Report) -> File:
-    """Parse a file. Mistakes go to the report; the tree holds whatever could be read around them."""
+    """Parse a file. Syntax errors are reported; the tree holds all that could be parsed around them."""
     tree, whole = _run(source, "start", Span(source, 0, len(source.text)), report)
     return build_file(source, tree, report, whole) if tree else File((), Span(source, 0, 0), whole=False)
 
@@ -56,15 +55,15 @@ def parse_expression(span: Span, report: Report) -> Expr | None:
 
 
 def words(text: str) -> list[Token]:
-    """The words of a text with the comments among them, in order."""
+    """Return the tokens of a text, comments included, in order."""
     return [token for token in read(text) if token.type != "WHITE"]
 
 
 def _run(source: Source, start: str, where: Span, report: Report) -> tuple[Tree | None, bool]:
-    """The tree of what is written, or of what was most likely meant; and whether nothing had to be left out."""
+    """Return the parse tree of the repaired text, and whether recovery dropped nothing."""
     tokens = _tokens(source, where, report)
     (machine, stuck), whole = _fed(start, tokens), True
-    for _ in range(max(2, min(MOST_REPAIRS, MOST_WORDS // len(tokens)))):
+    for _ in range(max(2, min(MAX_REPAIRS, MAX_REREAD_TOKENS // len(tokens)))):
         if stuck == len(tokens):
             break
         tokens, mended = _mended(source, start, machine, tokens, stuck, report)
@@ -80,9 +79,9 @@ def _run(source: Source, start: str, where: Span, report: Report) -> tuple[Tree 
     return (None if tree is None or _too_deep(source, tree, report) else tree), whole
 
 
-def _fed(start: str, tokens: list[Token]) -> tuple[Machine, int]:
-    """The machine with what it can read, and the index of the first word that it cannot."""
-    machine = Machine(start)
+def _fed(start: str, tokens: list[Token]) -> tuple[LRParser, int]:
+    """Return the parser state after the longest readable prefix, and the index of the first token that it rejects."""
+    machine = LRParser(start)
     for i, token in enumerate(tokens):
         if not machine.read(token):
             return machine, i
@@ -90,9 +89,9 @@ def _fed(start: str, tokens: list[Token]) -> tuple[Machine, int]:
 
 
 def _mended(
-    source: Source, start: str, machine: Machine, tokens: list[Token], stuck: int, report: Report
+    source: Source, start: str, machine: LRParser, tokens: list[Token], stuck: int, report: Report
 ) -> tuple[list[Token], bool]:
-    """The words without the mistake at which reading is stuck, which is reported; and whether no name is missing."""
+    """Report and repair the error at token `stuck`; return the new tokens, and whether no name is missing."""
     inner = machine.takes("RPAR") or machine.takes("RSQB")
     braces = start == "start" and tokens[stuck].type in (END, "RBRACE") and not inner
     block = indented(source, tokens, stuck) if start == "start" else None
@@ -113,7 +112,7 @@ def _mended(
 
 def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
     tokens = [t for t in read(where.text, where.start) if t.type not in ("WHITE", "COMMENT")]
-    for _ in range(MOST_QUOTES):
+    for _ in range(MAX_QUOTE_REPAIRS):
         i = next((i for i, t in enumerate(tokens) if t.type == "OPEN_STRING"), None)
         if i is None:
             break
@@ -124,11 +123,11 @@ def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
 
 
 def _closed(source: Source, where: Span, tokens: list[Token], i: int, report: Report) -> list[Token]:
-    """The words with as many quotes on the line of a text that is not closed as are meant."""
+    """Return the tokens with the quotes of a line with an unclosed text repaired."""
     number = source.position(tokens[i].start)[0]
     line = source.line(number)
     start = tokens[i].start - source.position(tokens[i].start)[1] + 1
-    if len(line) > MOST_LINE or start < where.start or start + len(line) > where.end:
+    if len(line) > MAX_QUOTE_LINE or start < where.start or start + len(line) > where.end:
         return _as_text(tokens, i, source, report)
     before = [t for t in tokens if t.end <= start]
     after = [t for t in tokens if t.start >= start + len(line)]
@@ -144,7 +143,7 @@ def _closed(source: Source, where: Span, tokens: list[Token], i: int, report: Re
 
 
 def _over_lines(source: Source, tokens: list[Token], i: int, report: Report) -> list[Token] | None:
-    """The words with a text that is closed on one of the next lines; None if it rather is not."""
+    """Return the tokens with a text that is closed on a following line; None if that is unlikely."""
     words = unbroken(source.text, tokens, i)
     if words is not None:
         remedy = 'close it on its line; a question may go on in the next: `"..." "..."`'
@@ -153,7 +152,7 @@ def _over_lines(source: Source, tokens: list[Token], i: int, report: Report) -> 
 
 
 def _as_text(tokens: list[Token], i: int, source: Source, report: Report) -> list[Token]:
-    """The words with a text from the quote to the end of its line, but for brackets there."""
+    """Return the tokens with a text from the quote to the end of its line, except closing brackets there."""
     token = tokens[i]
     report.add("WMS102", "this text has no closing quote on its line", _span(source, token), 'close it with `"`')
     text = token.text.rstrip(" \t{)],")
@@ -170,7 +169,7 @@ def _complain(source: Source, tokens: list[Token], i: int, wanted: set[str], rep
     token, span = tokens[i], _span(source, tokens[i])
     message = f"`{shown(token)}` is unexpected here"
     if i and tokens[i - 1].type == "STRING":
-        wanted = wanted - {"STRING"}  # another piece of a text is never what is missing
+        wanted = wanted - {"STRING"}  # a missing second piece of a text is never the error
     expected = [SPOKEN[t] for t in sorted(wanted & SPOKEN.keys())]
     hint = f"expected {' or '.join(expected)}" if len(expected) in (1, 2, 3) else ""
     if token.type == END:

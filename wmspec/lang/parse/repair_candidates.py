@@ -1,4 +1,4 @@
-"""What may have been meant at a word that cannot stand where it does: guesses of many sorts, with their costs."""
+"""Candidates for repairing a token that cannot follow, with their costs."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from wmspec.core.spelling import edit_distance
 from wmspec.lang.parse.lexer import Token, read
-from wmspec.lang.parse.machine import END
+from wmspec.lang.parse.lr_parser import END
 from wmspec.lang.parse.tables import tables
 
-#: Signs that may be missing or too many.
+#: Signs that may be missing or surplus.
 SIGNS = {
     "LBRACE": "{",
     "RBRACE": "}",
@@ -26,19 +26,19 @@ SIGNS = {
     "RANGE": "..",
     "DOT": ".",
 }
-#: Signs of which one may be written for another.
+#: Signs that are confused with each other.
 _ALIKE = (
     {"LBRACE", "LPAR", "LSQB"},
     {"RBRACE", "RPAR", "RSQB"},
     {"COLON", "EQUAL", "COMMA", "DOT", "RANGE", "COMPARE", "MINUS"},
     {"STRAY", "COMMA"},
 )
-#: The keywords of statements that are written most often, those of a task, then those of a question.
+#: Statement keywords by frequency: first those of a task, then those of a question.
 _OFTEN = (
     *("use", "factor", "let", "object", "objects", "action", "observe", "question", "task", "require", "horizon"),
     *("answer", "options", "counterfactual", "ensure"),
 )
-#: Words that may be missing between two others.
+#: Keywords that may be missing between two tokens.
 _BETWEEN = {
     "ELSE": "else",
     "IN": "in",
@@ -55,10 +55,10 @@ UNITS = ("mm", "cm", "m", "s", "ms", "deg", "kg", "g", "N", "rad")
 
 @dataclass(frozen=True)
 class Repair:
-    """Other words in place of those from `start` to `stop`, and what is told of it.
+    """Replacement of the tokens from `start` to `stop`, with its message.
 
-    `cost`: the lower, the likelier. What is `missing` is told after the word before. A name that is `hyphenated` is so
-    wherever it is used. A block that is opened `closes` before another word.
+    `cost`: lower is likelier. A `missing` token is reported after the previous token. A `hyphenated` name is replaced
+    wherever it is used. A block that the change opens `closes` before that token.
     """
 
     start: int
@@ -73,7 +73,7 @@ class Repair:
 
 
 class Place(NamedTuple):
-    """A word among others, and the types of words that could stand in its place or before it."""
+    """A token in its context, and the token types that could replace or precede it."""
 
     words: Sequence[Token]
     i: int
@@ -81,32 +81,32 @@ class Place(NamedTuple):
 
     @property
     def word(self) -> Token:
-        """The word itself."""
+        """The token itself."""
         return self.words[self.i]
 
     @property
     def before(self) -> Token:
-        """The word before it; before the first an empty one."""
+        """The previous token; an empty one before the first."""
         return self.words[self.i - 1] if self.i else Token("", "", 0, 0)
 
     @property
     def after(self) -> Token:
-        """The word after it; after the last an empty one."""
+        """The next token; an empty one after the last."""
         return self.words[self.i + 1] if self.i + 1 < len(self.words) else Token("", "", 0, 0)
 
     def instead(self, *words: Token, told: str, help: str, cost: float, of: int = 1) -> Repair:
-        """Words instead of this one, or instead of so many."""
+        """Return the replacement of `of` tokens from this one on."""
         return Repair(self.i, self.i + of, words, told, help, cost)
 
     def missing(self, *kinds: str, told: str, help: str, cost: float) -> Repair:
-        """Words of these types that are missing before this one."""
+        """Return the insertion of tokens of these types before this one."""
         text = {"STRING": '""', **{kind: word for word, kind in _keywords().items()}}
         words = tuple(Token(kind, text.get(kind, ""), self.word.start, self.word.line) for kind in kinds)
         return Repair(self.i, self.i, words, told, help, cost, missing=True)
 
 
 def guesses(place: Place, stuck: int) -> Iterator[Repair]:
-    """All that may have been meant, where reading is stuck at this word or soon after it."""
+    """Yield all candidates at this token; the parser is stuck here or soon after."""
     for guess in (_keyword, _unit, _name, _hyphens, _text, _sign, _inches, _number, _no_sign, _no_word, _no_statement):
         yield from guess(place)
     if place.i == stuck or place.word.type in SIGNS:
@@ -114,7 +114,7 @@ def guesses(place: Place, stuck: int) -> Iterator[Repair]:
 
 
 def hyphenated(words: Sequence[Token], i: int) -> int:
-    """Where a name with hyphens that begins here ends: words and hyphens that touch."""
+    """Return the end of a name with hyphens that begins at token `i`: adjacent words and hyphens."""
     if words[i].type != "NAME":
         return i
     end = i + 1
@@ -129,11 +129,11 @@ def hyphenated(words: Sequence[Token], i: int) -> int:
     return end
 
 
-# ---------------------------------------------------------------- another word
+# ---------------------------------------------------------------- replacements
 
 
 def _keyword(place: Place) -> Iterator[Repair]:
-    """A misspelled keyword. Of two letters, it is rather something else; one that stands for a name is well spelled."""
+    """A misspelled keyword. Two-letter words are unlikely ones, and so are words in place of a name."""
     text = place.word.text
     if text.isidentifier() and not ("NAME" in place.accepted and text in tables().keywords):
         for keyword, kind, apart in _near(text):
@@ -145,7 +145,7 @@ def _keyword(place: Place) -> Iterator[Repair]:
 
 
 def _unit(place: Place) -> Iterator[Repair]:
-    """`3 yb 5`: what was taken for a unit is a misspelled keyword."""
+    """`3 yb 5`: a misspelled keyword in place of a unit."""
     word = place.word
     number = word.text.split()[0] if word.type == "QUANTITY" else ""
     unit = word.text[len(number) :]
@@ -160,7 +160,7 @@ def _unit(place: Place) -> Iterator[Repair]:
 
 
 def _name(place: Place) -> Iterator[Repair]:
-    """A keyword where a name is wanted."""
+    """A keyword in place of a name."""
     text = place.word.text
     if text.isidentifier() and "NAME" in place.accepted and place.word.type != "NAME":
         told = f"`{text}` is a word of the language and no name"
@@ -178,7 +178,7 @@ def _hyphens(place: Place) -> Iterator[Repair]:
 
 
 def _text(place: Place) -> Iterator[Repair]:
-    """`question \"\"\"...\"\"\"`: what only describes a task."""
+    """A docstring in place of the text of a question."""
     if place.word.type == "LONG_STRING" and "STRING" in place.accepted:
         made = place.word._replace(type="STRING")
         told, help = "a text in three quotes describes a task", 'write `"..."`, a long text as several: `"..." "..."`'
@@ -186,9 +186,9 @@ def _text(place: Place) -> Iterator[Repair]:
 
 
 def _sign(place: Place) -> Iterator[Repair]:
-    """One sign for another. A closing bracket that touches the word before it is rather that than one too many.
+    """One sign in place of another. A closing bracket that touches the previous token is rather confused than surplus.
 
-    After the first word in brackets, or after a comma, `=` is rather that of a named argument elsewhere.
+    After the first token in brackets, or after a comma, `=` is rather the named argument of another language.
     """
     word, touches = place.word, place.before.end == place.word.start and place.i > 0
     means = "means nothing here" if word.type == "STRAY" else "is unexpected here"
@@ -213,7 +213,7 @@ def _inches(place: Place) -> Iterator[Repair]:
 
 
 def _number(place: Place) -> Iterator[Repair]:
-    """`1O cm`: a letter among the digits; `1.5.5`: two points."""
+    """`1O cm`: a letter among digits; `1.5.5`: two points."""
     text = place.word.text
     if place.word.type == "DOT" and place.before.type == "NUMBER" and place.after.type in ("NUMBER", "QUANTITY"):
         told, help = f"`{place.before.text}.{place.after.text}` is no number", "write one decimal point"
@@ -225,23 +225,23 @@ def _number(place: Place) -> Iterator[Repair]:
         yield place.instead(made, told=told, help="write digits, and then the unit", cost=1.0, of=2)
 
 
-# ---------------------------------------------------------------- what is missing
+# ---------------------------------------------------------------- insertions
 
 
 def _no_sign(place: Place) -> Iterator[Repair]:
-    """A sign that is missing."""
+    """A missing sign."""
     for kind, sign in SIGNS.items():
         if kind in place.accepted and kind not in ("RANGE", "DOT"):
             cost = 2.5 if kind in ("COMMA", "COLON", "EQUAL", "LBRACE") else 2.8
             if kind in ("LPAR", "LSQB") and place.before.type in ("MINUS", "PLUS", "TIMES"):
-                cost += 1.0  # rather before all that is added up
+                cost += 1.0  # likelier before the whole sum
             if kind == "COLON" and "COMMA" in place.accepted:
                 cost += -0.1 if _of_argument(place) else 0.1
             yield place.missing(kind, told=f"`{sign}` is missing here", help=f"write `{sign}`", cost=cost)
 
 
 def _no_word(place: Place) -> Iterator[Repair]:
-    """A keyword within a statement, a name, a value or a text that is missing."""
+    """A missing keyword within a statement, or a missing name, value or text."""
     for kind, keyword in _BETWEEN.items():
         if kind in place.accepted:
             kinds = ("APART", "BY") if kind == "APART" else (kind,)
@@ -260,7 +260,7 @@ def _no_word(place: Place) -> Iterator[Repair]:
 
 
 def _no_statement(place: Place) -> Iterator[Repair]:
-    """The keyword with which a statement begins: rather that where a line begins, and rather a frequent one."""
+    """A missing statement keyword; likelier at the start of a line, and likelier for frequent keywords."""
     begins = place.before.end_line < place.word.line and place.word.type not in tables().starters
     cost = 2.7 if begins else 6.0
     starters = {w: kind for w, kind in _keywords().items() if kind in place.accepted & tables().starters}
@@ -274,13 +274,13 @@ def _no_statement(place: Place) -> Iterator[Repair]:
 
 
 def _acts(place: Place) -> bool:
-    """Whether a name is made of a call: `push = launch(...)`, `reach = arm.push(...)`."""
+    """Whether a name is assigned a call: `push = launch(...)`, `reach = arm.push(...)`."""
     kinds = [t.type for t in place.words[place.i : place.i + 6]]
     return kinds[:4] == ["NAME", "EQUAL", "NAME", "LPAR"] or kinds == ["NAME", "EQUAL", "NAME", "DOT", "NAME", "LPAR"]
 
 
 def _of_argument(place: Place) -> bool:
-    """Whether what is missing between two words is rather the colon of an argument than a comma."""
+    """Whether a missing sign between two tokens is rather the colon of an argument than a comma."""
     deep = 0
     for token in reversed(place.words[: place.i]):
         deep += (token.type in ("RPAR", "RSQB")) - (token.type in ("LPAR", "LSQB"))
@@ -291,11 +291,11 @@ def _of_argument(place: Place) -> bool:
     return place.word.type in ("NUMBER", "QUANTITY")
 
 
-# ---------------------------------------------------------------- what is too many
+# ---------------------------------------------------------------- deletions
 
 
 def _too_many(place: Place) -> Iterator[Repair]:
-    """A sign or word too many; rather a sign that is there twice."""
+    """A surplus sign or word; likelier if it is doubled."""
     word = place.word
     if word.type == END:
         return
@@ -307,13 +307,13 @@ def _too_many(place: Place) -> Iterator[Repair]:
 
 
 def shown(word: Token) -> str:
-    """A word on one short line."""
+    """Return a token's text on one short line."""
     text = " ".join(word.text.split())
     return text if len(text) <= 30 else f"{text[:27]}..."
 
 
 def _near(text: str) -> Iterator[tuple[str, str, int]]:
-    """Keywords close to a word, with their types and how many slips apart they are."""
+    """Yield the keywords similar to a word, with their types and edit distance."""
     for keyword, kind in _keywords().items():
         apart = edit_distance(text.lower(), keyword, 4)
         if apart <= max(1, (len(keyword) + 1) // 3) and (len(text) > 1 or apart == 0):
@@ -321,5 +321,5 @@ def _near(text: str) -> Iterator[tuple[str, str, int]]:
 
 
 def _keywords() -> dict[str, str]:
-    """The words of the language, with their types."""
+    """Return the keywords with their token types."""
     return tables().keywords | dict.fromkeys(("title", "license", "source"), "SETTING")

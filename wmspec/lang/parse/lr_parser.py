@@ -1,4 +1,4 @@
-"""The machine that reads: a stack of states, driven word by word through the tables of the grammar."""
+"""LR parser: a stack of states, advanced token by token through the tables of the grammar."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.tables import Rule, tables
 
-#: What comes after the last word.
+#: Type of the token after the last one.
 END = "$END"
 
 
 class Tree(NamedTuple):
-    """A node of the parse tree: the rule that made it, its children (trees, words, None), and the text it spans."""
+    """A node of the parse tree: its rule, its children (trees, tokens, None), and its span."""
 
     rule: str
     children: list[Any]
@@ -22,17 +22,18 @@ class Tree(NamedTuple):
 
 
 class Part(NamedTuple):
-    """What was read on the way to a state, with its place; nothing begins after everything and ends before it."""
+    """A parsed symbol with its span; an empty symbol starts at infinity and ends at 0."""
 
     read: Any
     start: float
     end: int
 
 
-class Machine:
-    """Reads words until the end; `result` is then the tree of all."""
+class LRParser:
+    """Parses tokens until the end; `result` is then the tree of the whole input."""
 
     def __init__(self, start: str) -> None:
+        """`parts` has one item fewer than `states`."""
         self.tables = tables()
         self.last = self.tables.last[start]
         self.states = [self.tables.first[start]]
@@ -41,7 +42,7 @@ class Machine:
         self.result: Tree | None = None
 
     def read(self, token: Token) -> bool:
-        """Take in a word; False if it cannot stand here, and then another may be tried."""
+        """Consume a token; return False, without a change of state, if it cannot follow."""
         states, parts = self.states, self.parts
         while (action := self.tables.states[states[-1]].get(token.type)) is not None:
             if action >= 0:
@@ -59,7 +60,7 @@ class Machine:
         return False
 
     def follow(self, kind: str) -> bool:
-        """As `read`, but only the state is kept of what is read; a word of this type is enough."""
+        """Like `read` with a token type only; builds no tree."""
         states, moves = self.states, self.tables.states
         while (action := moves[states[-1]].get(kind)) is not None:
             if action >= 0:
@@ -73,7 +74,7 @@ class Machine:
         return False
 
     def takes(self, kind: str, depth: int | None = None) -> bool:
-        """Whether a word of a type could be read next, if only the first `depth` states were on the stack."""
+        """Whether a token type could be read next, with only the first `depth` states on the stack."""
         left = len(self.states) if depth is None else depth
         pushed: list[int] = []
         while (action := self._next(pushed, left).get(kind)) is not None:
@@ -88,11 +89,11 @@ class Machine:
         return False
 
     def accepted(self) -> set[str]:
-        """The types of words that could be read next."""
+        """Return the token types that could be read next."""
         return {kind for kind in self._next([], len(self.states)) if _is_word(kind) and self.takes(kind)}
 
     def unwind(self, *kinds: str) -> bool:
-        """Forget what was read last until words of these types could follow; nothing if they never could."""
+        """Pop states until tokens of these types can follow; leave the stack unchanged if they never can."""
         for depth in range(len(self.states), 0, -1):
             if self.takes(kinds[0], depth) and self._follows(kinds, depth):
                 del self.states[depth:], self.parts[depth - 1 :]
@@ -115,7 +116,7 @@ def _is_word(symbol: str) -> bool:
 
 
 def _made(rule: Rule, parts: list[Part]) -> Part:
-    """What a rule makes of the parts read last."""
+    """Return the part that a rule builds from the last parts."""
     start = min([part.start for part in parts], default=float("inf"))
     end = max([part.end for part in parts], default=0)
     children: list[Any] = []
