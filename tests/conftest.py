@@ -13,12 +13,14 @@ from hypothesis import settings
 import wmspec
 from tests.browser import browser
 from tests.engines import ENGINES
+from tests.shared import shared
 from wmspec.runtime.engines.registry import default
 
-__all__ = ["browser"]  # here alone: a process has one browser, however many folders look at pages
+__all__ = ["browser", "shared"]  # here alone: a process has one of each, however many folders use it
 
 # Time limits belong in benchmarks: a loaded machine must not fail a law. In CI the same examples are tried every time.
 settings.register_profile("wmspec", deadline=None, derandomize=bool(os.environ.get("CI")))
+settings.register_profile("long", settings.get_profile("wmspec"))
 settings.load_profile("wmspec")
 
 # Datasets say when they were published: in tests, always on the same day.
