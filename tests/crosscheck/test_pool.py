@@ -35,7 +35,7 @@ class Unforeseen(Exception):
 
     def __init__(self, text: str, *, lock: object = None) -> None:
         super().__init__(text)
-        self.lock = lock or iter(())
+        self.lock = lock or (i for i in "")
 
 
 def test_results_are_in_order_and_what_is_lost_is_told() -> None:
