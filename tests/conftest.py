@@ -69,8 +69,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if group := _sharing(item):
             item.add_marker(pytest.mark.xdist_group(group))
-        for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
-            item.add_marker(need)
+        if item.path.is_relative_to(HERE):
+            for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
+                item.add_marker(need)
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker("browser")
     if config.getoption("--one-engine"):
