@@ -120,7 +120,7 @@ def test_an_answer_that_never_comes_is_told_with_how_often_the_others_did() -> N
     assert isinstance(first, Rejected)
     assert first.detail.startswith(f"{3 * MAX_DRAWS} draws gave a ")
     assert ", c 0, rejected unstable " in first.detail
-    assert first.detail.endswith("no choice of them has each answer equally often")
+    assert first.detail.endswith("no combination has equally frequent answers")
 
 
 # ---------------------------------------------------------------- the design

@@ -22,7 +22,7 @@ def told(text: str) -> list[str]:
 @pytest.mark.parametrize(("height", "depth"), [(0.03, "20"), (0.044, "6"), (0.046, ""), (0.05, ""), (0.2, "")])
 def test_what_begins_inside_something_else_is_told_from_5_mm_on(height: float, depth: str) -> None:
     notes = told(stage(floor(), body("cube", CUBE, (0, 0, height))))
-    assert [f"/World/cube: it begins {depth} mm inside /World/floor" in note for note in notes] == [True] * bool(depth)
+    assert [f"/World/cube: it starts {depth} mm inside /World/floor" in note for note in notes] == [True] * bool(depth)
 
 
 def test_what_is_filtered_or_joined_may_be_inside() -> None:

@@ -18,7 +18,7 @@ from wmspec.core import disk_cache
 from wmspec.core.diagnostics import Diagnostic, Note, Remedy, Report, WmsError
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Source, Span
 from wmspec.core.safe_io import folders_searched
-from wmspec.lang.parse.files import found, read_source, spec_files
+from wmspec.lang.parse.files import find_library, read_source, spec_files
 
 if TYPE_CHECKING:
     from wmspec.api.loading import Diagnosis
@@ -157,7 +157,7 @@ def _cached(entry: str, path: Path) -> Checked | None:
             if _digest(text) != digest:
                 return None
             sources[text.name] = text
-        if any(str(found(name, Path(folder))) != library for name, folder, library in record["uses"]):
+        if any(str(find_library(name, Path(folder))) != library for name, folder, library in record["uses"]):
             return None
         if any(_state(Path(folder)) != state for folder, state in record["folders"].items()):
             return None

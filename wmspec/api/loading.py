@@ -13,7 +13,7 @@ from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.core.places import Source
 from wmspec.lang.check.statements.task import check_program
-from wmspec.lang.parse.files import catalogue_folders, shown, spec_files
+from wmspec.lang.parse.files import catalogue_folders, display_path, spec_files
 from wmspec.lang.parse.load import Program, load_source
 from wmspec.lang.parse.load import load as load_program
 
@@ -118,7 +118,7 @@ class TextCheck:
 
     def __init__(self, text: str, path: Path) -> None:
         self._report = Report()
-        program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, self._report)
+        program = load_source(Source(display_path(path), text.replace("\r\n", "\n")), path.parent, self._report)
         tasks = tuple(Task(spec, program, path) for spec in check_program(program, self._report))
         self.tasks = () if self._report.failed else tasks
         """Those of a text without mistakes."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from wmspec.lang.parse.lexer import Token, read
-from wmspec.lang.parse.lr_parser import END, LRParser, Part, Tree
+from wmspec.lang.parse.lexer import Token, tokenize
+from wmspec.lang.parse.lr_parser import END, LRParser, Symbol, Tree
 from wmspec.lang.parse.recover import recover
 from wmspec.lang.parse.tables import tables
 
@@ -26,8 +26,8 @@ class Cursor:
 
     start: int
     keywords: tuple[str, ...] = ()
-    stack: tuple[Part, ...] | None = None
-    unit: tuple[int, tuple[Part, ...]] | None = None
+    stack: tuple[Symbol, ...] | None = None
+    unit: tuple[int, tuple[Symbol, ...]] | None = None
 
 
 def cursor(text: str, offset: int) -> Cursor | None:
@@ -35,7 +35,7 @@ def cursor(text: str, offset: int) -> Cursor | None:
     before = text[:offset]
     word = _WORD.search(before)
     start = word.start() if word else offset
-    tokens = [t for t in read(before[:start]) if t.type != "WHITE"]
+    tokens = [t for t in tokenize(before[:start]) if t.type != "WHITE"]
     if tokens and _goes_on(tokens[-1], start):
         return None
     machine = _fed(before[:start])
@@ -50,7 +50,7 @@ def _goes_on(last: Token, offset: int) -> bool:
     return last.end == offset and last.type in ("COMMENT", "OPEN_STRING")
 
 
-def _unit(before: str) -> tuple[int, tuple[Part, ...]] | None:
+def _unit(before: str) -> tuple[int, tuple[Symbol, ...]] | None:
     if number := _QUANTITY.search(before):
         stack = _stack(_fed(before[: number.start()]), "NUMBER", number.start())
         return (number.start("unit"), stack) if stack is not None else None
@@ -61,7 +61,7 @@ def _unit(before: str) -> tuple[int, tuple[Part, ...]] | None:
     return None
 
 
-def _stack(machine: LRParser, kind: str, offset: int) -> tuple[Part, ...] | None:
+def _stack(machine: LRParser, kind: str, offset: int) -> tuple[Symbol, ...] | None:
     """What a word of this type would follow."""
     tried = _copy(machine)
     return tuple(tried.parts[:-1]) if tried.read(Token(kind, "x", offset, 0)) else None
@@ -77,7 +77,7 @@ def _only_a_name(machine: LRParser, kind: str) -> bool:
 
 def _fed(text: str) -> LRParser:
     """The machine after a text. What cannot be read is passed over, but never the last statement."""
-    tokens = [t for t in read(text) if t.type not in ("WHITE", "COMMENT", "STRAY", "OPEN_STRING")]
+    tokens = [t for t in tokenize(text) if t.type not in ("WHITE", "COMMENT", "STRAY", "OPEN_STRING")]
     tokens.append(Token(END, "", len(text), 0))
     machine, i = LRParser("start"), 0
     while i < len(tokens) - 1:
@@ -97,7 +97,7 @@ def _copy(machine: LRParser) -> LRParser:
     return copy
 
 
-def symbol(part: Part) -> str:
+def symbol(part: Symbol) -> str:
     """What a part is: the type of a word, or the rule of a tree."""
     match part.read:
         case Token(type=kind):

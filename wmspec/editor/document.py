@@ -15,7 +15,7 @@ from wmspec.core.places import Source, Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.statements.task import known
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.files import shown
+from wmspec.lang.parse.files import display_path
 from wmspec.lang.parse.load import Program, load_source
 from wmspec.lang.parse.parser import parse
 
@@ -30,7 +30,7 @@ class Document:
     @cached_property
     def source(self) -> Source:
         """The text, by the name that messages call it."""
-        return Source(shown(self.path), self.text)
+        return Source(display_path(self.path), self.text)
 
     @cached_property
     def program(self) -> Program:

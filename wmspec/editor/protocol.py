@@ -18,7 +18,7 @@ from wmspec.editor.document import Document, children
 from wmspec.lang.parse import codes
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.codes import CODES
-from wmspec.lang.parse.files import located
+from wmspec.lang.parse.files import resolve_display_path
 
 #: Where the page of each code is, as `wmspec explain` shows it.
 PAGES = Path(codes.__file__).parent
@@ -93,7 +93,7 @@ def uri_of(path: Path) -> str:
 def shown(d: Diagnostic, text: TextDocument) -> lsp.Diagnostic:
     """The diagnostic as editors show it; one that lies in another file stands at the start, with its place told."""
     codec = text.position_codec
-    here = isinstance(d.place, Span) and located(d.place.source.name).resolve() == path_of(text.uri)
+    here = isinstance(d.place, Span) and resolve_display_path(d.place.source.name).resolve() == path_of(text.uri)
     message = d.message if here or d.place is None else f"{d.place}: {d.message}"
     related = [r for note in d.notes if (r := _related(note.message, note.place, codec)) is not None]
     if not here and (where := _related(d.message, d.place, codec)) is not None:
@@ -112,7 +112,7 @@ def shown(d: Diagnostic, text: TextDocument) -> lsp.Diagnostic:
 def _related(message: str, place: Place | None, codec: PositionCodec) -> lsp.DiagnosticRelatedInformation | None:
     match place:
         case Span(source=source):
-            document = Document(located(source.name).resolve(), source.text)
+            document = Document(resolve_display_path(source.name).resolve(), source.text)
             location = lsp.Location(uri_of(document.path), positions_in(document, codec).range(place))
         case FilePlace(path, line):
             start = lsp.Position((line or 1) - 1, 0)

@@ -21,7 +21,7 @@ from pygments.token import (
 )
 
 from wmspec.editor.words import SOFT, constants
-from wmspec.lang.parse.lexer import Token, read
+from wmspec.lang.parse.lexer import Token, tokenize
 from wmspec.lang.parse.tables import tables
 
 _PLAIN: dict[str, _TokenType] = {
@@ -51,7 +51,7 @@ class WmsLexer(Lexer):
 
     def get_tokens_unprocessed(self, text: str) -> Iterator[tuple[int, _TokenType, str]]:
         """Every word with its place and its kind."""
-        tokens = list(read(text))
+        tokens = list(tokenize(text))
         after: str = ""
         for token, following in zip(tokens, [*tokens[1:], Token("WHITE", "", 0, 0)], strict=True):
             yield token.start, _kind(token, after, following), token.text

@@ -15,7 +15,7 @@ from wmspec.api.task import Task
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError
 from wmspec.core.places import Source
 from wmspec.editor import examples
-from wmspec.lang.parse.files import read_source, shown
+from wmspec.lang.parse.files import read_source, display_path
 from wmspec.lang.parse.load import load_source
 from wmspec.runtime.workers.pool import Helper, Lost
 
@@ -116,7 +116,7 @@ class Watch:
     def _libraries(self, text: str) -> tuple[Path, ...]:
         """Those of a text that has mistakes, whatever is in the file by now: one of them may be where these are."""
         with suppress(WmsError):
-            return tuple(load_source(Source(shown(self.path), text), self.path.parent, Report()).libraries)
+            return tuple(load_source(Source(display_path(self.path), text), self.path.parent, Report()).libraries)
         return ()
 
     def _draw(

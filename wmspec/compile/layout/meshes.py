@@ -13,7 +13,7 @@ from wmspec.core.space import Vector
 from wmspec.lang.check.tables.vocabulary import FILES, MOST_LENGTH, STAGES
 from wmspec.lang.importers.mesh_files import harmless
 from wmspec.lang.importers.prim_names import parted
-from wmspec.lang.parse.files import located
+from wmspec.lang.parse.files import resolve_display_path
 from wmspec.sim.shapes import Mesh
 
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
@@ -63,7 +63,7 @@ def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileM
         ImpossibleValue: if the file is missing, of another kind, broken, or has no volume though it is `solid`.
     """
     name, prim = parted(path)
-    file = located(name)
+    file = resolve_display_path(name)
     if file.suffix.lower() not in (STAGES if prim else FILES["file"]):
         raise ImpossibleValue(f"{file.name} is no mesh that can be read", help=f"use one of {', '.join(FILES['file'])}")
     try:
@@ -105,7 +105,7 @@ def _of_stage(path: str) -> Mesh:
     from wmspec.lang.importers.usd_file import mesh
 
     name, prim = parted(path)
-    read = mesh(located(name), None, name, prim)
+    read = mesh(resolve_display_path(name), None, name, prim)
     if isinstance(read, tuple):
         raise ImpossibleValue("; ".join(f"{mistake.place}: {mistake.message}" for mistake in read))
     return read
@@ -116,8 +116,8 @@ def _of_file(path: str) -> Mesh:
     import trimesh
 
     try:
-        harmless(located(path))
-        loaded: Any = trimesh.load(located(path), force="mesh", process=False, skip_materials=True)
+        harmless(resolve_display_path(path))
+        loaded: Any = trimesh.load(resolve_display_path(path), force="mesh", process=False, skip_materials=True)
         if path.lower().endswith(".dae"):  # which says its unit; the others mean metres, or nothing
             loaded.apply_scale(trimesh.units.unit_conversion(loaded.units, "m"))
         if max(len(loaded.vertices), 3 * len(loaded.faces)) > POINTS.most:

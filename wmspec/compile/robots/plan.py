@@ -22,7 +22,7 @@ from wmspec.compile.robots.schedule import in_turn
 from wmspec.compile.robots.supported_objects import move
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Thing
-from wmspec.lang.parse.files import located
+from wmspec.lang.parse.files import resolve_display_path
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -53,7 +53,7 @@ def arm_of(values: Values, robot: str) -> Arm:
     from wmspec.compile.robots.arm_assets import arm_in
 
     try:
-        return arm_in(located(values.text(robot, "model")))
+        return arm_in(resolve_display_path(values.text(robot, "model")))
     except ImpossibleValue as error:
         raise error.at(values.place(robot, "model")) from None
 

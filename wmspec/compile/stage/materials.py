@@ -8,7 +8,7 @@ from wmspec.compile.layout.values import Values
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.tables.colors import linear, rgb
-from wmspec.lang.parse.files import located
+from wmspec.lang.parse.files import resolve_display_path
 from wmspec.sim.materials import MATERIALS
 
 
@@ -82,7 +82,7 @@ def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, t
 def _image(part: str, values: Values) -> tuple[Path | None, tuple[float, float] | None]:
     """The image on a surface, and how often it is repeated on a metre; None for one that is laid out once."""
     if values.has(part, "image"):
-        path = located(values.text(part, "image"))
+        path = resolve_display_path(values.text(part, "image"))
         if not path.is_file():
             raise ImpossibleValue(f"there is no picture {path}", values.place(part, "image"))
         return path, values.pair(part, "repeats") if values.has(part, "repeats") else None

@@ -9,7 +9,7 @@ from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.repair_candidates import Repair
 
 
-def rebraced(source: Source, tokens: Sequence[Token]) -> Repair | None:
+def balance_braces(source: Source, tokens: Sequence[Token]) -> Repair | None:
     """Return the repair that balances the braces, or None if they are balanced."""
     balance = sum((t.type == "LBRACE") - (t.type == "RBRACE") for t in tokens)
     if balance < 0:
@@ -24,16 +24,16 @@ def rebraced(source: Source, tokens: Sequence[Token]) -> Repair | None:
     return None
 
 
-def indented(source: Source, tokens: Sequence[Token], stuck: int) -> Repair | None:
+def repair_indented_block(source: Source, tokens: Sequence[Token], stuck: int) -> Repair | None:
     """Return the repair of a Python-style block (indentation, with or without a colon); it spans the indented lines."""
-    colons = (i for i in range(stuck, max(0, stuck - 3), -1) if tokens[i].type == "COLON" and _begins(tokens, i + 1))
+    colons = (i for i in range(stuck, max(0, stuck - 3), -1) if tokens[i].type == "COLON" and _begins_line(tokens, i + 1))
     i = next(colons, stuck)
     colon = tokens[i].type == "COLON"
     deep = _indent(source, tokens[i if colon else i - 1].line)
-    if not colon and not (i and _begins(tokens, i) and _indent(source, tokens[i].line) > deep):
+    if not colon and not (i and _begins_line(tokens, i) and _indent(source, tokens[i].line) > deep):
         return None
     inner = range(i + 1, len(tokens))
-    end = next((j for j in inner if _begins(tokens, j) and _indent(source, tokens[j].line) <= deep), len(tokens) - 1)
+    end = next((j for j in inner if _begins_line(tokens, j) and _indent(source, tokens[j].line) <= deep), len(tokens) - 1)
     closed = tokens[end].type == "RBRACE" and _indent(source, tokens[end].line) == deep
     what = "`:` opens no block" if colon else "`{` is missing here"
     help = "write `{`" if closed else "write `{`, and `}` where it ends"
@@ -41,7 +41,7 @@ def indented(source: Source, tokens: Sequence[Token], stuck: int) -> Repair | No
     return Repair(i, i + colon, opened, what, help, 0.5, missing=not colon, closes=None if closed else end)
 
 
-def _begins(tokens: Sequence[Token], i: int) -> bool:
+def _begins_line(tokens: Sequence[Token], i: int) -> bool:
     """Whether token `i` is the first of its line."""
     return i < len(tokens) and tokens[i - 1].end_line < tokens[i].line
 

@@ -25,7 +25,7 @@ def read_source(path: Path) -> Source:
     try:
         with regular_file(path).open("rb") as file:
             if file.read(8).startswith(_STAGE):
-                raise WmsError("it is a USD stage, not a spec", FilePlace(str(path)), _run(path))
+                raise WmsError("it is a USD stage, not a spec", FilePlace(str(path)), _stage_remedy(path))
         text = read_bytes(path, XML_BYTES).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise WmsError(
@@ -39,29 +39,29 @@ def read_source(path: Path) -> Source:
             FilePlace(str(path)),
             "a spec is written by hand: is this the right file?",
         )
-    return Source(shown(path), text)
+    return Source(display_path(path), text)
 
 
 #: First bytes of USD files, as text and as binary.
 _STAGE = (b"#usda", b"PXR-USDC")
 
 
-def _run(path: Path) -> str:
+def _stage_remedy(path: Path) -> str:
     """Return the remedy for a stage that was passed as a spec."""
     if path.suffix:
         return f"`wmspec run {path} --for 2s` executes it"
     return f"let its name end in .usd, and `wmspec run {path}.usd --for 2s` executes it"
 
 
-def shown(path: Path) -> str:
+def display_path(path: Path) -> str:
     """Return the path for messages: as given, but bundled libraries as `<library>/tabletop.wms`."""
     if path.parent == library_folder().resolve():
         return f"<library>/{path.name}"
     return str(path)
 
 
-def located(name: str) -> Path:
-    """Return the path for a name that `shown` returned."""
+def resolve_display_path(name: str) -> Path:
+    """Return the path for a name that `display_path` returned."""
     return library_folder() / name.removeprefix("<library>/") if name.startswith("<library>/") else Path(name)
 
 
@@ -80,7 +80,7 @@ def search_path() -> tuple[Path, ...]:
     return tuple(Path(folder) for folder in os.environ.get("WMSPEC_PATH", "").split(os.pathsep) if folder)
 
 
-def found(name: str, folder: Path) -> Path | None:
+def find_library(name: str, folder: Path) -> Path | None:
     """Return the file of a library in the folder of its user, on WMSPEC_PATH or among the bundled ones, or None."""
     file = f"{name}.wms"
     if is_within(folder, folder / file):

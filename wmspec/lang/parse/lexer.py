@@ -32,7 +32,7 @@ class Token(NamedTuple):
         return self.line + self.text.count("\n")
 
 
-def read(text: str, offset: int = 0) -> Iterator[Token]:
+def tokenize(text: str, offset: int = 0) -> Iterator[Token]:
     """Yield all tokens of a text, with white space and comments; offsets start at `offset`."""
     match, keywords, position, line = _pattern().match, tables().keywords, 0, 1
     while token := match(text, position):

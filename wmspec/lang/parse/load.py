@@ -12,7 +12,7 @@ from typing import TypeVar
 from wmspec.core.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
 from wmspec.core.places import Location, Place, Source, Span
 from wmspec.lang.parse import library_cache
-from wmspec.lang.parse.files import found, library_folder, located, read_source, search_path
+from wmspec.lang.parse.files import find_library, library_folder, resolve_display_path, read_source, search_path
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import File, Name, Statement, Task, Use, Variant
 
@@ -76,7 +76,7 @@ class _Texts:
         if name not in self._sources:
             self._sources[name] = None  # for tasks built in Python
             with suppress(WmsError):
-                self._sources[name] = read_source(located(name))
+                self._sources[name] = read_source(resolve_display_path(name))
         return self._sources[name]
 
 
@@ -127,7 +127,7 @@ def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
     if not name.id:  # a missing name was reported
         return None
-    path = found(name.id, folder)
+    path = find_library(name.id, folder)
     if path is None:
         places = (folder, *search_path(), library_folder())
         known = [p.stem for place in places for p in sorted(place.glob("*.wms"))]

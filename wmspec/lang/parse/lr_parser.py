@@ -21,7 +21,7 @@ class Tree(NamedTuple):
     end: int
 
 
-class Part(NamedTuple):
+class Symbol(NamedTuple):
     """A parsed symbol with its span; an empty symbol starts at infinity and ends at 0."""
 
     read: Any
@@ -37,7 +37,7 @@ class LRParser:
         self.tables = tables()
         self.last = self.tables.last[start]
         self.states = [self.tables.first[start]]
-        self.parts: list[Part] = []
+        self.parts: list[Symbol] = []
         """One less than states."""
         self.result: Tree | None = None
 
@@ -47,11 +47,11 @@ class LRParser:
         while (action := self.tables.states[states[-1]].get(token.type)) is not None:
             if action >= 0:
                 states.append(action)
-                parts.append(Part(token, token.start, token.end))
+                parts.append(Symbol(token, token.start, token.end))
                 return True
             rule = self.tables.rules[~action]
             if not rule.passes:
-                parts[len(parts) - rule.size :] = [_made(rule, parts[len(parts) - rule.size :])]
+                parts[len(parts) - rule.size :] = [_reduced(rule, parts[len(parts) - rule.size :])]
             del states[len(states) - rule.size :]
             states.append(self.tables.states[states[-1]][rule.origin])
             if token.type == END and states[-1] == self.last:
@@ -59,7 +59,7 @@ class LRParser:
                 return True
         return False
 
-    def follow(self, kind: str) -> bool:
+    def shift(self, kind: str) -> bool:
         """Like `read` with a token type only; builds no tree."""
         states, moves = self.states, self.tables.states
         while (action := moves[states[-1]].get(kind)) is not None:
@@ -73,7 +73,7 @@ class LRParser:
                 return True
         return False
 
-    def takes(self, kind: str, depth: int | None = None) -> bool:
+    def accepts(self, kind: str, depth: int | None = None) -> bool:
         """Whether a token type could be read next, with only the first `depth` states on the stack."""
         left = len(self.states) if depth is None else depth
         pushed: list[int] = []
@@ -90,32 +90,32 @@ class LRParser:
 
     def accepted(self) -> set[str]:
         """Return the token types that could be read next."""
-        return {kind for kind in self._next([], len(self.states)) if _is_word(kind) and self.takes(kind)}
+        return {kind for kind in self._next([], len(self.states)) if _is_terminal(kind) and self.accepts(kind)}
 
-    def unwind(self, *kinds: str) -> bool:
+    def recover_to(self, *kinds: str) -> bool:
         """Pop states until tokens of these types can follow; leave the stack unchanged if they never can."""
         for depth in range(len(self.states), 0, -1):
-            if self.takes(kinds[0], depth) and self._follows(kinds, depth):
+            if self.accepts(kinds[0], depth) and self._can_follow(kinds, depth):
                 del self.states[depth:], self.parts[depth - 1 :]
                 return True
         return False
 
-    def _follows(self, kinds: tuple[str, ...], depth: int) -> bool:
+    def _can_follow(self, kinds: tuple[str, ...], depth: int) -> bool:
         if len(kinds) == 1:
             return True
         other = copy(self)
         other.states = self.states[:depth]
-        return all(other.follow(kind) for kind in kinds)
+        return all(other.shift(kind) for kind in kinds)
 
     def _next(self, pushed: list[int], left: int) -> dict[str, int]:
         return self.tables.states[pushed[-1] if pushed else self.states[left - 1]]
 
 
-def _is_word(symbol: str) -> bool:
+def _is_terminal(symbol: str) -> bool:
     return symbol.isupper() or symbol == END
 
 
-def _made(rule: Rule, parts: list[Part]) -> Part:
+def _reduced(rule: Rule, parts: list[Symbol]) -> Symbol:
     """Return the part that a rule builds from the last parts."""
     start = min([part.start for part in parts], default=float("inf"))
     end = max([part.end for part in parts], default=0)
@@ -129,5 +129,5 @@ def _made(rule: Rule, parts: list[Part]) -> Part:
         else:
             children.append(parts[position].read)
     if rule.collapses and len(children) == 1:
-        return Part(children[0], start, end)
-    return Part(Tree(rule.name, children, int(min(start, end)), end), start, end)
+        return Symbol(children[0], start, end)
+    return Symbol(Tree(rule.name, children, int(min(start, end)), end), start, end)

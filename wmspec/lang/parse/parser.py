@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source, Span
-from wmspec.lang.parse.braces import indented, rebraced
+from wmspec.lang.parse.braces import repair_indented_block, balance_braces
 from wmspec.lang.parse.build import build_expression, build_file
-from wmspec.lang.parse.confusables import readable
-from wmspec.lang.parse.lexer import Token, read
+from wmspec.lang.parse.confusables import replace_confusables
+from wmspec.lang.parse.lexer import Token, tokenize
 from wmspec.lang.parse.lr_parser import END, LRParser, Tree
-from wmspec.lang.parse.quotes import requoted, unbroken
-from wmspec.lang.parse.recover import dropped, recover
-from wmspec.lang.parse.repair import repair, repaired, sure
-from wmspec.lang.parse.repair_candidates import shown
+from wmspec.lang.parse.quotes import repair_quotes, join_lines
+from wmspec.lang.parse.recover import drop_unreadable, recover
+from wmspec.lang.parse.repair import repair, apply_repair, sure
+from wmspec.lang.parse.repair_candidates import short_text
 from wmspec.lang.parse.syntax import Expr, File
 from wmspec.lang.parse.tables import tables
 
@@ -56,7 +56,7 @@ def parse_expression(span: Span, report: Report) -> Expr | None:
 
 def words(text: str) -> list[Token]:
     """Return the tokens of a text, comments included, in order."""
-    return [token for token in read(text) if token.type != "WHITE"]
+    return [token for token in tokenize(text) if token.type != "WHITE"]
 
 
 def _run(source: Source, start: str, where: Span, report: Report) -> tuple[Tree | None, bool]:
@@ -92,13 +92,13 @@ def _mended(
     source: Source, start: str, machine: LRParser, tokens: list[Token], stuck: int, report: Report
 ) -> tuple[list[Token], bool]:
     """Report and repair the error at token `stuck`; return the new tokens, and whether no name is missing."""
-    inner = machine.takes("RPAR") or machine.takes("RSQB")
+    inner = machine.accepts("RPAR") or machine.accepts("RSQB")
     braces = start == "start" and tokens[stuck].type in (END, "RBRACE") and not inner
-    block = indented(source, tokens, stuck) if start == "start" else None
-    change = (rebraced(source, tokens) if braces and block is None else None) or repair(start, tokens, stuck, block)
+    block = repair_indented_block(source, tokens, stuck) if start == "start" else None
+    change = (balance_braces(source, tokens) if braces and block is None else None) or repair(start, tokens, stuck, block)
     if change is None:
         _complain(source, tokens, stuck, machine.accepted(), report)
-        return (dropped(machine, tokens, stuck) if start == "start" else [Token("NAME", "", 0, 0), tokens[-1]]), False
+        return (drop_unreadable(machine, tokens, stuck) if start == "start" else [Token("NAME", "", 0, 0), tokens[-1]]), False
     if change.missing and change.start:
         before = _span(source, tokens[change.start - 1])
         span = Span(source, max(before.start, before.end - 1), before.end)
@@ -107,11 +107,11 @@ def _mended(
         span = Span(source, tokens[change.start].start, max(last.end, tokens[change.start].start))
     stray = change.start < change.stop and tokens[change.start].type == "STRAY"
     report.add("WMS102" if stray else "WMS101", change.message, span, change.help)
-    return repaired(change, tokens), sure(change, tokens)
+    return apply_repair(change, tokens), sure(change, tokens)
 
 
 def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
-    tokens = [t for t in read(where.text, where.start) if t.type not in ("WHITE", "COMMENT")]
+    tokens = [t for t in tokenize(where.text, where.start) if t.type not in ("WHITE", "COMMENT")]
     for _ in range(MAX_QUOTE_REPAIRS):
         i = next((i for i, t in enumerate(tokens) if t.type == "OPEN_STRING"), None)
         if i is None:
@@ -119,7 +119,7 @@ def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
         tokens = _over_lines(source, tokens, i, report) or _closed(source, where, tokens, i, report)
     while (i := next((i for i, t in enumerate(tokens) if t.type == "OPEN_STRING"), None)) is not None:
         tokens = _as_text(tokens, i, source, report)
-    return [*readable(source, tokens, report), Token(END, "", where.end, source.position(where.end)[0])]
+    return [*replace_confusables(source, tokens, report), Token(END, "", where.end, source.position(where.end)[0])]
 
 
 def _closed(source: Source, where: Span, tokens: list[Token], i: int, report: Report) -> list[Token]:
@@ -131,7 +131,7 @@ def _closed(source: Source, where: Span, tokens: list[Token], i: int, report: Re
         return _as_text(tokens, i, source, report)
     before = [t for t in tokens if t.end <= start]
     after = [t for t in tokens if t.start >= start + len(line)]
-    quote = requoted(before, line, start, number, after)
+    quote = repair_quotes(before, line, start, number, after)
     if quote is None:
         return _as_text(tokens, i, source, report)
     at = min(quote.offset, start + max(0, len(line) - 1))
@@ -144,7 +144,7 @@ def _closed(source: Source, where: Span, tokens: list[Token], i: int, report: Re
 
 def _over_lines(source: Source, tokens: list[Token], i: int, report: Report) -> list[Token] | None:
     """Return the tokens with a text that is closed on a following line; None if that is unlikely."""
-    words = unbroken(source.text, tokens, i)
+    words = join_lines(source.text, tokens, i)
     if words is not None:
         remedy = 'close it on its line; a question may go on in the next: `"..." "..."`'
         report.add("WMS102", "a text ends on the line where it begins", _span(source, tokens[i]), remedy)
@@ -156,7 +156,7 @@ def _as_text(tokens: list[Token], i: int, source: Source, report: Report) -> lis
     token = tokens[i]
     report.add("WMS102", "this text has no closing quote on its line", _span(source, token), 'close it with `"`')
     text = token.text.rstrip(" \t{)],")
-    rest = [t for t in read(token.text[len(text) :], token.start + len(text)) if t.type != "WHITE"]
+    rest = [t for t in tokenize(token.text[len(text) :], token.start + len(text)) if t.type != "WHITE"]
     rest = [t._replace(line=token.line) for t in rest]
     return [*tokens[:i], token._replace(type="STRING", text=f'{text}"'), *rest, *tokens[i + 1 :]]
 
@@ -167,7 +167,7 @@ def _span(source: Source, token: Token) -> Span:
 
 def _complain(source: Source, tokens: list[Token], i: int, wanted: set[str], report: Report) -> None:
     token, span = tokens[i], _span(source, tokens[i])
-    message = f"`{shown(token)}` is unexpected here"
+    message = f"`{short_text(token)}` is unexpected here"
     if i and tokens[i - 1].type == "STRING":
         wanted = wanted - {"STRING"}  # a missing second piece of a text is never the error
     expected = [SPOKEN[t] for t in sorted(wanted & SPOKEN.keys())]

@@ -22,14 +22,14 @@ def recover(machine: LRParser, tokens: list[Token], i: int) -> int:
     while i < len(tokens):
         kind = tokens[i].type
         far_enough = i > stuck or kind in tables().starters
-        if (deep == 0 or kind == END) and far_enough and _goes_on(machine, tokens, i):
+        if (deep == 0 or kind == END) and far_enough and _can_continue(machine, tokens, i):
             return i
         deep = max(0, deep + (kind == "LBRACE") - (kind == "RBRACE"))
         i += 1
     return i
 
 
-def dropped(machine: LRParser, tokens: list[Token], i: int) -> list[Token]:
+def drop_unreadable(machine: LRParser, tokens: list[Token], i: int) -> list[Token]:
     """Return the tokens without those that `recover` drops."""
     on = recover(machine, tokens, i)
     if on >= len(tokens):
@@ -39,11 +39,11 @@ def dropped(machine: LRParser, tokens: list[Token], i: int) -> list[Token]:
     return [*tokens[:kept], *tokens[on:]]
 
 
-def _goes_on(machine: LRParser, tokens: list[Token], i: int) -> bool:
+def _can_continue(machine: LRParser, tokens: list[Token], i: int) -> bool:
     """Pop the unfinished rule if parsing can then continue here with a statement, a property or a `}`."""
     kind = tokens[i].type
     if kind in ("RBRACE", END):
-        return machine.unwind(kind)
+        return machine.recover_to(kind)
     if kind in tables().starters:  # some of them are names too: what follows tells
-        return machine.unwind(kind, tokens[i + 1].type) or machine.unwind(kind)
-    return tokens[i + 1].type == "COLON" and machine.unwind(kind, "COLON")
+        return machine.recover_to(kind, tokens[i + 1].type) or machine.recover_to(kind)
+    return tokens[i + 1].type == "COLON" and machine.recover_to(kind, "COLON")

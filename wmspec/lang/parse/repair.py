@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 
-from wmspec.lang.parse.foreign_syntax import elsewhere
+from wmspec.lang.parse.foreign_syntax import foreign_candidates
 from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.lr_parser import LRParser
-from wmspec.lang.parse.repair_candidates import Place, Repair, guesses, hyphenated
+from wmspec.lang.parse.repair_candidates import RepairSite, Repair, repair_candidates, end_of_hyphenated
 from wmspec.lang.parse.tables import tables
 
 #: Tokens before the rejected one that may change, and tokens after it that are read to compare candidates.
@@ -44,7 +44,7 @@ def repair(start: str, words: Sequence[Token], stuck: int, own: Repair | None = 
     return best
 
 
-def repaired(change: Repair, words: Sequence[Token]) -> list[Token]:
+def apply_repair(change: Repair, words: Sequence[Token]) -> list[Token]:
     """Return the tokens with the change applied."""
     rest = list(words[change.stop :])
     if change.closes is not None:
@@ -57,7 +57,7 @@ def repaired(change: Repair, words: Sequence[Token]) -> list[Token]:
     i = 0
     while i < len(made):
         end = i + len(written)
-        if [t.text for t in made[i:end]] == written and hyphenated(made, i) == end:
+        if [t.text for t in made[i:end]] == written and end_of_hyphenated(made, i) == end:
             made[i:end] = [made[i]._replace(type="NAME", text=name.text)]
         i += 1
     return made
@@ -74,8 +74,8 @@ def _guesses(start: str, words: Sequence[Token], stuck: int, stacks: dict[int, l
     for i, states in stacks.items():
         machine = LRParser(start)
         machine.states = states
-        place = Place(words, i, machine.accepted())
-        for one in (*guesses(place, stuck), *elsewhere(place)):
+        place = RepairSite(words, i, machine.accepted())
+        for one in (*repair_candidates(place, stuck), *foreign_candidates(place)):
             yield replace(one, cost=one.cost + _FAR * (stuck - i))
 
 
@@ -86,16 +86,16 @@ def _stacks(start: str, words: Sequence[Token], stuck: int) -> dict[int, list[in
         if i >= stuck - MAX_TOKENS_BACK:
             stacks[i] = list(machine.states)
         if i < stuck:
-            machine.follow(words[i].type)
+            machine.shift(words[i].type)
     return stacks
 
 
 def _reach(machine: LRParser, change: Repair, words: Sequence[Token], stuck: int) -> int:
     """Return how many tokens from the rejected one on can be read after the change."""
-    if not all(machine.follow(word.type) for word in change.words):
+    if not all(machine.shift(word.type) for word in change.words):
         return 0
     most = min(len(words), stuck + MAX_TOKENS_AHEAD)
     for i in range(change.stop, most):
-        if not machine.follow(words[i].type):
+        if not machine.shift(words[i].type):
             return max(0, i - stuck)
     return most - stuck

@@ -12,7 +12,7 @@ from wmspec.lang.check.library.files import is_asset, there
 from wmspec.lang.check.library.substitute import Substitute, TooLarge
 from wmspec.lang.check.tables.vocabulary import ASSETS, PROPERTIES
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.files import located
+from wmspec.lang.parse.files import resolve_display_path
 
 if TYPE_CHECKING:  # most specs have no assets, and checking those should not wait for what reads them
     from wmspec.lang.importers.blocks import Blocks
@@ -67,7 +67,7 @@ class Assets:
         from wmspec.lang.importers.read import read
         from wmspec.lang.importers.write import Writer
 
-        key = (located(named.span.source.name).parent, named.value)
+        key = (resolve_display_path(named.span.source.name).parent, named.value)
         tree = self._known[key] = self._known.get(key) or read(*key)
         whole = {p.name.id for p in block.properties}
         if isinstance(tree, Refused):

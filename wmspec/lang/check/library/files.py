@@ -15,7 +15,7 @@ from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.vocabulary import ASSETS, FILES, STAGES
 from wmspec.lang.importers.prim_names import parted
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.files import located
+from wmspec.lang.parse.files import resolve_display_path
 
 if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
@@ -60,7 +60,7 @@ def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...])
     if path.suffix.lower() not in (STAGES if prim else endings):
         can = ", ".join((*endings, *(ASSETS if name == "file" else ())))
         check.fail("WMS210", f"`{name}` takes no {path.suffix or 'such'} file", text.span, f"it can be one of: {can}")
-    folder = located(text.span.source.name).parent
+    folder = resolve_display_path(text.span.source.name).parent
     if not is_within(folder, folder / file):
         there = sorted(p.name for p in _neighbours(folder) if p.suffix.lower() in endings)[:8]
         hint = f"files there: {', '.join(there)}" if there else "it is looked for beside the spec"
