@@ -22,7 +22,7 @@ from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.files import library_folder
 from wmspec.lang.parse.pages import page
-from wmspec.lang.parse.parser import parse, words
+from wmspec.lang.parse.parser import parse, tokens_and_comments
 from wmspec.lang.parse.tables import grammar, lark_parser
 
 ROOT = Path(__file__).parent.parent
@@ -66,7 +66,7 @@ def _vocabulary() -> dict[str, tuple[str, ...]]:
     """The words of all texts by terminal, each as often as it is there."""
     found: dict[str, list[str]] = defaultdict(list)
     for text in texts():
-        for token in words(text):
+        for token in tokens_and_comments(text):
             found[token.type].append(token.text)
     return {kind: tuple(said) for kind, said in found.items()}
 

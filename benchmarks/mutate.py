@@ -31,7 +31,7 @@ from wmspec.lang.check.types.units import UNITS
 from wmspec.lang.parse.files import library_folder
 from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.load import load_source
-from wmspec.lang.parse.parser import words
+from wmspec.lang.parse.parser import tokens_and_comments
 from wmspec.lang.parse.tables import tables
 
 ROOT = Path(__file__).parent.parent
@@ -304,7 +304,7 @@ def texts() -> tuple[str, ...]:
 @cache
 def specs() -> tuple[Spec, ...]:
     """The texts with their words."""
-    return tuple(Spec(text, tuple(t for t in words(text) if t.type != "COMMENT")) for text in texts())
+    return tuple(Spec(text, tuple(t for t in tokens_and_comments(text) if t.type != "COMMENT")) for text in texts())
 
 
 def checked(text: str) -> tuple[Diagnostic, ...]:

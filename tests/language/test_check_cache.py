@@ -171,7 +171,7 @@ def test_a_cache_that_cannot_be_written_costs_nothing(tmp_path: Path, monkeypatc
 def test_a_library_from_the_cache_is_the_library(path: Path) -> None:
     source = read_source(path)
     tree = parse(source, Report())
-    library_cache.keep(source, tree)
+    library_cache.store(source, tree)
     kept = library_cache.kept(source)
     assert kept == tree
     assert kept.span.source is source
@@ -188,7 +188,7 @@ def test_a_forged_library_executes_nothing(forged: object, tmp_path: Path, monke
     monkeypatch.chdir(tmp_path)
     source = Source("x.wms", "object o { }\n")
     disk_cache.write(library_cache._entry(source), pickle.dumps(forged))
-    assert library_cache.kept(source) is None
+    assert library_cache.load_cached(source) is None
     assert not (tmp_path / "forged").exists()
 
 

@@ -14,7 +14,7 @@ from wmspec.compile.lint import change_rules, design_rules, option_rules, scene_
 from wmspec.core.diagnostics import Diagnostic, Note, Report, SpecError, StageError, WmsError, escape_controls
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Source, Span
 from wmspec.lang.parse.codes import CODES
-from wmspec.lang.parse.load import pointed
+from wmspec.lang.parse.load import with_source_text
 
 RULES = [r for room in (task_rules, design_rules, option_rules, scene_rules, change_rules) for r in room.RULES]
 SOURCE = Source("a.wms", "task t : custom {\n  horizon 1 s\n}\n")
@@ -76,7 +76,7 @@ def test_what_is_wrong_is_in_every_form_of_it(told: Diagnostic) -> None:
 
 @given(spans())
 def test_the_text_of_a_location_is_found_again(span: Span) -> None:
-    (again,) = pointed([Diagnostic("m", Location.of(span))])
+    (again,) = with_source_text([Diagnostic("m", Location.of(span))])
     assert again.place == Location.of(span)  # there is no such file
 
 
@@ -85,7 +85,7 @@ def test_the_text_at_a_location_is_read_from_its_file(tmp_path: Path) -> None:
     Path(source.name).write_text(source.text)
     span = Span(source, source.text.index("horizon"), source.text.index(" s\n"))
     note = Note("here", Location.of(span))
-    (again,) = pointed([Diagnostic("m", Location.of(span), notes=(note,))])
+    (again,) = with_source_text([Diagnostic("m", Location.of(span), notes=(note,))])
     assert again.place == span
     assert again.notes[0].place == span
     assert "2 |   horizon 1 s" in again.render()

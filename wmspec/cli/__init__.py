@@ -126,9 +126,9 @@ class _Commands(click.Group):
             return super().invoke(ctx)
         except WmsError as error:
             from wmspec.cli.common import paint
-            from wmspec.lang.parse.load import pointed
+            from wmspec.lang.parse.load import with_source_text
 
-            click.echo(WmsError.of(pointed(error.diagnostics)).render(paint()), err=True)
+            click.echo(WmsError.of(with_source_text(error.diagnostics)).render(paint()), err=True)
             ctx.exit(2)
         except KeyboardInterrupt:
             click.echo("\nstopped", err=True)

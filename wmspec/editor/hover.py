@@ -19,7 +19,7 @@ from wmspec.lang.check.tables.vocabulary import COLORS, JOINTS, PLANS, PROPERTIE
 from wmspec.lang.check.types.units import UNITS, UnknownUnit, parse_unit
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.lexer import Token
-from wmspec.lang.parse.parser import words
+from wmspec.lang.parse.parser import tokens_and_comments
 from wmspec.lang.parse.tables import tables
 from wmspec.sim.materials import MATERIALS
 
@@ -47,7 +47,7 @@ def hover(document: Document, offset: int) -> Hover | None:
 
 
 def _token(document: Document, offset: int) -> Token | None:
-    touching = [t for t in words(document.text) if t.start <= offset <= t.end and t.type != "COMMENT"]
+    touching = [t for t in tokens_and_comments(document.text) if t.start <= offset <= t.end and t.type != "COMMENT"]
     telling = [t for t in touching if t.text[0].isalnum() or t.text[0] == "_"]
     return next(reversed(telling or touching), None)
 

@@ -1,4 +1,4 @@
-"""From a spec's plan to the columns it chooses from and the arrangement of what is chosen."""
+"""Builds the control groups of a design: columns of factor values, and their arrangement."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from wmspec.compile.design.plans import Arrangement, Factorial, Latin, Listed, R
 from wmspec.core.diagnostics import Note, SpecError
 from wmspec.lang.check.ir.ir import Choices, TaskSpec
 
-_EVEN = "tie what is crossed to nothing, or remove `balance`"
-#: So many sets of conditions are looked through for the smallest that leaves nothing.
+_EVEN = "remove the conditions on crossed factors, or remove `balance`"
+#: Maximum number of subsets of conditions tried when searching for a minimal contradictory one.
 MOST_SETS = 500
 
 
 def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Blocks:
-    """The control groups of a task's design. Raises SpecError if there can be none."""
+    """Return the control groups of a task's design. Raises SpecError if the design is empty or infeasible."""
     columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
     key = (seed, spec.name, spec.plan.kind)
     if spec.plan.kind != "groups":
@@ -31,7 +31,7 @@ def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Block
     except TooManyTied as tied:
         place = spec.plan.place or spec.factors[0].place
         names = ", ".join(tied.names[:6])
-        what = f"conditions tie what is crossed to too much else ({names}): groups cannot be counted up"
+        what = f"conditions tie the crossed factors to too many others ({names}): groups cannot be enumerated"
         raise SpecError(what, place, "cross other factors, or tie fewer to one another", code="WMS404") from None
     if spec.plan.balance and not groups.even:
         what = "conditions make some groups larger than others, so that answers cannot be balanced among them"
@@ -42,6 +42,7 @@ def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Block
 def _arranged(
     spec: TaskSpec, conditions: Sequence[Constraint], columns: tuple[Column, ...], key: tuple[object, ...]
 ) -> Arrangement:
+    """Return the arrangement of the columns that the plan of a spec describes."""
     count = spec.plan.count or 1
     match spec.plan.kind:
         case "sample":
@@ -54,6 +55,7 @@ def _arranged(
 
 
 def _strata(spec: TaskSpec, seed: int) -> Iterator[Strata]:
+    """Yield the columns of a Latin design, whose intervals are divided into strata."""
     for factor in spec.factors:
         if not factor.nuisance and not isinstance(factor.domain, Choices):
             if spec.plan.kind != "latin" or spec.plan.count is None:
@@ -67,9 +69,10 @@ def _strata(spec: TaskSpec, seed: int) -> Iterator[Strata]:
 
 
 def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, ...]:
-    """The factors with separate values, in groups of those that conditions tie together.
+    """Return columns of the discrete factors; factors that share a condition form one column.
 
-    They are in the order of the spec, or by name where combinations are drawn: draws do not look at the order.
+    Columns follow the order of the spec. Where combinations are sampled, they are sorted by name, so that the order of
+    declarations does not change the draws.
     """
     domains = {f.name: f.domain.values for f in spec.factors if not f.nuisance and isinstance(f.domain, Choices)}
     if spec.plan.kind in ("sample", "latin", "groups"):
@@ -85,7 +88,7 @@ def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, .
 
 
 def _tied(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Iterator[Column]:
-    """The columns, in the order of their first factors. Raises TooMuch."""
+    """Yield the columns in the order of their first factors. Raises TooMuch."""
     placed: set[str] = set()
     for name in domains:
         members = _closure({name}, [frozenset(c.scope) for c in conditions])
@@ -97,6 +100,7 @@ def _tied(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constra
 
 
 def _closure(members: set[str], ties: Sequence[frozenset[str]]) -> set[str]:
+    """Return the factors that conditions connect to `members`, directly or indirectly."""
     while True:
         wider = members.union(*(t for t in ties if t & members))
         if wider == members:
@@ -105,6 +109,7 @@ def _closure(members: set[str], ties: Sequence[frozenset[str]]) -> set[str]:
 
 
 def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
+    """Return the error for conditions whose combinations are too many to count."""
     tying = {c.statement: c for c in conditions if len({*c.scope} & {*much.names}) > 1}
     first, *more = tying.values()
     names = f"{', '.join(much.names[:6])}{', ...' if len(much.names) > 6 else ''}"
@@ -119,7 +124,7 @@ def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
 
 
 def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> SpecError:
-    """Names the smallest set of conditions that leaves no combination."""
+    """Return the error that names a minimal set of conditions that leaves no combination."""
     by_require = {c.statement: c for c in reversed(conditions)}
     guilty = _smallest(
         sorted(by_require), lambda some: _satisfiable(domains, [c for c in conditions if c.statement in some])
@@ -134,6 +139,7 @@ def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence
 
 
 def _satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> bool:
+    """Whether the conditions leave at least one combination."""
     if any(not c.scope and not c.allowed for c in conditions):
         return False
     try:
@@ -143,7 +149,7 @@ def _satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[
 
 
 def _smallest(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]) -> tuple[int, ...]:
-    """The smallest set that is not satisfiable; of very many sets, one of which every member is needed."""
+    """Return the smallest unsatisfiable subset; a minimal one if there are more than MOST_SETS candidates."""
     sets = chain.from_iterable(combinations(candidates, n) for n in range(1, len(candidates)))
     for some in islice(sets, MOST_SETS):
         if not satisfiable(set(some)):
@@ -159,7 +165,7 @@ def _smallest(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]
 
 
 def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Constraint]) -> Iterator[Ranks]:
-    """The baseline, then all that is allowed and differs from it in one factor, in the order of the spec."""
+    """Yield the baseline, then the allowed combinations that differ from it in one factor, in the order of the spec."""
     baseline = _baseline(spec, conditions)
     ranks = _ranks(columns, baseline)
     if ranks is None:
@@ -177,7 +183,7 @@ def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Cons
 
 
 def _baseline(spec: TaskSpec, conditions: Sequence[Constraint]) -> dict[str, Level]:
-    """What is named; of the other factors the first value, or the first that a conditional domain has then."""
+    """Return the baseline: the named levels; otherwise the first value, or the first allowed conditional one."""
     levels: dict[str, Level] = {
         f.name: spec.plan.baseline.get(f.name, f.domain.values[0])
         for f in spec.factors
@@ -192,5 +198,6 @@ def _baseline(spec: TaskSpec, conditions: Sequence[Constraint]) -> dict[str, Lev
 
 
 def _ranks(columns: Sequence[Column], values: Mapping[str, Level]) -> Ranks | None:
+    """Return the rank of a combination in each column, or None if a column excludes it."""
     ranks = [column.rank([values[n] for n in column.names]) for column in columns]
     return None if None in ranks else tuple(rank for rank in ranks if rank is not None)

@@ -1,4 +1,4 @@
-"""What `require`s and conditional domains allow: for each, the combinations of the few factors that it looks at."""
+"""Constraints of `require`s and conditional domains: allowed combinations of the factors in each one's scope."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from wmspec.core.places import Location
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Choices, Expr, Factor, Operation, TaskSpec
 
-#: The most combinations on which conditions are tried, for all conditions of a task: about half a second.
+#: Maximum number of combinations on which the conditions of a task are evaluated; takes about 0.5 s.
 MOST_TRIED = 100_000
 
 
 @dataclass(frozen=True, eq=False)
 class Constraint:
-    """A condition on the factors of its scope; `statement` numbers the `require` or domain that it is a part of."""
+    """A condition on the factors of its scope; `statement` is the index of its `require` or domain."""
 
     spec: TaskSpec
     statement: int
@@ -37,12 +37,12 @@ class Constraint:
 
     @property
     def tries(self) -> int:
-        """How many combinations there are to try."""
+        """Number of combinations to evaluate."""
         return prod(len(self.domains[name]) for name in self.scope)
 
     @cached_property
     def allowed(self) -> frozenset[tuple[int, ...]]:
-        """The combinations that are allowed, as numbers of the values of the factors in the scope."""
+        """The allowed combinations, as indices of the values of the factors in scope."""
         levels = product(*(range(len(self.domains[name])) for name in self.scope))
         return frozenset(at for at in levels if self._holds(at))
 
@@ -61,7 +61,7 @@ class Constraint:
 
 
 class _Known:
-    """An environment for conditions on factors; only what is more than factors and `let`s needs the whole scene."""
+    """An environment for conditions on factors; builds the scene only when a condition needs it."""
 
     def __init__(self, spec: TaskSpec, known: Mapping[str, Level]) -> None:
         self._spec = spec
@@ -82,9 +82,9 @@ class _Known:
 
 
 def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
-    """All that a spec demands of the values of its factors, `and`s taken apart.
+    """Return the constraints of a spec on its factors, one for each conjunct of an `and`.
 
-    Raises SpecError where a condition depends on what has no separate values to try, or there is too much to try.
+    Raises SpecError if a condition depends on a continuous value, or if there are too many combinations to evaluate.
     """
     made = tuple(_constraints(spec))
     tries = 0
@@ -103,6 +103,7 @@ def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
 
 
 def _constraints(spec: TaskSpec) -> Iterator[Constraint]:
+    """Yield the constraints of `require`s, then those of conditional domains."""
     domains = {f.name: f.domain.values for f in spec.factors if not f.nuisance and isinstance(f.domain, Choices)}
     depend = Dependencies(spec)
     order = [f.name for f in spec.factors]
@@ -124,6 +125,7 @@ def _constraints(spec: TaskSpec) -> Iterator[Constraint]:
 
 
 def _conjuncts(condition: Expr) -> Iterator[Expr]:
+    """Yield the operands of nested `and`s."""
     if isinstance(condition, Operation) and condition.operator == "and":
         for operand in condition.operands:
             yield from _conjuncts(operand)
@@ -132,7 +134,7 @@ def _conjuncts(condition: Expr) -> Iterator[Expr]:
 
 
 def _separate(scope: tuple[str, ...], domains: Mapping[str, Any], spec: TaskSpec, place: Location) -> None:
-    """A condition looks at factors with separate values alone: nothing else can be tried out."""
+    """Raise SpecError unless every factor in scope has discrete values."""
     for name in scope:
         if name not in domains:
             factor: Factor = next(f for f in spec.factors if f.name == name)

@@ -1,4 +1,4 @@
-"""Combinations of factors, as messages tell them."""
+"""Formats combinations of factors for messages."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ if TYPE_CHECKING:
 
 
 def told(factors: Iterable[Factor], values: Mapping[str, Level]) -> str:
-    """Such as `tone = red, pace = 0.5 m/s`, of those factors that have a value."""
+    """Return, for example, `tone = red, pace = 0.5 m/s`; factors without a value are omitted."""
     return ", ".join(f"{f.name} = {_shown(values[f.name], f.unit)}" for f in factors if f.name in values)
 
 
 def told_of(design: Design, instance: Instance) -> str:
-    """Which instance that is, with its factors if they are few."""
+    """Return the index of an instance, followed by its factors if they are few."""
     where = told(design.factors, instance.factors)
     return f"in instance {instance.index}" + (f" ({where})" if where and len(where) < 60 else "")
 
 
 def _shown(value: Level, unit: str) -> str:
+    """Return a level with its unit."""
     match value:
         case bool():
             return "true" if value else "false"

@@ -27,7 +27,7 @@ from wmspec.compile.lint.task_rules import Task
 from wmspec.compile.stage import episode
 from wmspec.core.diagnostics import Report
 from wmspec.lang.check.ir.ir import TaskSpec
-from wmspec.lang.parse.load import pointed
+from wmspec.lang.parse.load import with_source_text
 
 #: How many instances are tried. Of so many things all are built, a third of them with every counterfactual; else fewer.
 TRIED, THINGS = 12, 100
@@ -55,7 +55,7 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
             with linter.going_on():
                 linter.check(Tried(question, tuple(tried)), option_rules.ALWAYS)
                 linter.check(compared(question, design, depend), option_rules.RULES)
-    report.include(pointed(linter.report.diagnostics))
+    report.include(with_source_text(linter.report.diagnostics))
     return design
 
 

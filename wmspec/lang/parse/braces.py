@@ -26,14 +26,18 @@ def balance_braces(source: Source, tokens: Sequence[Token]) -> Repair | None:
 
 def repair_indented_block(source: Source, tokens: Sequence[Token], stuck: int) -> Repair | None:
     """Return the repair of a Python-style block (indentation, with or without a colon); it spans the indented lines."""
-    colons = (i for i in range(stuck, max(0, stuck - 3), -1) if tokens[i].type == "COLON" and _begins_line(tokens, i + 1))
+    colons = (
+        i for i in range(stuck, max(0, stuck - 3), -1) if tokens[i].type == "COLON" and _begins_line(tokens, i + 1)
+    )
     i = next(colons, stuck)
     colon = tokens[i].type == "COLON"
     deep = _indent(source, tokens[i if colon else i - 1].line)
     if not colon and not (i and _begins_line(tokens, i) and _indent(source, tokens[i].line) > deep):
         return None
     inner = range(i + 1, len(tokens))
-    end = next((j for j in inner if _begins_line(tokens, j) and _indent(source, tokens[j].line) <= deep), len(tokens) - 1)
+    end = next(
+        (j for j in inner if _begins_line(tokens, j) and _indent(source, tokens[j].line) <= deep), len(tokens) - 1
+    )
     closed = tokens[end].type == "RBRACE" and _indent(source, tokens[end].line) == deep
     what = "`:` opens no block" if colon else "`{` is missing here"
     help = "write `{`" if closed else "write `{`, and `}` where it ends"

@@ -130,7 +130,9 @@ def _replace_quotes(source: Source, tokens: list[Token], i: int, report: Report)
     return rest
 
 
-def _skip_comment(source: Source, tokens: list[Token], i: int, sign: str, report: Report) -> Generator[Token, None, int]:
+def _skip_comment(
+    source: Source, tokens: list[Token], i: int, sign: str, report: Report
+) -> Generator[Token, None, int]:
     """Skip a comment in another language's syntax, up to the end of its line or its closing sign."""
     yield from ()
     text, start = source.text, tokens[i].start

@@ -32,7 +32,17 @@ _MAX_TOKENS = 40
 
 def foreign_candidates(place: RepairSite) -> Iterator[Repair]:
     """All that may have been meant, if this is written as in another language."""
-    for guess in (_keyword_alias, _import, _colon, _quoted_name, _file_extension, _choice, _decimal, _needless_brackets, _shared_unit):
+    for guess in (
+        _keyword_alias,
+        _import,
+        _colon,
+        _quoted_name,
+        _file_extension,
+        _choice,
+        _decimal,
+        _needless_brackets,
+        _shared_unit,
+    ):
         yield from guess(place)
 
 

@@ -12,10 +12,10 @@ from dataclasses import replace
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
-from wmspec.lang.parse.columns import Cell, Line, in_columns
-from wmspec.lang.parse.layout import INDENT, Layout, spelled
+from wmspec.lang.parse.columns import FormattedCell, FormattedLine, align_columns
+from wmspec.lang.parse.layout import INDENT, Layout, token_text
 from wmspec.lang.parse.lexer import Token
-from wmspec.lang.parse.parser import parse, words
+from wmspec.lang.parse.parser import parse, tokens_and_comments
 
 #: Maximum length (characters) of a block on one line.
 WIDTH = 120
@@ -26,35 +26,39 @@ def format_spec(source: Source) -> str:
     report = Report()
     file = parse(source, report)
     report.stop_if_failed()
-    tokens = words(source.text)
-    formatted = in_columns(_lines(tokens, Layout(tokens, file.items, WIDTH)), WIDTH)
-    assert _meaning(words(formatted)) == _meaning(tokens), "the formatter may change nothing but spaces"
+    tokens = tokens_and_comments(source.text)
+    formatted = align_columns(_lines(tokens, Layout(tokens, file.items, WIDTH)), WIDTH)
+    assert _significant_tokens(tokens_and_comments(formatted)) == _significant_tokens(tokens), (
+        "the formatter may change nothing but spaces"
+    )
     return formatted
 
 
-def _meaning(tokens: list[Token]) -> list[tuple[str, str]]:
-    return [(token.type, spelled(token)) for token in tokens]
+def _significant_tokens(tokens: list[Token]) -> list[tuple[str, str]]:
+    return [(token.type, token_text(token)) for token in tokens]
 
 
-def _lines(tokens: list[Token], layout: Layout) -> Iterator[Line]:
+def _lines(tokens: list[Token], layout: Layout) -> Iterator[FormattedLine]:
     within = _within_statement(tokens, layout)
     first = level = depth = 0
-    line = Line(0, ())
+    line = FormattedLine(0, ())
     for i, token in enumerate(tokens):
         if i and not _begins_line(tokens, i, layout):
             continue
         if i:
-            yield _filled(line, tokens, first, i, layout)
+            yield _fill_cells(line, tokens, first, i, layout)
         level += sum(t.start in layout.opens for t in tokens[first:i]) - (token.start in layout.closes)
         depth += sum(_depth(t) for t in tokens[first:i])
         if within[i]:
-            line = Line(INDENT * (level + (depth + min(_depth(token), 0) or 2)), ())
+            line = FormattedLine(INDENT * (level + (depth + min(_depth(token), 0) or 2)), ())
         else:
             hang = layout.hangs.get(token.start, 0)
-            line = Line(INDENT * level + hang, (), blank=i > 0 and not hang and _blank_before(tokens, i, layout))
+            line = FormattedLine(
+                INDENT * level + hang, (), blank=i > 0 and not hang and _blank_before(tokens, i, layout)
+            )
         first = i
     if tokens:
-        yield _filled(line, tokens, first, len(tokens), layout)
+        yield _fill_cells(line, tokens, first, len(tokens), layout)
 
 
 def _depth(token: Token) -> int:
@@ -89,16 +93,16 @@ def _within_statement(tokens: list[Token], layout: Layout) -> list[bool]:
     return within
 
 
-def _filled(line: Line, tokens: list[Token], first: int, end: int, layout: Layout) -> Line:
+def _fill_cells(line: FormattedLine, tokens: list[Token], first: int, end: int, layout: Layout) -> FormattedLine:
     """Return the line with its cells: tokens `first` to `end`, without a trailing comment."""
     comment = tokens[end - 1].type == "COMMENT"
-    cells: list[Cell] = []
+    cells: list[FormattedCell] = []
     for i in range(first, end - comment):
-        sort, text = layout.cells.get(tokens[i].start, ""), spelled(tokens[i])
+        sort, text = layout.cells.get(tokens[i].start, ""), token_text(tokens[i])
         if not cells:
-            cells.append(Cell(text, sort))
+            cells.append(FormattedCell(text, sort))
         elif sort:
-            cells.append(Cell(text, sort, layout.gap(i)))
+            cells.append(FormattedCell(text, sort, layout.gap(i)))
         else:
             cells[-1] = replace(cells[-1], text=cells[-1].text + layout.gap(i) + text)
-    return replace(line, cells=tuple(cells), comment=spelled(tokens[end - 1]) if comment else "")
+    return replace(line, cells=tuple(cells), comment=token_text(tokens[end - 1]) if comment else "")

@@ -20,7 +20,7 @@ _TIGHT_AFTER = {"LPAR", "LSQB", "DOT"}
 Part = s.Statement | s.Task | s.Variant | s.Clause | s.Kinds | s.Counterfactual | s.EachOther
 
 
-def spelled(token: Token) -> str:
+def token_text(token: Token) -> str:
     """Return the text of a token with one space between number and unit and no trailing space in comments."""
     text = token.text
     match token.type:
@@ -96,7 +96,7 @@ class Layout:
     def _length(self, span: Span) -> int:
         """Return the length (characters) of a span's tokens on one line."""
         first, last = self._index(span.start), self._index(span.end)
-        return sum(len(spelled(self._tokens[i])) + len(self.gap(i)) * (i > first) for i in range(first, last))
+        return sum(len(token_text(self._tokens[i])) + len(self.gap(i)) * (i > first) for i in range(first, last))
 
     # ------------------------------------------------------------ statements
 

@@ -13,7 +13,7 @@ from wmspec.core.places import Source, Span
 from wmspec.lang.parse import syntax
 
 
-def kept(source: Source) -> syntax.File | None:
+def load_cached(source: Source) -> syntax.File | None:
     """Return the cached syntax tree of a library, or None if this version of wmspec has not parsed this text."""
     content = disk_cache.read(_entry(source))
     if content is None:
@@ -30,7 +30,7 @@ def kept(source: Source) -> syntax.File | None:
     return tree if isinstance(tree, syntax.File) else None
 
 
-def keep(source: Source, tree: syntax.File) -> None:
+def store(source: Source, tree: syntax.File) -> None:
     """Store the syntax tree of a library for other processes."""
     made = io.BytesIO()
     _Writer(made).dump(tree)

@@ -50,7 +50,7 @@ def load_source(source: Source, folder: Path, report: Report) -> Program:
     return program
 
 
-def pointed(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+def with_source_text(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Return the diagnostics with source text at the locations that the IR stores, where it is still readable."""
     texts = _Texts()
     return tuple(
@@ -116,11 +116,11 @@ def _parsed(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
 @lru_cache(maxsize=64)
 def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
     """Return a library's tree and diagnostics; it is parsed once for all specs that use it."""
-    if (tree := library_cache.kept(source)) is not None:
+    if (tree := library_cache.load_cached(source)) is not None:
         return tree, ()
     tree, mistakes = _parsed(source)
     if not mistakes:
-        library_cache.keep(source, tree)
+        library_cache.store(source, tree)
     return tree, mistakes
 
 

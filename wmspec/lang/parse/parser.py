@@ -11,13 +11,13 @@ from wmspec.lang.parse.lexer import Token, tokenize
 from wmspec.lang.parse.lr_parser import END, LRParser, Tree
 from wmspec.lang.parse.quotes import repair_quotes, join_lines
 from wmspec.lang.parse.recover import drop_unreadable, recover
-from wmspec.lang.parse.repair import repair, apply_repair, sure
+from wmspec.lang.parse.repair import repair, apply_repair, keeps_names
 from wmspec.lang.parse.repair_candidates import short_text
 from wmspec.lang.parse.syntax import Expr, File
 from wmspec.lang.parse.tables import tables
 
 #: Names of terminals in messages.
-SPOKEN = {
+TERMINAL_NAMES = {
     "NAME": "a name",
     "STRING": "a text in quotes",
     "LBRACE": "`{`",
@@ -54,7 +54,7 @@ def parse_expression(span: Span, report: Report) -> Expr | None:
     return build_expression(span.source, tree, report) if tree else None
 
 
-def words(text: str) -> list[Token]:
+def tokens_and_comments(text: str) -> list[Token]:
     """Return the tokens of a text, comments included, in order."""
     return [token for token in tokenize(text) if token.type != "WHITE"]
 
@@ -62,16 +62,16 @@ def words(text: str) -> list[Token]:
 def _run(source: Source, start: str, where: Span, report: Report) -> tuple[Tree | None, bool]:
     """Return the parse tree of the repaired text, and whether recovery dropped nothing."""
     tokens = _tokens(source, where, report)
-    (machine, stuck), whole = _fed(start, tokens), True
+    (machine, stuck), whole = _parse_prefix(start, tokens), True
     for _ in range(max(2, min(MAX_REPAIRS, MAX_REREAD_TOKENS // len(tokens)))):
         if stuck == len(tokens):
             break
-        tokens, mended = _mended(source, start, machine, tokens, stuck, report)
+        tokens, mended = _repair_error(source, start, machine, tokens, stuck, report)
         whole = whole and mended
-        machine, stuck = _fed(start, tokens)
+        machine, stuck = _parse_prefix(start, tokens)
     while stuck < len(tokens):
         whole = False
-        _complain(source, tokens, stuck, machine.accepted(), report)
+        _report_unexpected(source, tokens, stuck, machine.accepted(), report)
         stuck = recover(machine, tokens, stuck) if start == "start" else len(tokens)
         while stuck < len(tokens) and machine.read(tokens[stuck]):
             stuck += 1
@@ -79,7 +79,7 @@ def _run(source: Source, start: str, where: Span, report: Report) -> tuple[Tree 
     return (None if tree is None or _too_deep(source, tree, report) else tree), whole
 
 
-def _fed(start: str, tokens: list[Token]) -> tuple[LRParser, int]:
+def _parse_prefix(start: str, tokens: list[Token]) -> tuple[LRParser, int]:
     """Return the parser state after the longest readable prefix, and the index of the first token that it rejects."""
     machine = LRParser(start)
     for i, token in enumerate(tokens):
@@ -88,17 +88,21 @@ def _fed(start: str, tokens: list[Token]) -> tuple[LRParser, int]:
     return machine, len(tokens)
 
 
-def _mended(
+def _repair_error(
     source: Source, start: str, machine: LRParser, tokens: list[Token], stuck: int, report: Report
 ) -> tuple[list[Token], bool]:
     """Report and repair the error at token `stuck`; return the new tokens, and whether no name is missing."""
     inner = machine.accepts("RPAR") or machine.accepts("RSQB")
     braces = start == "start" and tokens[stuck].type in (END, "RBRACE") and not inner
     block = repair_indented_block(source, tokens, stuck) if start == "start" else None
-    change = (balance_braces(source, tokens) if braces and block is None else None) or repair(start, tokens, stuck, block)
+    change = (balance_braces(source, tokens) if braces and block is None else None) or repair(
+        start, tokens, stuck, block
+    )
     if change is None:
-        _complain(source, tokens, stuck, machine.accepted(), report)
-        return (drop_unreadable(machine, tokens, stuck) if start == "start" else [Token("NAME", "", 0, 0), tokens[-1]]), False
+        _report_unexpected(source, tokens, stuck, machine.accepted(), report)
+        return (
+            drop_unreadable(machine, tokens, stuck) if start == "start" else [Token("NAME", "", 0, 0), tokens[-1]]
+        ), False
     if change.missing and change.start:
         before = _span(source, tokens[change.start - 1])
         span = Span(source, max(before.start, before.end - 1), before.end)
@@ -107,7 +111,7 @@ def _mended(
         span = Span(source, tokens[change.start].start, max(last.end, tokens[change.start].start))
     stray = change.start < change.stop and tokens[change.start].type == "STRAY"
     report.add("WMS102" if stray else "WMS101", change.message, span, change.help)
-    return apply_repair(change, tokens), sure(change, tokens)
+    return apply_repair(change, tokens), keeps_names(change, tokens)
 
 
 def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
@@ -116,24 +120,24 @@ def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
         i = next((i for i, t in enumerate(tokens) if t.type == "OPEN_STRING"), None)
         if i is None:
             break
-        tokens = _over_lines(source, tokens, i, report) or _closed(source, where, tokens, i, report)
+        tokens = _close_on_later_line(source, tokens, i, report) or _repair_quotes(source, where, tokens, i, report)
     while (i := next((i for i, t in enumerate(tokens) if t.type == "OPEN_STRING"), None)) is not None:
-        tokens = _as_text(tokens, i, source, report)
+        tokens = _close_at_line_end(tokens, i, source, report)
     return [*replace_confusables(source, tokens, report), Token(END, "", where.end, source.position(where.end)[0])]
 
 
-def _closed(source: Source, where: Span, tokens: list[Token], i: int, report: Report) -> list[Token]:
+def _repair_quotes(source: Source, where: Span, tokens: list[Token], i: int, report: Report) -> list[Token]:
     """Return the tokens with the quotes of a line with an unclosed text repaired."""
     number = source.position(tokens[i].start)[0]
     line = source.line(number)
     start = tokens[i].start - source.position(tokens[i].start)[1] + 1
     if len(line) > MAX_QUOTE_LINE or start < where.start or start + len(line) > where.end:
-        return _as_text(tokens, i, source, report)
+        return _close_at_line_end(tokens, i, source, report)
     before = [t for t in tokens if t.end <= start]
     after = [t for t in tokens if t.start >= start + len(line)]
     quote = repair_quotes(before, line, start, number, after)
     if quote is None:
-        return _as_text(tokens, i, source, report)
+        return _close_at_line_end(tokens, i, source, report)
     at = min(quote.offset, start + max(0, len(line) - 1))
     if quote.missing:
         report.add("WMS102", 'a `"` is missing here', Span(source, at, at + 1), "a text stands between two on one line")
@@ -142,7 +146,7 @@ def _closed(source: Source, where: Span, tokens: list[Token], i: int, report: Re
     return [*before, *quote.words, *after]
 
 
-def _over_lines(source: Source, tokens: list[Token], i: int, report: Report) -> list[Token] | None:
+def _close_on_later_line(source: Source, tokens: list[Token], i: int, report: Report) -> list[Token] | None:
     """Return the tokens with a text that is closed on a following line; None if that is unlikely."""
     words = join_lines(source.text, tokens, i)
     if words is not None:
@@ -151,7 +155,7 @@ def _over_lines(source: Source, tokens: list[Token], i: int, report: Report) -> 
     return words
 
 
-def _as_text(tokens: list[Token], i: int, source: Source, report: Report) -> list[Token]:
+def _close_at_line_end(tokens: list[Token], i: int, source: Source, report: Report) -> list[Token]:
     """Return the tokens with a text from the quote to the end of its line, except closing brackets there."""
     token = tokens[i]
     report.add("WMS102", "this text has no closing quote on its line", _span(source, token), 'close it with `"`')
@@ -165,12 +169,12 @@ def _span(source: Source, token: Token) -> Span:
     return Span(source, token.start, token.end)
 
 
-def _complain(source: Source, tokens: list[Token], i: int, wanted: set[str], report: Report) -> None:
+def _report_unexpected(source: Source, tokens: list[Token], i: int, wanted: set[str], report: Report) -> None:
     token, span = tokens[i], _span(source, tokens[i])
     message = f"`{short_text(token)}` is unexpected here"
     if i and tokens[i - 1].type == "STRING":
         wanted = wanted - {"STRING"}  # a missing second piece of a text is never the error
-    expected = [SPOKEN[t] for t in sorted(wanted & SPOKEN.keys())]
+    expected = [TERMINAL_NAMES[t] for t in sorted(wanted & TERMINAL_NAMES.keys())]
     hint = f"expected {' or '.join(expected)}" if len(expected) in (1, 2, 3) else ""
     if token.type == END:
         span = _span(source, tokens[i - 1]) if i else span

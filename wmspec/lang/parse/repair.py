@@ -22,7 +22,7 @@ MAX_TOKENS_BACK, MAX_TOKENS_AHEAD = 14, 24
 #: A change is accepted if this many tokens can be read after it, or one if its cost is lower than this.
 MIN_TOKENS_READ, LIKELY_COST = 3, 2.5
 #: Extra cost for each token that a change lies further back.
-_FAR = 0.15
+_DISTANCE_COST = 0.15
 
 
 def repair(start: str, words: Sequence[Token], stuck: int, own: Repair | None = None) -> Repair | None:
@@ -32,7 +32,7 @@ def repair(start: str, words: Sequence[Token], stuck: int, own: Repair | None = 
     """
     stacks = _stacks(start, words, stuck)
     best, merit = None, (0, 0.0)
-    for one in chain(() if own is None else (own,), _guesses(start, words, stuck, stacks)):
+    for one in chain(() if own is None else (own,), _candidates(start, words, stuck, stacks)):
         if one.start not in stacks:
             continue
         machine = LRParser(start)
@@ -63,20 +63,20 @@ def apply_repair(change: Repair, words: Sequence[Token]) -> list[Token]:
     return made
 
 
-def sure(change: Repair, words: Sequence[Token]) -> bool:
+def keeps_names(change: Repair, words: Sequence[Token]) -> bool:
     """Whether the change cannot hide or alter a name."""
     names = [t for t in words[change.start : change.stop] if t.type == "NAME"]
     guessed = any(t.type in tables().starters for t in change.words) and change.start == change.stop
     return not change.hyphenated and not guessed and (bool(change.words) or not names)
 
 
-def _guesses(start: str, words: Sequence[Token], stuck: int, stacks: dict[int, list[int]]) -> Iterator[Repair]:
+def _candidates(start: str, words: Sequence[Token], stuck: int, stacks: dict[int, list[int]]) -> Iterator[Repair]:
     for i, states in stacks.items():
         machine = LRParser(start)
         machine.states = states
         place = RepairSite(words, i, machine.accepted())
         for one in (*repair_candidates(place, stuck), *foreign_candidates(place)):
-            yield replace(one, cost=one.cost + _FAR * (stuck - i))
+            yield replace(one, cost=one.cost + _DISTANCE_COST * (stuck - i))
 
 
 def _stacks(start: str, words: Sequence[Token], stuck: int) -> dict[int, list[int]]:

@@ -107,7 +107,19 @@ class RepairSite(NamedTuple):
 
 def repair_candidates(place: RepairSite, stuck: int) -> Iterator[Repair]:
     """Yield all candidates at this token; the parser is stuck here or soon after."""
-    for guess in (_keyword, _unit, _name, _hyphens, _text, _sign, _inches, _number, _missing_sign, _missing_word, _missing_statement_keyword):
+    for guess in (
+        _keyword,
+        _unit,
+        _name,
+        _hyphens,
+        _text,
+        _sign,
+        _inches,
+        _number,
+        _missing_sign,
+        _missing_word,
+        _missing_statement_keyword,
+    ):
         yield from guess(place)
     if place.i == stuck or place.word.type in SIGNS:
         yield from _surplus(place)
@@ -181,7 +193,10 @@ def _text(place: RepairSite) -> Iterator[Repair]:
     """A docstring in place of the text of a question."""
     if place.word.type == "LONG_STRING" and "STRING" in place.accepted:
         made = place.word._replace(type="STRING")
-        message, help = "a text in three quotes describes a task", 'write `"..."`, a long text as several: `"..." "..."`'
+        message, help = (
+            "a text in three quotes describes a task",
+            'write `"..."`, a long text as several: `"..." "..."`',
+        )
         yield place.instead(made, message=message, help=help, cost=0.5)
 
 
@@ -194,7 +209,11 @@ def _sign(place: RepairSite) -> Iterator[Repair]:
     means = "means nothing here" if word.type == "STRAY" else "is unexpected here"
     argues = word.type == "EQUAL" and place.i > 1 and place.words[place.i - 2].type in ("LPAR", "COMMA")
     for kind, sign in SIGNS.items():
-        if kind in place.accepted and kind != word.type and any({kind, word.type} <= alike for alike in _CONFUSED_SIGNS):
+        if (
+            kind in place.accepted
+            and kind != word.type
+            and any({kind, word.type} <= alike for alike in _CONFUSED_SIGNS)
+        ):
             cost = 2.4 if word.text in ")]}" and touches and sign != "}" else 2.9
             cost = 1.9 if argues and sign == ":" else cost
             made = word._replace(type=kind, text=sign)

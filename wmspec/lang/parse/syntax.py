@@ -10,7 +10,7 @@ from wmspec.core.places import Span
 
 N = TypeVar("N")
 #: Types with child nodes.
-MADE = (tuple, Node)
+COMPOSITE_TYPES = (tuple, Node)
 
 # ---------------------------------------------------------------- expressions
 
@@ -376,27 +376,27 @@ class File(Node):
 
 def names(node: object) -> Iterator[Name]:
     """Yield all names in a subtree."""
-    return _every(node, Name)
+    return _nodes_of_type(node, Name)
 
 
 def texts(node: object) -> Iterator[Text]:
     """Yield all quoted texts in a subtree."""
-    return _every(node, Text)
+    return _nodes_of_type(node, Text)
 
 
 def numbers(node: object) -> Iterator[Number]:
     """Yield all numbers in a subtree."""
-    return _every(node, Number)
+    return _nodes_of_type(node, Number)
 
 
-def _every(node: object, sort: type[N]) -> Iterator[N]:
+def _nodes_of_type(node: object, sort: type[N]) -> Iterator[N]:
     """Yield all nodes of a type in a subtree, in order."""
     stack = [node]
     while stack:
         one = stack.pop()
         if isinstance(one, sort):
             yield one
-        stack += [part for part in parts(one) if isinstance(part, MADE)][::-1]
+        stack += [part for part in parts(one) if isinstance(part, COMPOSITE_TYPES)][::-1]
 
 
 def parts(node: object) -> Iterator[object]:

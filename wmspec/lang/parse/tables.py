@@ -71,9 +71,9 @@ def tables() -> Tables:
         kept = pickle.load(file)  # noqa: S301  the user's cache folder
         if isinstance(kept, Tables):
             return kept
-    made = _made(lark_parser(text))
+    made = _build_tables(lark_parser(text))
     with suppress(OSError):
-        _keep(made, path)
+        _store(made, path)
     return made
 
 
@@ -99,7 +99,7 @@ def _cache_file(text: str) -> Path:
     return Path(root, "wmspec", f"grammar-{made_for[:16]}.tables")
 
 
-def _keep(made: Tables, path: Path) -> None:
+def _store(made: Tables, path: Path) -> None:
     """Write the tables atomically: another process may read them at any time."""
     import tempfile
 
@@ -117,7 +117,7 @@ def _keep(made: Tables, path: Path) -> None:
 # ---------------------------------------------------------------- from Lark
 
 
-def _made(lark: Lark) -> Tables:
+def _build_tables(lark: Lark) -> Tables:
     pattern, keywords = _words(lark)
     ways = {start: lark.parse_interactive("", start=start).parser_state.parse_conf for start in STARTS}
     table: dict[int, dict[str, Any]] = ways[STARTS[0]].parse_table.states
@@ -134,12 +134,12 @@ def _made(lark: Lark) -> Tables:
         states=tuple({str(name): action(*what) for name, what in actions.items()} for actions in table.values()),
         first={start: number[way.start_state] for start, way in ways.items()},
         last={start: number[way.end_state] for start, way in ways.items()},
-        starters=frozenset().union(*(_at_the_edge(lark, part, 0) for part in STATEMENTS)),
-        value_ends=_at_the_edge(lark, "expr", -1),
+        starters=frozenset().union(*(_edge_terminals(lark, part, 0) for part in STATEMENTS)),
+        value_ends=_edge_terminals(lark, "expr", -1),
     )
 
 
-def _at_the_edge(lark: Lark, origin: str, edge: int) -> frozenset[str]:
+def _edge_terminals(lark: Lark, origin: str, edge: int) -> frozenset[str]:
     """Return the token types that a rule can begin with (`edge` 0) or end with (-1). No rule is empty."""
     words, origins, waiting = set[str](), {origin}, [origin]
     while waiting:

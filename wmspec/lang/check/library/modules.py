@@ -351,7 +351,7 @@ def _each(node: Any, change: Any, but: str = "") -> Any:
     kind: Any = type(node)
     named, made = _named(kind), {}
     for name, old in vars(node).items():
-        if name != but and isinstance(old, s.MADE):
+        if name != but and isinstance(old, s.COMPOSITE_TYPES):
             new = change(old)
             if new is not old and (isinstance(new, s.Name) or name not in named):
                 made[name] = new
