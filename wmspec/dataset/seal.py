@@ -1,7 +1,7 @@
-"""What is published of a dataset that stays private, so that anyone can tell later whether what is shown is it.
+"""Attestations: published hashes of a private dataset, against which a later copy can be checked.
 
-The seal has hashes of the seed, of the specs and of the rows. From none of them can a question be guessed; whoever gets
-the dataset, or makes it again from the specs and the seed, can compare.
+An attestation holds hashes of the seed, the specs and the rows. Questions cannot be guessed from them. Anyone who
+receives the dataset, or generates it again from specs and seed, can compare.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.reader import DatasetReader
 
-#: A smaller seed can be found by trying. A larger one cannot: to try one takes 16 MB and some 50 ms of a processor.
+#: The smallest seed that resists an exhaustive search, and the parameters of scrypt: one trial takes 16 MB and about 50
+#: ms.
 SECRET, COST = 1 << 62, {"n": 1 << 14, "r": 8, "p": 1}
 
 
 class Seal(BaseModel):
-    """How a dataset was made, and hashes of it: scrypt of its seed, SHA-256 of specs and of files of rows, by name."""
+    """How a dataset was made: scrypt hash of its seed, SHA-256 of its specs and Parquet files by name."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -36,7 +37,7 @@ class Seal(BaseModel):
 
     @classmethod
     def read(cls, path: Path) -> Seal:
-        """Raises WmsError if the file is no seal."""
+        """Read an attestation. Raises WmsError if the file is not one."""
         try:
             return cls.model_validate_json(path.read_bytes())
         except (OSError, ValidationError) as error:
@@ -44,12 +45,12 @@ class Seal(BaseModel):
 
     @property
     def text(self) -> str:
-        """The seal as a file."""
+        """Return the content of the file."""
         return json.dumps(self.model_dump(mode="json"), indent=1, sort_keys=True) + "\n"
 
 
 def sealed(dataset: DatasetReader) -> Seal:
-    """The seal of a dataset. Raises WmsError if its seed could be guessed."""
+    """Return the attestation of a dataset. Raises WmsError if its seed could be guessed."""
     manifest = dataset.manifest
     if abs(manifest["seed"]) < SECRET:
         raise WmsError(
@@ -61,7 +62,7 @@ def sealed(dataset: DatasetReader) -> Seal:
 
 
 def differences(seal: Seal, dataset: DatasetReader) -> Iterator[str]:
-    """What of a dataset is not what was sealed, in sentences; nothing if it is the one."""
+    """Yield the differences between a dataset and its attestation, as sentences."""
     here = _hashed(dataset.manifest)
     if here.seed != seal.seed:
         yield "the seed is another"

@@ -1,7 +1,7 @@
-"""Whether a dataset's rows come out again: instances are made anew and held against what the folder has.
+"""Verification: generates instances again and compares them with the rows of a dataset.
 
-With the same engines and graphics every byte is the same. Elsewhere the last digits of a simulation and the pixels at
-edges are others: then what counts is that texts, options and answers are the same, and numbers and pictures nearly so.
+With the same engines and graphics driver all bytes are equal. On another machine the last digits of a simulation and
+pixels at edges may differ. Then texts, options and answers must be equal, numbers and pictures nearly equal.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from wmspec.dataset.build.units import units, weight
 from wmspec.dataset.build.worker import work
 from wmspec.runtime.workers.pool import Effort, Lost, by_units
 
-#: Numbers are near if they differ by less than this share, or by less than this (SI units).
+#: Relative and absolute (SI units) tolerance within which numbers are nearly equal.
 NEAR, NEAR_ZERO = 0.01, 1e-3
-#: Pictures are near if their pixels (0 to 255) differ by less than this on average.
+#: Mean absolute difference of pixel values (0 to 255) below which pictures are nearly equal.
 NEAR_PIXELS = 2.0
 
 Verdict = Literal["same", "near", "different"]
@@ -34,7 +34,7 @@ Verdict = Literal["same", "near", "different"]
 
 @dataclass(frozen=True)
 class Difference:
-    """The first thing in which a question came out otherwise: its id, the column (empty: the whole row), in words."""
+    """The first difference of a question: its id, the column (empty for the whole row), a description."""
 
     id: str
     column: str
@@ -47,9 +47,9 @@ class Difference:
 
 @dataclass(frozen=True)
 class Verification:
-    """How many questions were made anew, and those that came out otherwise, the first difference of each.
+    """The number of questions generated again, and the first difference of each that differs.
 
-    `versions` are what is installed here in other versions than the dataset was made with: there, and here.
+    `versions` maps packages whose installed version differs to (version in the dataset, version installed).
     """
 
     questions: int
@@ -58,14 +58,14 @@ class Verification:
 
     @property
     def verdict(self) -> Verdict:
-        """The worst of all."""
+        """The worst verdict of all questions."""
         if not self.differences:
             return "same"
         return "near" if all(difference.near for difference in self.differences) else "different"
 
 
 def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callable[[str, int], None]) -> Verification:
-    """Make the instances of the plan anew. Its tasks are some of the dataset's, with some of its instances."""
+    """Generate the instances of `plan` again and compare them. The plan is a subset of the dataset's plan."""
     job, differences, questions = job_of(plan, effort), list[Difference](), 0
     tasks = {task.spec.name: task for task in plan.tasks}
     every = (
@@ -99,6 +99,7 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
 
 
 def _there(dataset: DatasetReader, task: str, indices: Sequence[int]) -> dict[str, Row]:
+    """Return the dataset's rows of the given instances, by id."""
     columns = dataset.columns(task)
     return {row["id"]: row for row in dataset.rows(task, columns, set(indices))} if columns else {}
 
@@ -106,7 +107,7 @@ def _there(dataset: DatasetReader, task: str, indices: Sequence[int]) -> dict[st
 def _compared(
     id_: str, there: Row | None, here: Mapping[str, Row] | Lost, rejected: Mapping[str, str]
 ) -> Iterator[Difference]:
-    """The first difference of a question, if there is one."""
+    """Yield the first difference of a question, if any."""
     if isinstance(here, Lost):
         yield Difference(id_, "", f"it cannot be made here: {here.reason}", False)
     elif there is None and id_ in here:
@@ -119,6 +120,7 @@ def _compared(
 
 
 def _column(id_: str, name: str, there: Any, here: Any) -> Iterator[Difference]:
+    """Yield the difference of one column, if any."""
     if name in (*PICTURES, *CHANNELS):
         yield from _pictures(id_, name, there or [], here or [])
     elif (words := _apart(there, here)) is not None:
@@ -126,7 +128,7 @@ def _column(id_: str, name: str, there: Any, here: Any) -> Iterator[Difference]:
 
 
 def _apart(there: Any, here: Any) -> tuple[str, bool] | None:
-    """By how much two values differ, in words, and whether that is little; None if they are the same."""
+    """Return a description of the difference of two values and whether it is small; None if they are equal."""
     if there == here or (isinstance(there, list | tuple) and list(there) == list(here or ())):
         return None
     a, b = _numbers(there), _numbers(here)
@@ -138,7 +140,7 @@ def _apart(there: Any, here: Any) -> tuple[str, bool] | None:
 
 
 def _numbers(value: Any) -> list[float] | None:
-    """All floating-point numbers in a value, in order; None if there are none."""
+    """Return all floating-point numbers in a value, in order; None if it contains none."""
     if isinstance(value, float):
         return [value]
     parts = value.values() if isinstance(value, dict) else value if isinstance(value, list | tuple) else ()
@@ -147,7 +149,7 @@ def _numbers(value: Any) -> list[float] | None:
 
 
 def _words(value: Any) -> Any:
-    """A value without its floating-point numbers."""
+    """Return a value with its floating-point numbers removed."""
     if isinstance(value, float):
         return None
     if isinstance(value, dict):
@@ -161,7 +163,7 @@ def _short(value: Any) -> str:
 
 
 def _pictures(id_: str, name: str, there: Sequence[Any], here: Sequence[Any]) -> Iterator[Difference]:
-    """The pictures of a column that are not the same file."""
+    """Yield the differences of a picture column."""
     if len(there) != len(here):
         yield Difference(id_, name, f"{len(there)} pictures in the dataset, {len(here)} here", False)
         return

@@ -15,7 +15,7 @@ from wmspec.api.task import Task
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError
 from wmspec.core.places import Source
 from wmspec.editor import examples
-from wmspec.lang.parse.files import read_source, display_path
+from wmspec.lang.parse.files import display_path, read_source
 from wmspec.lang.parse.load import load_source
 from wmspec.runtime.workers.pool import Helper, Lost
 

@@ -1,7 +1,7 @@
-"""Assets: objects that are joined to one another as their file says, and placed as one.
+"""Assets: objects connected by joints as their file describes, placed as one.
 
-An asset's frame is what its base is placed by. With all joints at 0 each link is where its `at` and turn say, seen from
-there, and each joint where its `at` and `axis` say. A joint that starts elsewhere takes with it all links beyond.
+The asset's frame is placed by its base. With all joints at 0, each link has the pose of its `at` and rotation in that
+frame, and each joint has its `at` and `axis`. A joint with another start coordinate also moves all links beyond it.
 """
 
 from __future__ import annotations
@@ -18,36 +18,36 @@ from wmspec.lang.check.types import units
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-#: A joint may start so far (rad, m) beyond a limit.
+#: Tolerance (rad, m) for a joint that starts beyond a limit.
 _ROUNDING = 1e-9
 
 
 def base(values: Values, owner: str) -> str | None:
-    """The base of the asset that an object is a link of, itself if it is that; None if it is of no asset."""
+    """Return the base of the asset that an object belongs to, itself if it is the base, or None."""
     if owner in values.assets:
         return owner
     return next((of for of, members in values.assets.items() if any(t.name == owner for t in members)), None)
 
 
 def links(values: Values, owner: str) -> tuple[str, ...]:
-    """The links of the asset whose base this is, the base first; the object alone if it is of none."""
+    """Return the links of the asset with this base, the base first; only the object if it is not in an asset."""
     return owner, *(t.name for t in values.assets.get(owner, ()) if t.kind == "object")
 
 
 def within(values: Values, owner: str) -> Pose:
-    """Where a link of an asset is at the start, seen from the asset's frame."""
+    """Return the initial pose of a link in the asset's frame."""
     return values.once((owner, "within"), lambda: _shift(values, owner).compose(at_zero(values, owner)))
 
 
 def at_zero(values: Values, owner: str) -> Pose:
-    """Where a link of an asset would be with all joints at 0, seen from the asset's frame; what is of none is there."""
+    """Return the pose of a link in the asset's frame with all joints at 0; identity outside an asset."""
     if owner in values.assets:
         return IDENTITY
     return Pose(values.vector(owner, "at"), from_ypr(*geometry.own_turn(values, owner)))
 
 
 def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
-    """The solids of an object, with those of all links if it is the base of an asset, seen from its frame."""
+    """Return the solids of an object; for the base of an asset those of all links, in the asset's frame."""
     if owner not in values.assets:
         return geometry.pieces(values, owner)
     placed = ((within(values, link), geometry.pieces(values, link)) for link in links(values, owner))
@@ -55,11 +55,11 @@ def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
 
 
 def _shift(values: Values, owner: str) -> Pose:
-    """What the joints from the asset's frame to a link, where they start, do to all that is beyond them."""
+    """Return the motion of a link due to the start coordinates of the joints between it and the asset's frame."""
     of = base(values, owner) or owner
     holders = values.once((of, "holders"), lambda: _holders(values, of))
     shift, link = IDENTITY, owner
-    for _ in holders:  # at most through all of them
+    for _ in holders:  # bounded, as joints may form a loop
         if link not in holders:
             break
         joint = holders[link]
@@ -69,12 +69,12 @@ def _shift(values: Values, owner: str) -> Pose:
 
 
 def _holders(values: Values, of: str) -> dict[str, Thing]:
-    """The joint that holds each link of an asset, but for those that nothing holds."""
+    """Return the joint that holds each link of an asset; unattached links are omitted."""
     return {values.reference(t.name, "of"): t for t in values.assets.get(of, ()) if t.kind == "joint"}
 
 
 def _moved(values: Values, joint: Thing) -> Pose:
-    """What a joint does to all that is beyond it, where it starts, seen from the asset's frame."""
+    """Return the motion of everything beyond a joint due to its start coordinate, in the asset's frame."""
     if joint.model not in ("hinge", "slider"):
         return IDENTITY
     start = values.number(joint.name, "start") if values.has(joint.name, "start") else 0.0
@@ -97,7 +97,7 @@ def within_limits(values: Values, thing: Thing, start: float, help: str = "") ->
 
 
 def beyond(values: Values, joint: str, coordinate: float) -> str | None:
-    """Which limit of a hinge or slider, `low` or `high`, a coordinate (rad or m) is beyond; None if it is within."""
+    """Return the limit of a hinge or slider, `low` or `high`, that a coordinate (rad or m) exceeds, or None."""
     for end, sign in (("low", 1.0), ("high", -1.0)):
         if values.has(joint, end) and sign * (coordinate - values.number(joint, end)) < -_ROUNDING:
             return end
@@ -105,5 +105,5 @@ def beyond(values: Values, joint: str, coordinate: float) -> str | None:
 
 
 def told(coordinate: float, model: str) -> str:
-    """The coordinate (rad or m) of a hinge or slider, as messages tell it."""
+    """Return the coordinate (rad or m) of a hinge or slider as text."""
     return units.told(coordinate, units.ANGLE if model == "hinge" else units.LENGTH)

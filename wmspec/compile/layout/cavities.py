@@ -1,4 +1,4 @@
-"""Whether one object fits into the hollow of another, as boxes that are not turned."""
+"""Whether one object fits into the cavity of another, both approximated by axis-aligned boxes."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from wmspec.core.space import IDENTITY, Pose, Vector, inverse, multiply
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-#: What touches does not overlap, m.
+#: Overlap (m) that still counts as contact.
 _TOUCH = 1e-9
 
 
 def fits(values: Values, owner: str, container: str) -> bool:
-    """Whether the object's upright box has a place within the container's upright box that meets none of its parts'.
+    """Whether the object's axis-aligned box fits into the container's box without overlapping its parts' boxes.
 
-    Upright is meant in the container's frame.
+    Axes are those of the container's frame.
     """
     inside = pieces(values, container)
     seen = multiply(inverse(values.pose(container).orientation), values.pose(owner).orientation)
@@ -30,10 +30,10 @@ def fits(values: Values, owner: str, container: str) -> bool:
 
 
 def room(edges: Vector, whole: Box, parts: Sequence[Box]) -> bool:
-    """Whether a box of these edges has a place within `whole` that overlaps none of `parts`.
+    """Whether a box with these edges has a position within `whole` that overlaps none of `parts`.
 
-    If it has one, it can be pushed from there to lower coordinates until, along each axis, it meets `whole` or a part.
-    So only such places need to be looked at.
+    Any such position can be lowered along each axis until the box meets `whole` or a part. So only positions in contact
+    are tried.
     """
     low, high = whole
     corners = [sorted({low[i], *(part[1][i] for part in parts)}) for i in range(3)]
@@ -46,4 +46,5 @@ def room(edges: Vector, whole: Box, parts: Sequence[Box]) -> bool:
 
 
 def _overlap(low: Sequence[float], high: Sequence[float], part: Box) -> bool:
+    """Whether a box overlaps a part by more than _TOUCH."""
     return all(low[i] < part[1][i] - _TOUCH and part[0][i] < high[i] - _TOUCH for i in range(3))

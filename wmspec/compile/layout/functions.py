@@ -1,4 +1,4 @@
-"""The functions of the language that need nothing to have happened: places, colours, sums, what is there."""
+"""Functions of the language that need no executed episode: places, colours, arithmetic, presence."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ Location = tuple[str, float, float]
 
 
 def call(values: Values, function: str, arguments: tuple[Any, ...], options: Mapping[str, Any]) -> Any:
-    """The value of a function of the design. Raises WmsError if it has none."""
+    """Return the value of a design function. Raises WmsError if it has none."""
     try:
         return FUNCTIONS[function](values, *arguments, **options)
-    except (OverflowError, ValueError, ZeroDivisionError):  # of numbers that are infinite, of lists that are empty
+    except (OverflowError, ValueError, ZeroDivisionError):  # for infinite numbers and empty lists
         raise NoValue(f"`{function}` has no value here") from None
 
 
@@ -37,7 +37,7 @@ def _toward(values: Values, subject: str, target: str) -> float:
 
 
 def _beside(dx: float, dy: float) -> Callable[..., Location]:
-    """A place so far to the right and to the back, for who looks as the world's front does or as a viewer."""
+    """Return a function for a place at a distance to the right and to the back, seen by the world or a viewer."""
 
     def beside(values: Values, owner: str, far: float, seen_from: str | None = None) -> Location:
         x, y, _ = values.pose(owner).position
@@ -67,14 +67,14 @@ def _item(_: Values, items: tuple[Any, ...], number: float) -> Any:
 
 
 def _numbers(given: Iterable[Any]) -> list[float]:
-    """Numbers, and those in lists of numbers."""
+    """Return numbers, with lists of numbers flattened."""
     return [n for item in given for n in (item if isinstance(item, tuple) else (item,))]
 
 
 def _mod(_values: Values, a: float, b: float) -> float:
     if b == 0:
         raise NoValue("`mod` by 0")
-    return float(a) - b * math.floor(a / b)  # also of a direction, which has no multiples
+    return float(a) - b * math.floor(a / b)  # also works for directions, which cannot be multiplied
 
 
 def _extreme(choose: Callable[[list[float]], float]) -> Callable[..., float]:
@@ -110,7 +110,7 @@ def _present(values: Values, objects: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _nth(_values: Values, items: tuple[Any, ...], number: float) -> Any:
-    """The item with a number, from the end if it is below 0."""
+    """Return the item with an index; negative indices count from the end."""
     i = int(number)
     if not -len(items) <= i < len(items):
         raise NoValue(f"number {i} is asked for, and only {len(items)} are there")
@@ -118,7 +118,7 @@ def _nth(_values: Values, items: tuple[Any, ...], number: float) -> Any:
 
 
 def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> str:
-    """The name with the largest or smallest of sizes; of equals the first, or `neither` within `tie` times."""
+    """Return the name with the largest or smallest size; the first of equals, or `neither` within `tie` times."""
     ordered = sorted(sizes, key=lambda name: -sizes[name] if most else sizes[name])
     if not ordered:
         raise NoValue("there is none to choose from")
@@ -130,7 +130,7 @@ def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> st
 
 
 def _count(values: Values, items: tuple[str | bool, ...]) -> float:
-    """How many objects are there, or how many truth values are true."""
+    """Return the number of present objects, or of true values."""
     return float(sum(item if isinstance(item, bool) else values.there(item) for item in items))
 
 
@@ -179,4 +179,4 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "lightest": _pick(_luminance, most=True),
     "fits": fits,
 }
-"""Function -> what works it out from the values and the arguments."""
+"""Implementation of each function, given the values and its arguments."""

@@ -1,4 +1,4 @@
-"""What an object is made of: one solid, the mesh in a file, or its parts."""
+"""The geometry of an object: one solid, the mesh of a file, or its parts."""
 
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ if TYPE_CHECKING:
 
 
 def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
-    """The solids of an object that can be touched, or if none can all, each in the object's frame.
+    """Return the touchable solids of an object, or all if none is touchable, each in the object's frame.
 
-    Raises WmsError if a size makes no sense.
+    Raises WmsError for invalid sizes.
     """
     return values.once((owner, "pieces"), lambda: _touched(values, owner))
 
 
 def every_piece(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
-    """All that an object is made of, drawn or touched: the name of each part, or of the object, and its solid."""
+    """Return all solids of an object, visual and touchable, each with the name of its part or of the object."""
     return values.once((owner, "every piece"), lambda: _pieces(values, owner))
 
 
 def touchable(values: Values, part: str) -> bool:
-    """Whether a part can be touched, or an object that is not made of parts."""
+    """Whether a part is touchable, or an object without parts."""
     return not values.has(part, "solid") or values.flag(part, "solid")
 
 
 def volume(values: Values, owner: str) -> float:
-    """How much room an object or part takes (m³): the sum over its parts."""
+    """Return the volume (m³) of an object or part, as the sum over its parts."""
     return sum(piece.solid.volume for piece in pieces(values, owner))
 
 
 def mass(values: Values, name: str) -> float:
-    """What an object weighs (kg), as it says itself or by its density."""
+    """Return the mass (kg) of an object, explicit or from its density."""
     if values.has(name, "mass"):
         return values.number(name, "mass")
     return values.number(name, "density") * volume(values, name)
 
 
 def own_turn(values: Values, owner: str) -> tuple[float, float, float]:
-    """Yaw, pitch and roll (rad) of an object or part."""
+    """Return yaw, pitch and roll (rad) of an object or part."""
     return (values.number(owner, "yaw"), values.number(owner, "pitch"), values.number(owner, "roll"))
 
 
@@ -80,7 +80,7 @@ def _solid(values: Values, owner: str) -> Shape:
 
 
 def _shape(values: Values, owner: str) -> Shape:
-    """A shape of the table, of the sizes that are said."""
+    """Return a shape of the shape table with the specified sizes."""
     word = values.text(owner, "shape")
     kind = SHAPES[word]
     words = {name: values.property(owner, name) for name in MEASURES if values.has(owner, name)}
@@ -98,5 +98,5 @@ def _shape(values: Values, owner: str) -> Shape:
 
 @lru_cache(maxsize=1024)
 def _formed(word: str, words: bytes) -> Shape:
-    """A shape, of which many things may be, by its name and its dumped measures. Raises UnfitError."""
+    """Return a shape by name and serialized sizes, cached since many objects share it. Raises UnfitError."""
     return SHAPES[word].from_words(loads(words))

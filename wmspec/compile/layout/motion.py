@@ -1,4 +1,4 @@
-"""Where objects are carried: what `glide`, `follow` and `teleport` do to one object, one after the other."""
+"""Motion of carried objects: the poses that `glide`, `follow` and `teleport` produce in sequence."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from wmspec.lang.check.tables.vocabulary import HEADINGS
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-#: Verbs that carry an object whatever is in its way, which makes it kinematic.
+#: Verbs that move an object along a fixed path, which makes it kinematic.
 CARRYING = tuple(name for name, verb in VERBS.items() if verb.carries)
 
 
 @dataclass(frozen=True)
 class Stand:
-    """Where an object is between two moves, and its yaw (rad) then."""
+    """The pose of an object between two moves, and its yaw (rad)."""
 
     pose: Pose
     yaw: float
 
 
 def carriers(values: Values) -> dict[str, str]:
-    """The objects that are carried, which makes them kinematic, each with one of the actions that carry it."""
+    """Return the carried (kinematic) objects, each with one of the actions that carry it."""
     carrying: dict[str, str] = {}
     for action in values.spec.things:
         if action.kind == "action" and not action.of and action.verb in CARRYING and values.there(action.name):
@@ -40,13 +40,13 @@ def carriers(values: Values) -> dict[str, str]:
 
 
 def carrier_sources(spec: TaskSpec) -> frozenset[str]:
-    """The sources that decide which objects are carried."""
+    """Return the sources that determine which objects are carried."""
     acting = (t.name for t in spec.things if t.kind == "action" and not t.of and t.verb in CARRYING)
     return frozenset(f"{name}.{what}" for name in acting for what in ("there", "object"))
 
 
 def before(values: Values, action: Thing) -> Stand:
-    """Where the object of a carrying action is when it begins."""
+    """Return where the object of a carrying action is when the action begins."""
     owner = values.reference(action.name, "object")
     stand = Stand(values.pose(owner), values.number(owner, "yaw"))
     moves = sorted((a for verb in CARRYING for a in values.acting(verb, owner)), key=lambda a: _start(values, a))
@@ -61,7 +61,7 @@ def _start(values: Values, action: Thing) -> float:
 
 
 def after(values: Values, move: Thing, stand: Stand) -> Stand:
-    """Where the object is when a move is over that began with it so."""
+    """Return where the object is when a move is over, given where it was when the move began."""
     if move.verb == "teleport":
         return landed(values, move, stand)
     if move.verb == "follow":
@@ -77,7 +77,7 @@ def after(values: Values, move: Thing, stand: Stand) -> Stand:
 
 
 def landed(values: Values, action: Thing, stand: Stand) -> Stand:
-    """Where a teleport puts its object: at a point in space, or resting on what it rested on at another place."""
+    """Return where a teleport puts its object: at a point in space, or at another place of its support."""
     owner, to = values.reference(action.name, "object"), values.spot(action.name, "to")
     yaw = values.number(action.name, "yaw") if values.has(action.name, "yaw") else stand.yaw
     _, pitch, roll = own_turn(values, owner)
@@ -89,9 +89,9 @@ def landed(values: Values, action: Thing, stand: Stand) -> Stand:
 def way(
     values: Values, action: Thing, origin: Vector
 ) -> tuple[tuple[Vector, ...], tuple[float, ...], tuple[float, ...]]:
-    """The points (m, in the world) of a path that begins at `origin`, and the times (s) since its start.
+    """Return the points (m, world) of a path that begins at `origin`, and the times (s) since its start.
 
-    If it turns with its path, also how far (rad) it has turned at each point; else nothing.
+    If the object turns with the path, also return its heading change (rad) at each point; else an empty tuple.
     """
     name = action.name
     form, length, width = values.property(name, "path"), values.number(name, "length"), values.number(name, "width")
@@ -107,5 +107,5 @@ def way(
 
 
 def angle(direction: str | float) -> float:
-    """The heading (rad) that a direction word or an angle says."""
+    """Return the heading (rad) of a direction word or an angle."""
     return HEADINGS[direction] if isinstance(direction, str) else direction

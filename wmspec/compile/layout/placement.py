@@ -1,4 +1,4 @@
-"""Where objects are: placed outright, resting on a surface exactly, or in the hollow of a compound object."""
+"""Poses of objects: explicit, resting exactly on a surface, or in the cavity of a compound object."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 
 def pose(values: Values, owner: str) -> Pose:
-    """Where an object is at the start: its resting place, or above it if it is going to be dropped.
+    """Return the initial pose of an object: its resting pose, or above it if it is dropped.
 
-    A link of an asset is where its asset and the joints between take it.
+    A link of an asset is placed by the asset's frame and the joints in between.
     """
     base = assets.base(values, owner)
     if base is None:
@@ -26,12 +26,12 @@ def pose(values: Values, owner: str) -> Pose:
 
 
 def frame(values: Values, base: str) -> Pose:
-    """Where the frame of an asset is, by its base."""
+    """Return the pose of an asset's frame, given its base."""
     return values.once((base, "frame"), lambda: _placed(values, base))
 
 
 def _placed(values: Values, owner: str) -> Pose:
-    """Where an object is itself placed, or the frame of an asset by its base."""
+    """Return the pose of an object by its own placement, or of an asset's frame by its base."""
     at = scatter.place(values, owner) if values.has(owner, "scatter") else values.spot(owner)
     resting = rest(values, owner, at, *own_turn(values, owner))
     links = assets.links(values, owner)
@@ -40,7 +40,7 @@ def _placed(values: Values, owner: str) -> Pose:
 
 
 def rest(values: Values, owner: str, at: Spot, yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Pose:
-    """Where an object turned like that would be with this `at`: (x, y) on what holds it, else (x, y) or (x, y, z)."""
+    """Return the pose of an object with this rotation and `at`: (x, y) on its support, else (x, y) or (x, y, z)."""
     own = from_ypr(yaw, pitch, roll)
     face = under(values, owner, at)
     if face is None:

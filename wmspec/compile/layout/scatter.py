@@ -1,7 +1,7 @@
-"""Scattered objects: each takes the first of its random places that keeps away from those that came before it.
+"""Scattered objects: each takes the first of its random positions that is clear of the objects before it.
 
-Where one of them finds none, all of them are laid anew. A proposal depends on the seed, the task, the block, the
-object's name and its number alone, so that nothing but what the objects themselves need moves them.
+If an object finds none, all are placed again. A proposal depends on seed, task, block, object name and its number only.
+Objects therefore move only if their own space requirements change.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from wmspec.core.space import UP, from_ypr
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-#: The middle of what a scattered object covers, and its radius, in m.
+#: Centre and radius (m) of the area that a scattered object covers.
 Circle = tuple[float, float, float]
 
-#: How many places are tried for an object before all are laid anew, and how often that is done before giving up.
+#: Number of positions tried per object before all are placed again, and number of such rounds.
 TRIES, DEALS = 1000, 10
 
 
 def place(values: Values, owner: str) -> tuple[float, float]:
-    """Where a scattered object is: (x, y) on what it rests on, else on the ground."""
+    """Return the position (x, y) of a scattered object on its support, else on the ground."""
     base = _base(values, owner)
     places = values.once((base, "scattered"), lambda: _scattered(values, base))
     return places[owner]
@@ -41,7 +41,7 @@ def _base(values: Values, owner: str) -> str:
 
 
 def _scattered(values: Values, base: str) -> dict[str, tuple[float, float]]:
-    """The places of all that scatter on `base`, there or not."""
+    """Return the positions of all objects that scatter on `base`, present or not."""
     names = [t.name for t in values.spec.things if t.kind == "object" and values.has(t.name, "scatter")]
     members = sorted((name for name in names if _base(values, name) == base), key=natural)
     face = tops(values, base)[0] if base else Face((0.0, 0.0, 0.0), UP)
@@ -62,7 +62,7 @@ def _scattered(values: Values, base: str) -> dict[str, tuple[float, float]]:
 
 
 def _free(values: Values, name: str, face: Face, taken: list[Circle], deal: int) -> Circle | None:
-    """The first of this deal's proposals that is free, if one is."""
+    """Return the first free proposal of this round, or None."""
     _, pitch, roll = own_turn(values, name)
     radius = footprint(assets.pieces(values, name), from_ypr(0.0, pitch, roll))
     x, y = seen_from(face, values.spot(name))
@@ -76,5 +76,5 @@ def _free(values: Values, name: str, face: Face, taken: list[Circle], deal: int)
 
 
 def natural(name: str) -> list[tuple[str, int]]:
-    """A key that sorts names as people do: blocks_2 before blocks_10."""
+    """Return a key for natural sorting: blocks_2 before blocks_10."""
     return [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", name)]

@@ -1,4 +1,4 @@
-"""Shapes where they are in an object: how far they reach together, and which of their flat faces look up."""
+"""Placed shapes of an object: their extents, and their flat faces that face upwards."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from wmspec.core.space import IDENTITY, UP, Pose, Quaternion, Vector, dot, inver
 from wmspec.sim.shapes import Shape
 from wmspec.sim.shapes.shape import AXES
 
-#: The lowest and the highest corner (m) of an upright box.
+#: The lowest and the highest corner (m) of an axis-aligned box.
 Box = tuple[Vector, Vector]
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A shape and where it is in the frame of its object."""
+    """A shape with its pose in the object's frame."""
 
     solid: Shape
     pose: Pose
 
     def reach(self, direction: Vector) -> float:
-        """How far (m) it goes from the object's origin along a unit vector of the object's frame."""
+        """Return the support distance (m) along a unit vector of the object's frame."""
         own = self.solid.reach(rotate(inverse(self.pose.orientation), direction))
         return dot(direction, self.pose.position) + own
 
 
 def reach(pieces: Iterable[Piece], direction: Vector) -> float:
-    """How far (m) an object goes from its origin along a unit vector of its own frame."""
+    """Return the support distance (m) of an object along a unit vector of its own frame."""
     return max(piece.reach(direction) for piece in pieces)
 
 
 def bounds(pieces: Sequence[Piece], pose: Pose) -> Box:
-    """The lowest and the highest corner (m) of the upright box around an object, in the frame of `pose`."""
+    """Return the axis-aligned bounding box (m) of an object, in the frame in which `pose` is given."""
     here, back = pose.position, inverse(pose.orientation)
     low = [here[i] - reach(pieces, rotate(back, scale(-1.0, axis))) for i, axis in enumerate(AXES)]
     high = [here[i] + reach(pieces, rotate(back, axis)) for i, axis in enumerate(AXES)]
@@ -42,13 +42,13 @@ def bounds(pieces: Sequence[Piece], pose: Pose) -> Box:
 
 
 def corners(box: Box) -> Iterator[Vector]:
-    """All eight of a box."""
+    """Yield the eight corners of a box."""
     (a, b, c), (x, y, z) = box
     yield from product((a, x), (b, y), (c, z))
 
 
 def footprint(pieces: Iterable[Piece], own: Quaternion) -> float:
-    """The radius (m) of an upright cylinder around the origin that holds an object turned by `own`."""
+    """Return the radius (m) of a vertical cylinder about the origin that contains an object rotated by `own`."""
     return max(_footprint(piece, own) for piece in pieces)
 
 
@@ -64,14 +64,14 @@ def _footprint(piece: Piece, own: Quaternion) -> float:
 
 @dataclass(frozen=True)
 class Face:
-    """A flat surface that things can rest on: its middle, its unit normal, and the heading (rad) of its own x axis."""
+    """A flat supporting surface: centre, unit normal, and the heading (rad) of its x axis."""
 
     middle: Vector
     normal: Vector = UP
     yaw: float = 0.0
 
     def height(self, x: float, y: float) -> float:
-        """How high (m) it is at a place."""
+        """Return the height (m) of the surface at (x, y)."""
         if self.normal[2] >= 1:
             return self.middle[2]
         rise = self.normal[0] * (x - self.middle[0]) + self.normal[1] * (y - self.middle[1])
@@ -79,7 +79,7 @@ class Face:
 
 
 def upward(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
-    """The faces of a placed solid that look up, the most level one first."""
+    """Yield the upward faces of a placed solid, the most level first."""
     faces = []
     for normal, offset in solid.flat_faces:
         turned = rotate(pose.orientation, normal)
@@ -89,9 +89,9 @@ def upward(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
 
 
 def surface(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:
-    """The upward face of a placed solid at a place, or None if the solid is not below or above the place.
+    """Return the upward face of a placed solid at (x, y), or None if the solid does not cover it.
 
-    What has other than flat faces counts as the upright box around it, unless it is hollow and upright.
+    Solids with curved faces count as their axis-aligned bounding box, unless they are hollow and upright.
     """
     if solid.hollow and rotate(pose.orientation, UP)[2] > 1 - 1e-9:
         own = pose.inverse_apply((x, y, pose.position[2]))

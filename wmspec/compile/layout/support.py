@@ -1,4 +1,4 @@
-"""Whether what is put on something touches it anywhere."""
+"""Checks that an object touches what it rests on."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from wmspec.lang.check.types import units
 
 
 def supported(name: str, values: Values) -> None:
-    """Raise WmsError with its place if an object that rests on another is beside it, in the air.
+    """Raise WmsError with its location if an object that rests on another is beside it, in the air.
 
-    Both count as the upright boxes around them, a ball on a level top as the point on which it rests.
+    Both count as their axis-aligned boxes; a ball on a level top counts as its contact point.
     """
     if not values.has(name, "on"):
         return

@@ -1,4 +1,4 @@
-"""What objects rest on: the flat faces of others, the top of their upright box, the floor of a hollow."""
+"""Supporting surfaces: flat faces, the top of a bounding box, the floor of a cavity."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from wmspec.core.space import UP, Vector, add, align_z, inverse, rotate, scale
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-#: What `left_of(...)` and the like give: a place on the ground of the world, `("place", x, y)`.
+#: Tag of the value of `left_of(...)` and similar functions: `("place", x, y)` on the world's ground.
 WORLD: Final = "place"
-#: Where something is put: (x, y) on what holds it, (x, y, z) in the world, or a place on its ground.
+#: A position: (x, y) on the support, (x, y, z) in the world, or a place on the world's ground.
 Spot = tuple[float, float] | Vector | tuple[str, float, float]
-#: Shapes that are hollow, or can be.
+#: Shapes that are, or can be, hollow.
 HOLLOW = ("tube", "lathe", "extrude")
 
 
 def is_point(at: Spot) -> TypeGuard[tuple[float, float] | Vector]:
-    """Whether a spot is a point, and no place on the ground of the world."""
+    """Whether a position is a point rather than a place on the world's ground."""
     return at[0] != WORLD
 
 
 def under(values: Values, owner: str, at: Spot) -> Face | None:
-    """The point that an object rests on, as a face whose middle it is; None if it neither rests on nor in anything."""
+    """Return the contact point below an object as a face centred there; None without a support or container."""
     held = holder(values, owner)
     if held is None:
         return None
@@ -45,7 +45,7 @@ def under(values: Values, owner: str, at: Spot) -> Face | None:
 
 
 def holder(values: Values, owner: str) -> tuple[str, str] | None:
-    """What an object rests `on` or `inside`, and which of the two; None if on nothing."""
+    """Return the support or container of an object and the property (`on` or `inside`) that names it, or None."""
     holders = [(way, values.reference(owner, way)) for way in ("on", "inside") if values.has(owner, way)]
     if len(holders) == 2:
         raise ImpossibleValue(f"`{owner}` is both `on` and `inside`", values.place(owner, "inside"), "keep one of them")
@@ -58,7 +58,7 @@ def holder(values: Values, owner: str) -> tuple[str, str] | None:
 
 
 def tops(values: Values, base: str) -> list[Face]:
-    """The surfaces on which things can rest on an object, the most level one first."""
+    """Return the surfaces of an object that can support others, the most level first."""
     return values.once((base, "tops"), lambda: _tops(values, base))
 
 
@@ -72,7 +72,7 @@ def _tops(values: Values, base: str) -> list[Face]:
 
 
 def top(values: Values, base: str, at: Spot) -> Face:
-    """The point at `at` on top of an object: from the middle of the face that looks up most, or in the world."""
+    """Return the point `at` on top of an object, relative to the centre of its most level face, or in the world."""
     faces = tops(values, base)
     if is_point(at):
         return Face(add(faces[0].middle, _along(faces[0], at[0], at[1])), faces[0].normal)
@@ -87,7 +87,7 @@ def _along(face: Face, x: float, y: float) -> Vector:
 
 
 def seen_from(face: Face, at: Spot) -> tuple[float, float]:
-    """A place as (x, y) from the middle of a face, along its own axes."""
+    """Return a place as (x, y) relative to the centre of a face, along its own axes."""
     if is_point(at):
         return (at[0], at[1])
     x, y = at[-2:]
@@ -101,7 +101,7 @@ def seen_from(face: Face, at: Spot) -> tuple[float, float]:
 
 
 def bottom(values: Values, base: str, at: Spot) -> Face:
-    """The point at `at` in the hollow of a compound object: on its lowest part there, or on what that stands on."""
+    """Return the point `at` in the cavity of a compound object: on its lowest part there, or on its support."""
     x, y = _ground(values, base, at)
     floor = min(_floors(values, base, x, y), key=lambda face: face.height(x, y), default=None)
     face = floor or _below(values, base, x, y)
@@ -123,6 +123,6 @@ def _floors(values: Values, base: str, x: float, y: float) -> Iterator[Face]:
 
 
 def _below(values: Values, base: str, x: float, y: float) -> Face:
-    """What a container stands on; the level of its lowest point if it stands on nothing."""
+    """Return the support of a container, or the level of its lowest point if it has none."""
     face = under(values, base, (WORLD, x, y))
     return face or Face((x, y, bounds(pieces(values, base), values.pose(base))[0][2]))

@@ -1,4 +1,4 @@
-"""The values of a spec's properties for one assignment of its factors, worked out when asked for and once."""
+"""Evaluates the properties of a spec for one assignment of its factors, lazily and once each."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ from wmspec.sim.materials import MATERIALS
 
 T = TypeVar("T")
 
-#: What a part takes from its object when it does not say it itself.
+#: Properties that a part inherits from its object.
 INHERITED = ("color", "material", "image", "repeats", "roughness", "metallic")
-#: Gravity where no world says otherwise, m/s².
+#: Default gravity, m/s².
 EARTH = 9.81
 _LENGTHS = frozenset((A_LENGTH, POINT2, POINT3))
 _MOMENT = Slot((A_TIME,), "", least=0)
 
 
 class Values:
-    """An environment for `evaluate`: the design's side of the language, without anything measured.
+    """An environment for `evaluate` without measurements: the design's side of the language.
 
-    `change` is the counterfactual under which to look at the world, if any; `own` are the levels without it. `key` is
-    what every draw begins with: those of the places of scattered objects.
+    `change` is the counterfactual to apply, if any. `own` are the levels without it. `key` is the prefix of random
+    draws, used for scattered objects.
     """
 
     def __init__(
@@ -59,13 +59,13 @@ class Values:
 
     @cached_property
     def truth(self) -> Values:
-        """The same without the counterfactual."""
+        """The same values without the counterfactual."""
         return Values(self.spec, self.own, None, self.key) if self.change else self
 
     # ------------------------------------------------------------ the environment
 
     def ref(self, name: str) -> Any:
-        """A factor, nuisance or `let`, or `end`, the end of the episode."""
+        """Return a factor, nuisance or `let`, or `end`, the end of the episode."""
         if name in self.assignment:
             return self.assignment[name]
         return self.once(("", name), lambda: self._named(name))
@@ -75,22 +75,22 @@ class Values:
         return -1e-9 <= time <= self.end + 1e-9
 
     def property(self, owner: str, name: str) -> object:
-        """The value of a property or argument, of any kind. Raises WmsError with its place if it is impossible."""
+        """Return a property or argument of any type. Raises WmsError with its location if it is invalid."""
         key = (owner, name)
         if key in self._known:
             return self._known[key]
         setting = self._things[owner].properties.get(name)
         if setting is None or owner in self._changed or not isinstance(setting.value, Value):
             return self.once(key, lambda: self._value(owner, name))
-        constant = setting.value.value  # most are, and need no more than this
+        constant = setting.value.value  # fast path: most values are ready and need no check
         self._check(self._things[owner], name, constant, setting.place)
         self._known[key] = constant
         return constant
 
-    # The same by kind. The checker has seen to the kinds, so a TypeError from here is a mistake of wmspec's own.
+    # Typed accessors. The checker guarantees the types, so a TypeError here is a bug in wmspec.
 
     def number(self, owner: str, name: str) -> float:
-        """A property that is a number, in SI units."""
+        """Return a numeric property, in SI units."""
         value = self.property(owner, name)
         if isinstance(value, float):
             return value
@@ -99,74 +99,74 @@ class Values:
         raise _mismatch(owner, name, value, "a number")
 
     def flag(self, owner: str, name: str) -> bool:
-        """A property that is true or false."""
+        """Return a boolean property."""
         value = self.property(owner, name)
         if isinstance(value, bool):
             return value
         raise _mismatch(owner, name, value, "true or false")
 
     def text(self, owner: str, name: str) -> str:
-        """A property that is a text, or a word of a vocabulary such as a shape or a colour."""
+        """Return a property that is a text, or a word of a vocabulary such as a shape or a colour."""
         value = self.property(owner, name)
         if isinstance(value, str):
             return value
         raise _mismatch(owner, name, value, "a text")
 
     def reference(self, owner: str, name: str) -> str:
-        """A property that refers to a thing of the spec: its name."""
+        """Return the name of the entity that a property refers to."""
         value = self.property(owner, name)
         if isinstance(value, str):
             return value
-        raise _mismatch(owner, name, value, "the name of a thing")
+        raise _mismatch(owner, name, value, "the name of an entity")
 
     def references(self, owner: str, name: str) -> tuple[str, ...]:
-        """A property that refers to several things of the spec: their names."""
+        """Return the names of the entities that a property refers to."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and all(isinstance(each, str) for each in value):
             return value
         raise _mismatch(owner, name, value, "names of things")
 
     def pair(self, owner: str, name: str) -> tuple[float, float]:
-        """A property that is two numbers, in SI units."""
+        """Return a property with two numbers, in SI units."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and len(value) == 2:
             return value
         raise _mismatch(owner, name, value, "two numbers")
 
     def vector(self, owner: str, name: str) -> Vector:
-        """A property that is three numbers, in SI units."""
+        """Return a property with three numbers, in SI units."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and len(value) == 3:
             return value
         raise _mismatch(owner, name, value, "three numbers")
 
     def points(self, owner: str, name: str) -> tuple[tuple[float, ...], ...]:
-        """A property that is a list of pairs or vectors, in SI units."""
+        """Return a property that is a list of pairs or vectors, in SI units."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and all(isinstance(each, tuple) for each in value):
             return value
         raise _mismatch(owner, name, value, "a list of points")
 
     def spot(self, owner: str, name: str = "at") -> Spot:
-        """A property that is a point or a place on the ground."""
+        """Return a property that is a point or a place on the ground."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and 2 <= len(value) <= 3:
             return value
         raise _mismatch(owner, name, value, "a place")
 
     def direction(self, owner: str, name: str = "direction") -> float | str:
-        """A property that is a heading: an angle (rad), or a word such as `left`."""
+        """Return a property that is a heading: an angle (rad), or a word such as `left`."""
         value = self.property(owner, name)
         if isinstance(value, float | int | str):
             return value
         raise _mismatch(owner, name, value, "a direction")
 
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
-        """A function of the design."""
+        """Return the value of a design function."""
         return functions.call(self, function, arguments, options)
 
     def once(self, key: tuple[str, str], make: Callable[[], T]) -> T:
-        """What is worked out only once; `key` is its owner and name. Raises WmsError if it needs itself."""
+        """Return the cached value of `make`; `key` is its owner and name. Raises WmsError if it depends on itself."""
         if key not in self._known:
             owner, name = key
             if key in self._open:
@@ -182,23 +182,23 @@ class Values:
     # ------------------------------------------------------------ what there is
 
     def has(self, owner: str, name: str) -> bool:
-        """Whether a property is set: by the spec, its default, the counterfactual, or for a part by its object."""
+        """Whether a property is set by the spec, its default, the counterfactual, or for a part by its object."""
         thing, change = self._things[owner], self.change
         if name in thing.properties or (change and (change.owner, change.property) == (owner, name)):
             return True
         return thing.kind == "part" and name in INHERITED and self.has(thing.of, name)
 
     def place(self, owner: str, name: str = "") -> Location:
-        """Where a thing, or one of its properties, stands in the text."""
+        """Return the source location of an entity or of one of its properties."""
         thing = self._things[owner]
         return thing.properties[name].place if name in thing.properties else thing.place
 
     def parts(self, owner: str) -> tuple[str, ...]:
-        """The names of an object's parts, such as `rack.left`."""
+        """Return the names of an object's parts, such as `rack.left`."""
         return self._parts.get(owner, ())
 
     def there(self, name: str) -> bool:
-        """Whether an object or action is there at all; an action needs its object, and may be left out."""
+        """Whether an object or action is present; an action needs its object, and a counterfactual may omit it."""
         thing = self._things[name]
         if thing.kind == "action":
             change = self.change
@@ -208,11 +208,11 @@ class Values:
         return "present" not in thing.properties or self.flag(name, "present")
 
     def ends(self, joint: str) -> tuple[str, ...]:
-        """The objects that a joint joins: two, or one that it joins to the world."""
+        """Return the objects that a joint connects: two, or one that it connects to the world."""
         return tuple(self.reference(joint, end) for end in ("of", "to") if self.has(joint, end))
 
     def acting(self, verb: str, owner: str) -> list[Thing]:
-        """The actions of a verb that are done to an object."""
+        """Return the actions of a verb on an object."""
         return [
             a for a in self._actions.get(verb, ()) if self.reference(a.name, "object") == owner and self.there(a.name)
         ]
@@ -227,7 +227,7 @@ class Values:
 
     @cached_property
     def assets(self) -> dict[str, tuple[Thing, ...]]:
-        """The links and joints of every asset, without its base, by the name of that."""
+        """Links and joints of every asset without its base, by the name of the base."""
         assets: dict[str, tuple[Thing, ...]] = {}
         for thing in self.spec.things:
             if thing.kind in ("object", "joint") and thing.of:
@@ -236,7 +236,7 @@ class Values:
 
     @cached_property
     def _actions(self) -> dict[str, list[Thing]]:
-        """The actions on objects by their verbs, without those of robots."""
+        """Actions on objects by verb, without those of robots."""
         actions: dict[str, list[Thing]] = {}
         for thing in self.spec.things:
             if thing.kind == "action" and not thing.of:
@@ -245,23 +245,23 @@ class Values:
 
     @cached_property
     def world(self) -> str | None:
-        """The name of the world, if the spec says anything about it."""
+        """Name of the world, or None if the spec does not declare one."""
         return next((t.name for t in self.spec.things if t.kind == "world"), None)
 
     @cached_property
     def gravity(self) -> float:
-        """The acceleration of free fall, m/s²."""
+        """Gravitational acceleration, m/s²."""
         return self.number(self.world, "gravity") if self.world else EARTH
 
     @cached_property
     def end(self) -> float:
-        """When the episode ends (s)."""
+        """End of the episode (s)."""
         return float(self.ref("end"))
 
     # ------------------------------------------------------------ where things are
 
     def pose(self, owner: str) -> Pose:
-        """Where an object is in the world at the start. What rests on something touches it exactly."""
+        """Return the initial pose of an object in the world. A supported object touches its support exactly."""
         return self.once((owner, "pose"), lambda: placement.pose(self, owner))
 
     # ------------------------------------------------------------ working a value out
@@ -282,7 +282,10 @@ class Values:
         if change is not None and change.change == "order" and name == "start":
             return self._turn(change, owner)
         if change is not None and change.value is not None and (change.owner, change.property) == (owner, name):
-            place, value = change.place, _evaluate(change.value, self.truth, change.place)  # said in terms of what was
+            place, value = (
+                change.place,
+                _evaluate(change.value, self.truth, change.place),
+            )  # evaluated without the counterfactual
         elif setting is not None:
             place, value = setting.place, _evaluate(setting.value, self, setting.place)
         elif thing.kind == "part" and name in INHERITED and self.has(thing.of, name):
@@ -290,12 +293,12 @@ class Values:
         elif name in BY_MATERIAL:
             return self._of_material(owner, name)
         else:
-            raise ImpossibleValue(f"`{owner}` does not say its {name}", thing.place)
+            raise ImpossibleValue(f"`{owner}` has no {name}", thing.place)
         self._check(thing, name, value, place)
         return value
 
     def _check(self, thing: Thing, name: str, value: Any, place: Location) -> None:
-        """Complain about numbers that are out of bounds."""
+        """Raise WmsError for numbers that are out of bounds."""
         if isinstance(value, str | bool):
             return
         slot = _slot(thing, name)
@@ -304,7 +307,7 @@ class Values:
                 raise ImpossibleValue(f"`{name}` of `{thing.name}` is {fault}", place)
 
     def _of_material(self, owner: str, name: str) -> Any:
-        """What an object's material decides; a picture on it keeps its own colours."""
+        """Return a property derived from an object's material; an image keeps its own colours."""
         if name != "color":
             return getattr(MATERIALS[self.text(owner, "material")], name)
         return colors.word(
@@ -312,9 +315,9 @@ class Values:
         )
 
     def _turn(self, change: Counterfactual, owner: str) -> Any:
-        """When an action starts if two have exchanged their turns; all others keep their time.
+        """Return the start of an action under a counterfactual that swaps the order of two; others keep theirs.
 
-        The later one takes the start of the earlier one, which now ends when the later one would have.
+        The later one takes the start of the earlier one, which then ends when the later one would have.
         """
         start = self.truth.number(owner, "start")
         if owner not in (change.owner, change.property):
@@ -339,7 +342,7 @@ def _evaluate(expr: Expr, values: Values, place: Location) -> Any:
 
 
 def _fault(number: float, slot: Slot | None) -> str:
-    """What a number is and must not be; empty if it is within bounds."""
+    """Return how a number violates its bounds, or an empty string."""
     if slot and (wanted := slot.fault(number)):
         return f"{told(number, slot.dimension)} here; it must be {wanted}"
     if not math.isfinite(number):

@@ -1,4 +1,4 @@
-"""The dataset card: what a person reads first, and what the Hugging Face hub and `load_dataset` read."""
+"""The dataset card, read by people, by the Hugging Face hub and by `load_dataset`."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.rows import COLUMNS, channels
 from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 
-#: The configuration that has the questions of all tasks, and the columns that all of them have.
+#: The configuration that holds the questions of all tasks, with the columns that all tasks share.
 ALL = "all"
 
-#: What each reason for rejecting a question means.
+#: Explanation of each rejection reason.
 REASONS = {
     "ensure": "what the spec says must happen did not",
     "margin": "the answer is nearer to turning than the spec allows",
@@ -33,19 +33,19 @@ REASONS = {
     "timeout": "the engine took too long, twice",
 }
 
-#: Which questions are kept of several engines, by the consensus asked for.
+#: Description of each consensus setting.
 AGREED: dict[str, str] = {
     "all": "Only questions on which all engines agree are kept.",
     "majority": "Only questions on which more than half of the engines agree are kept, of those engines.",
     "none": "Questions are kept whether the engines agree on them or not; the column `agreement` tells.",
 }
 
-#: The hub's names for numbers of rows: below each bound.
+#: The hub's size categories, each with its upper bound (rows).
 _SIZES = ((10**3, "n<1K"), (10**4, "1K<n<10K"), (10**5, "10K<n<100K"), (10**6, "100K<n<1M"), (10**7, "1M<n<10M"))
 
 
 def card(plan: Plan, total: Summary, scores: Mapping[str, Baselines]) -> str:
-    """The README.md of a finished dataset: YAML for programs, then Markdown for people.
+    """Return the README.md of a finished dataset: YAML metadata followed by Markdown.
 
     `scores` are the baselines of the tasks that have questions.
     """
@@ -66,6 +66,7 @@ def card(plan: Plan, total: Summary, scores: Mapping[str, Baselines]) -> str:
 
 
 def _front(plan: Plan, total: Summary) -> str:
+    """Return the YAML metadata."""
     size = next((name for bound, name in _SIZES if total.rows < bound), "n>10M")
     lines = ["---", "language:", "- en", "license:", *(f"- {json.dumps(name)}" for name in _licenses(plan))]
     lines += ["task_categories:", "- visual-question-answering", "- multiple-choice", "size_categories:", f"- {size}"]
@@ -80,7 +81,7 @@ def _front(plan: Plan, total: Summary) -> str:
 
 
 def configuration(name: str, folder: str) -> list[str]:
-    """A configuration of the hub's: the files of a task, or of all that `*` stands for."""
+    """Return the YAML lines of a configuration: the files of a task, or of all tasks for `*`."""
     path = json.dumps(f"data/{folder}/test-*.parquet")
     return [f"- config_name: {json.dumps(name)}", "  data_files:", "  - split: test", f"    path: {path}"]
 
@@ -92,11 +93,12 @@ def _licenses(plan: Plan) -> list[str]:
 
 
 def example(task: str) -> str:
-    """Where the picture of a task lies in the dataset's folder."""
+    """Return the path of a task's example picture in the dataset folder."""
     return f"{EXAMPLES}/{task}.webp"
 
 
 def _filled(total: Summary) -> list[str]:
+    """Return the names of the tasks that have questions."""
     return [t.name for t in total.tasks if sum(t.rows.values())]
 
 
@@ -104,7 +106,7 @@ def _filled(total: Summary) -> list[str]:
 
 
 def title(total: Summary) -> str:
-    """What the dataset is called."""
+    """Return the title of the dataset."""
     return f"{total.rows:,} questions about a physical world"
 
 
@@ -176,7 +178,7 @@ def _baselines(scores: Mapping[str, Baselines]) -> str:
 
 
 def bibtex(plan: Plan, total: Summary) -> str:
-    """How to cite the dataset."""
+    """Return the BibTeX entry of the dataset."""
     version = plan.versions.get("wmspec", "")
     return (
         f"@misc{{wmspec-{plan.fingerprint[:8]}, title = {{{title(total)}}}, "
@@ -230,7 +232,7 @@ def _domain(factor: Factor) -> str:
 
 
 def plain(value: Level) -> str:
-    """A factor's value as a person writes it."""
+    """Return a factor's value in human notation."""
     if isinstance(value, tuple):
         return f"({', '.join(map(plain, value))})"
     if isinstance(value, bool):

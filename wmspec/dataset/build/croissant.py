@@ -53,7 +53,7 @@ CONTEXT: dict[str, Any] = {
     "transform": "cr:transform",
 }
 
-#: What every column holds, by its name.
+#: Description of every column by name.
 _MEANINGS = {name: meaning for columns in (COLUMNS, *CHANNELS.values()) for name, (_, meaning) in columns.items()}
 
 _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
@@ -61,7 +61,7 @@ _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:
 
 @dataclass(frozen=True)
 class Described:
-    """A task that has questions: its name, its title, and the columns of its rows."""
+    """A task that has questions: its name, title and columns."""
 
     name: str
     title: str
@@ -69,9 +69,9 @@ class Described:
 
 
 def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: str) -> dict[str, Any]:
-    """The metadata as JSON values: a set of files and a record set per task that has questions.
+    """Return the metadata as JSON values: a file set and a record set for each task that has questions.
 
-    `cited` is how to cite it (BibTeX), `published` the day (YYYY-MM-DD).
+    `cited` is the citation (BibTeX), `published` the date (YYYY-MM-DD).
     """
     rows = {t.spec.name: 0 for t in plan.tasks}
     for shard in plan.shards():
@@ -87,7 +87,7 @@ def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: 
 def metadata(
     name: str, description: str, version: str, tasks: Sequence[Described], licenses: Iterable[str]
 ) -> dict[str, Any]:
-    """The metadata of a dataset of these tasks as JSON values."""
+    """Return the metadata of a dataset with the given tasks, as JSON values."""
     described: dict[str, Any] = {
         "@context": CONTEXT,
         "@type": "sc:Dataset",
@@ -127,7 +127,7 @@ def _records(task: Described) -> dict[str, Any]:
 
 
 def _field(task: str, field: pa.Field) -> list[dict[str, Any]]:
-    """The Croissant fields of a column; a list of structs becomes one list per part."""
+    """Return the Croissant fields of a column. A list of structs becomes one field for each member."""
     item = field.type.value_type if pa.types.is_list(field.type) else field.type
     if not pa.types.is_struct(item):
         return [_one(task, field, _TYPES[item])]
@@ -137,7 +137,7 @@ def _field(task: str, field: pa.Field) -> list[dict[str, Any]]:
 
 
 def _one(task: str, column: pa.Field, kind: str, part: str = "", named: str = "") -> dict[str, Any]:
-    """The Croissant field of a column, or of one part of the structs in it."""
+    """Return the Croissant field of a column, or of one member of its structs."""
     name = f"{task}/{column.name}{named}"
     field: dict[str, Any] = {"@type": "cr:Field", "@id": name, "name": name, "dataType": kind}
     if column.name in _MEANINGS:

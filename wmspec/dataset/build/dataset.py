@@ -1,4 +1,4 @@
-"""The folder of a dataset as a whole: begun, gone on with wherever it was left, and finished."""
+"""A dataset being written: creation, resumption and completion of its folder."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
 
 
 class Dataset:
-    """A dataset in the making. One process writes to a folder at a time; use it in a `with` statement.
+    """A dataset being written. One process writes to a folder at a time; use it in a `with` statement.
 
-    `notices` says what was found wrong in the folder and is made again.
+    `notices` lists the damage found in the folder; the damaged parts are made again.
     """
 
     def __init__(self, folder: Path, plan: Plan, lock: int) -> None:
@@ -48,12 +48,11 @@ class Dataset:
 
     @classmethod
     def open(cls, folder: Path, plan: Plan, force: bool = False) -> Dataset:
-        """Begin a dataset, or go on with one of the same plan.
+        """Create a dataset, or resume one of the same plan.
 
-        With `force` a dataset of another plan is removed first. Only files that we write are ever removed.
+        With `force`, a dataset of another plan is removed first. Only files written by wmspec are ever removed.
 
-        Raises:
-            WmsError: the folder holds something else or another plan, is being written to, or cannot be written to.
+        Raises: WmsError: the folder holds something else or another plan, is being written to, or cannot be written to.
         """
         _today()  # if it cannot be told, better now than when all is made
         scratch = folder / files.PROGRESS
@@ -69,7 +68,7 @@ class Dataset:
         return dataset
 
     def close(self) -> None:
-        """Let others write to the folder. Of a dataset that is whole, nothing stays that was there to make it."""
+        """Release the lock. If the dataset is complete, remove its progress files as well."""
         scratch = self.folder / files.PROGRESS
         if self._finished or [path.name for path in scratch.glob("*")] == ["lock"]:
             shutil.rmtree(scratch, ignore_errors=True)
@@ -82,32 +81,29 @@ class Dataset:
         self.close()
 
     def pending(self) -> tuple[Shard, ...]:
-        """The shards that are still to be made."""
+        """The shards still to be made."""
         return tuple(s for s in self.plan.shards() if s.path not in self._records)
 
     def keep(self, shard: Shard, index: int, outcome: Outcome) -> None:
-        """Write down what came of an instance until its shard is whole. Raises WmsError if it cannot be written."""
+        """Save the outcome of an instance until its shard is complete. Raises WmsError if it cannot be written."""
         checkpoint.keep(self.folder, self.plan, shard, index, outcome)
 
     def kept(self, shard: Shard) -> dict[int, Outcome]:
-        """What a run that was stopped kept of a pending shard, by the instances' indices."""
+        """Return the outcomes that an interrupted run saved for a pending shard, by instance index."""
         return checkpoint.kept(self.folder, self.plan, shard)
 
     def write(self, shard: Shard, rows: Iterable[Row], rejected: Iterable[Rejected]) -> None:
-        """Write a shard, whole or not at all, in place of what was kept. `rows` come from `rows.encode`, in any order.
+        """Write a shard atomically and discard its checkpoints. `rows` come from `rows.encode`, in any order.
 
-        Raises:
-            WmsError: it cannot be written.
-            ValueError: a question of the shard is missing, foreign or there twice.
+        Raises: WmsError: it cannot be written. ValueError: a question of the shard is missing, foreign or duplicated.
         """
         self._records[shard.path] = write_shard(self.folder, self.plan, shard, rows=rows, rejected=rejected)
         checkpoint.discard(self.folder, shard)
 
     def finish(self) -> Summary:
-        """Write the card, the Croissant metadata, and last the manifest, which says that the dataset is whole.
+        """Write the card, the Croissant metadata and finally the manifest, which marks the dataset as complete.
 
-        Raises:
-            WmsError: shards are still to be made, or it cannot be written.
+        Raises: WmsError: shards are missing, or a file cannot be written.
         """
         left = self.pending()
         if left:
@@ -124,7 +120,7 @@ class Dataset:
         return total
 
     def _baselines(self) -> dict[str, Baselines]:
-        """The baselines of the tasks that have questions."""
+        """Return the baselines of the tasks that have questions."""
         shards: dict[str, list[Path]] = {}
         for shard in self.plan.shards():
             if self._records[shard.path].rows:
@@ -132,7 +128,7 @@ class Dataset:
         return {name: baselines(paths) for name, paths in shards.items()}
 
     def _published(self) -> str:
-        """The day (YYYY-MM-DD) on which it was first finished, or that SOURCE_DATE_EPOCH says."""
+        """Return the date (YYYY-MM-DD) on which the dataset was first completed, or that of SOURCE_DATE_EPOCH."""
         try:
             there = json.loads(read_bytes(self.folder / files.CROISSANT))
             return str(date.fromisoformat(there["datePublished"]))
@@ -142,6 +138,7 @@ class Dataset:
     # ------------------------------------------------------------ beginning
 
     def _begin(self, force: bool) -> None:
+        """Check the folder, and write the plan if it is new."""
         for part in (self.folder / files.PROGRESS).glob("*.part"):
             part.unlink()  # left by a run that was killed
         there = self._plan()
@@ -166,7 +163,7 @@ class Dataset:
         self._verify()
 
     def _plan(self) -> dict[str, Any] | None:
-        """The plan that the folder holds, as JSON values; None if it holds none, {} if it cannot be read."""
+        """Return the plan in the folder as JSON values; None if there is none, {} if it cannot be read."""
         try:
             record = json.loads(read_bytes(self.folder / files.PLAN))
         except FileNotFoundError:
@@ -176,6 +173,7 @@ class Dataset:
         return record if isinstance(record, dict) else {}
 
     def _clear(self) -> None:
+        """Remove the files of the dataset."""
         for name in (files.MANIFEST, files.CROISSANT):
             (self.folder / name).unlink(missing_ok=True)
         for picture in (self.folder / files.EXAMPLES).glob("*.webp"):
@@ -192,7 +190,7 @@ class Dataset:
         checkpoint.discard_all(self.folder)
 
     def _verify(self) -> None:
-        """Keep the shards whose files are what their records say; the others are made again."""
+        """Mark as done the shards whose files match their records; the others are made again."""
         records = read_records(self.folder, self.plan.shards())
         for shard in self.plan.shards():
             record, path = records.get(shard.path), self.folder / shard.path
@@ -211,18 +209,19 @@ class Dataset:
             self._reopen()
 
     def _reopen(self) -> None:
-        """What the manifest of a dataset says that is whole no more is written down, shard by shard."""
+        """Re-create per-shard records from the manifest of a dataset that lost files."""
         for shard in self.plan.shards():
             if shard.path in self._records and not (self.folder / sidecar(shard)).exists():
                 write_record(self.folder, shard, self._records[shard.path])
         (self.folder / files.MANIFEST).unlink(missing_ok=True)
 
     def _again(self, shard: Shard, why: str) -> None:
+        """Note that a shard is made again."""
         self.notices.append(f"{shard.path} {why}; it is made again")
         (self.folder / sidecar(shard)).unlink(missing_ok=True)
 
     def _unmade(self, shard: Shard, record: Record, again: set[int]) -> None:
-        """Make a shard one that is not whole yet: the instances are kept that are not to be tried again."""
+        """Turn a shard into an incomplete one: keep the outcomes of all instances that are not to be retried."""
         outcomes = read_outcomes(self.folder, shard, record)
         for index in outcomes.keys() - again:
             self.keep(shard, index, outcomes[index])
@@ -235,7 +234,7 @@ class Dataset:
 
 
 def _today() -> str:
-    """The day (YYYY-MM-DD) that SOURCE_DATE_EPOCH says, or this one. Raises WmsError if it says none."""
+    """Return the date (YYYY-MM-DD) of SOURCE_DATE_EPOCH, or the current one. Raises WmsError if it is invalid."""
     said = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         return str(datetime.fromtimestamp(float(said) if said else time.time(), UTC).date())

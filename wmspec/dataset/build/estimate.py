@@ -1,4 +1,4 @@
-"""What a dataset would cost: a few instances of every task are really made, timed, and thrown away."""
+"""Cost estimates: a few instances of every task are made, timed and discarded."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from wmspec.dataset.build.worker import Balance, Job, Outcome, work
 from wmspec.runtime.questions.model import Rejected
 from wmspec.runtime.workers.pool import Effort, Lost, in_order
 
-#: Of a task so many units are tried: what an instance costs may hang on what they differ in, such as how many things.
+#: Number of units timed for a task. The cost of an instance may depend on what differs between units, such as the
+#: number of objects.
 UNITS = 6
-#: Of all of them so many instances, or one piece of each.
+#: Maximum number of instances timed for a task; each unit has at least one piece.
 TRIED = 24
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What a task would take, judged by `tried` of its `instances`.
+    """The estimated cost of a task, from `tried` of its `instances`.
 
-    `seconds` are what one worker needs for an instance, known to within `error` (one standard error, by how units
-    differ; None of a single one of several); `size` is the bytes of an instance's questions in Parquet; `rejected` of
-    the `asked` questions were rejected, so many for each of the `reasons`, with an example. `balance` is what the
-    balance of answers cost, if there is one.
+    `seconds` is the time of one worker for an instance, `error` its standard error over units (None for a single unit
+    of several). `size` is the number of bytes of an instance's questions in Parquet. `rejected` of the `questions` were
+    rejected, with counts in `reasons` and one example each. `balance` is the cost of balancing answers, if any.
     """
 
     task: str
@@ -47,22 +47,22 @@ class Cost:
     balance: Balance | None = None
 
     def hours(self, workers: int) -> float:
-        """How long so many workers need for the whole task, in hours."""
+        """Return the hours that `workers` workers need for the whole task."""
         return self.instances * self.seconds / workers / 3600
 
     def within(self, workers: int) -> float | None:
-        """One standard error of these hours, if it is known."""
+        """Return the standard error of `hours`, or None if unknown."""
         return None if self.error is None else self.instances * self.error / workers / 3600
 
     @property
     def bytes(self) -> float:
-        """What the whole task takes on the disk."""
+        """The size of the whole task on disk."""
         return self.instances * self.size
 
 
 @dataclass(frozen=True)
 class _Trial:
-    """What came of making some pieces of a unit, and the seconds that each took."""
+    """The outcomes of some pieces of a unit, and the seconds that each took."""
 
     seconds: tuple[float, ...]
     outcomes: tuple[Outcome, ...]
@@ -71,7 +71,7 @@ class _Trial:
 
 @dataclass(frozen=True)
 class _Unit:
-    """A unit of a task, so many instances, of which some pieces are tried after `other`, one of the unit before."""
+    """A unit of a task with the pieces to time. `other` is a piece of another unit, made first as a warm-up."""
 
     instances: int
     pieces: list[Piece]
@@ -79,7 +79,7 @@ class _Unit:
 
 
 def estimate(plan: Plan, effort: Effort, progress: Callable[[str, int], None]) -> tuple[Cost, ...]:
-    """Make some instances of units from all over every task, with all workers busy; `progress` is told of each task."""
+    """Make instances of units spread over every task, with all workers busy; `progress` is called for each task."""
     job = job_of(plan, effort)
     own = {task.spec.name: job.of(task.spec.name) for task in plan.tasks}
     todo = [(task.spec.name, unit) for task in plan.tasks for unit in _spread(task, plan.seed)]
@@ -94,14 +94,14 @@ def estimate(plan: Plan, effort: Effort, progress: Callable[[str, int], None]) -
     return tuple(_cost(plan, task, effort, trials[task.spec.name]) for task in plan.tasks)
 
 
-#: The tasks that this worker process has made an instance of: its engines have started and its scenes are known.
+#: The tasks of which this worker has made an instance: engines are started and scenes are cached.
 _warm: set[str] = set()
 
 
 def timed(job: Job, task: str, other: Piece, pieces: Sequence[Piece]) -> _Trial:
-    """Make some pieces; the seconds they took, without what a worker needs once to get going.
+    """Make pieces and return the seconds they took, without the start-up cost of a worker.
 
-    That is for making some `other` instance, because what the same one does would be known already.
+    The warm-up uses `other`, because the results of the same piece would be cached.
     """
     if task not in _warm:
         work(job, task, other)
@@ -117,7 +117,7 @@ def timed(job: Job, task: str, other: Piece, pieces: Sequence[Piece]) -> _Trial:
 
 
 def _spread(task: Task, seed: int) -> Iterator[_Unit]:
-    """Units from all over a task, all if they are few."""
+    """Yield units spread over a task; all units if they are few."""
     every = list(units(task.spec, seed, task.indices))
     tried = min(UNITS, len(every))
     for i in range(tried):
@@ -127,15 +127,20 @@ def _spread(task: Task, seed: int) -> Iterator[_Unit]:
 
 
 def _few(unit: list[Piece], most: int) -> list[Piece]:
-    """The first pieces of a unit, of so many instances at most: the others share as the last of these do."""
+    """Return the first pieces of a unit, with at most `most` instances in all.
+
+    The remaining pieces share as much as the last of these.
+    """
     return [piece for number, piece in enumerate(unit) if number == 0 or _size(unit[: number + 1]) <= most]
 
 
 def _size(unit: Sequence[Piece]) -> int:
+    """Return the number of instances of a unit."""
     return sum(map(len, unit))
 
 
 def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Trial | Lost]]) -> Cost:
+    """Return the estimate of a task from its trials."""
     whole = [trial for _, trial in trials if isinstance(trial, _Trial)]
     outcomes = [outcome for trial in whole for outcome in trial.outcomes]
     rows = [row for outcome in outcomes for row in outcome.rows]
@@ -165,7 +170,7 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
 
 
 def _seconds(unit: _Unit, trial: _Trial | Lost, effort: Effort) -> float:
-    """What a whole unit would take: its first piece finds nothing known, and the others are like those tried."""
+    """Return the time of a whole unit: its first piece has no cache to use, the others cost as much as those timed."""
     if isinstance(trial, Lost):
         return 2 * effort.timeout * unit.instances if trial.kind == "timeout" else 0.0  # each is tried twice
     first, others = len(unit.pieces[0]), _size(unit.pieces[1:])
@@ -174,7 +179,7 @@ def _seconds(unit: _Unit, trial: _Trial | Lost, effort: Effort) -> float:
 
 
 def _rate(costs: list[tuple[float, int]], instances: int) -> tuple[float, float | None]:
-    """Seconds for each of so many `instances`, by what units take and how many they are, and the standard error."""
+    """Return the seconds for each instance and the standard error, from (seconds, instances) of units."""
     number, made = len(costs), sum(count for _, count in costs)
     rate = sum(seconds for seconds, _ in costs) / made
     if made == instances:

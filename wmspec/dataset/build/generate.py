@@ -1,7 +1,7 @@
-"""Making a dataset: instances go to worker processes and are kept one by one until their shard is whole and written.
+"""Generation: worker processes make instances, which are saved one by one until their shard is complete.
 
-What goes wrong with an instance costs that one, or its group if that is made as a whole; it is recorded with the
-reason. A worker that crashes or hangs tries it once more, and so does the next run: that may have been the machine's.
+A failure costs one instance, or its group if that is made as a whole, and is recorded with its reason. After a crash or
+timeout the instance is retried once, and again by the next run, since the machine may be the cause.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ from wmspec.runtime.workers.pool import Effort, Lost, by_units
 
 @dataclass(frozen=True)
 class Spent:
-    """How much of the work was shared, and what the balance of answers cost, by task."""
+    """Cache statistics, and the cost of balancing answers by task."""
 
     shared: Sharing = field(default_factory=Sharing)
     balance: dict[str, Balance] = field(default_factory=dict)
 
 
 def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> Spent:
-    """Make every pending shard, but for what was made `before`, or was kept by a run that was stopped.
+    """Make every pending shard, except instances found in `before` or saved by an interrupted run.
 
-    `progress` is told the task and the number of its instances that were finished.
+    `progress` is called with a task and the number of its instances that were finished.
     """
     plan = dataset.plan
     pending = dataset.pending()
@@ -63,7 +63,7 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
 
 
 class _Making:
-    """A shard in the making: what is missing of it, and what is not kept on the disk because it failed."""
+    """A shard being made: its missing instances, and failures, which are not saved on disk."""
 
     def __init__(self, dataset: Dataset, shard: Shard, before: Before) -> None:
         self.shard, self.task = shard, shard.task.spec.name
@@ -73,7 +73,7 @@ class _Making:
         self._failed: dict[int, Outcome] = {}
 
     def keep(self, index: int, outcome: Outcome) -> None:
-        """Write down what came of an instance, and the shard if it was the last."""
+        """Save the outcome of an instance, and write the shard after the last one."""
         self._dataset.keep(self.shard, index, outcome)
         if passing(outcome.rejected):
             self._failed[index] = outcome
@@ -81,7 +81,7 @@ class _Making:
         self.finish()
 
     def finish(self) -> None:
-        """Write the shard if nothing of it is missing."""
+        """Write the shard if no instance is missing."""
         if not self.missing:
             made = self._dataset.kept(self.shard) | self._failed | self._before.outcomes(self.shard)
             rows = [row for outcome in made.values() for row in outcome.rows]
@@ -89,7 +89,7 @@ class _Making:
 
 
 def _units(job: Job, plan: Plan, making: Iterable[_Making]) -> Iterator[list[tuple[Job, str, Piece]]]:
-    """What the workers get, one task after the other."""
+    """Yield the work of all tasks in order, one unit of pieces at a time."""
     for task, shards in groupby(making, key=lambda one: one.task):
         of_task = list(shards)
         wanted = [index for one in of_task for index in one.shard.indices if index in one.missing]
@@ -100,7 +100,7 @@ def _units(job: Job, plan: Plan, making: Iterable[_Making]) -> Iterator[list[tup
 
 
 def job_of(plan: Plan, effort: Effort) -> Job:
-    """What the workers are told; called before they start."""
+    """Return the settings of the workers; call it before they start."""
     if effort.workers > 1:  # Mesa's software renderer would start a thread per core in every worker
         os.environ.setdefault("LP_NUM_THREADS", "0")
     tasks = tuple((t.spec.name, to_json(t.spec)) for t in plan.tasks)
@@ -108,7 +108,7 @@ def job_of(plan: Plan, effort: Effort) -> Job:
 
 
 def nothing(plan: Plan, spec: TaskSpec, index: int, lost: Lost) -> Outcome:
-    """What is recorded of an instance that came to nothing: all its questions are rejected in all engines."""
+    """Return the outcome of a failed instance: every question is rejected in every engine."""
     rejected = (
         Rejected(spec.name, index, q, engine, lost.kind, lost.reason)
         for engine in plan.engines

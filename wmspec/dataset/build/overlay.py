@@ -1,4 +1,4 @@
-"""What helps a person to read a picture: the names of things, and the ways that they have come."""
+"""Annotations of a picture: names of objects and the paths they have taken."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from wmspec.sim.scene.model import Array, Frame, Scene, Shot, Trace
 from wmspec.sim.scene.render.camera import project, world_camera
 
 FINE = 3
-"""Lines are drawn so many times larger, for smooth edges."""
+"""Supersampling factor of lines, for smooth edges."""
 
 WAY, HALO, INK = (255, 255, 255), (20, 22, 24), (255, 255, 255)
 STEP = 1 / 60
-"""Seconds from point to point of a way."""
+"""Time step between points of a path (s)."""
 
 
 def annotated(frame: Frame, scene: Scene, trace: Trace, camera: str, time: float) -> Image.Image:
-    """The picture with the name of everything that moves or may be moved, and its way up to `time` (s)."""
+    """Return the picture with the name of every object that moves or can move, and its path up to `time` (s)."""
     picture = Image.fromarray(frame.rgb)
     width, height = picture.size
     over = Image.new("RGBA", (FINE * width, FINE * height))
@@ -38,7 +38,7 @@ def annotated(frame: Frame, scene: Scene, trace: Trace, camera: str, time: float
 
 
 def _way(scene: Scene, trace: Trace, camera: str, body: int, time: float, size: tuple[int, int]) -> Iterator[Array]:
-    """The visible pieces of a body's way, in pixels (n, 2); a body that has not come far has none."""
+    """Yield the visible pieces of a body's path in pixels (n, 2); none for a body that barely moved."""
     last = trace.sample(time)
     samples = np.unique(np.append(np.arange(0, last, max(1, round(STEP / _tick(trace)))), last))
     places = trace.position[samples, body]
@@ -53,11 +53,12 @@ def _way(scene: Scene, trace: Trace, camera: str, body: int, time: float, size: 
 
 
 def _tick(trace: Trace) -> float:
+    """Return the time step of a trace (s)."""
     return float(trace.time[1] - trace.time[0]) if len(trace.time) > 1 else STEP
 
 
 def _name(draw: ImageDraw.ImageDraw, name: str, mask: Array, height: int) -> None:
-    """The name above what is seen of a body."""
+    """Draw a name above the visible part of a body."""
     rows, columns = np.nonzero(mask)
     if not len(rows):
         return

@@ -1,4 +1,4 @@
-"""Reading a dataset that is finished: its manifest, its rows in order, and the units of its columns."""
+"""Reading finished datasets: manifest, rows in order, units of columns."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from wmspec.dataset.build.plan import fingerprint
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.schema import columns_fault, manifest_fault, pictures_fault, row_fault
 
-#: The columns that hold pictures to be looked at, as a list of {bytes, path}.
+#: The columns with pictures, as lists of {bytes, path}.
 PICTURES = ("context", "option_image")
-#: Columns for programs, which are large.
+#: Large columns for programs, not read by default.
 CHANNELS = ("context_depth", "context_ids")
 
-#: What mends a dataset.
+#: Remedy for a damaged dataset.
 MENDED = "give the command that made the dataset again (`wmspec generate ... -o FOLDER`), it is mended then"
 
 
@@ -37,7 +37,7 @@ class DatasetReader:
 
     @classmethod
     def open(cls, folder: Path) -> DatasetReader:
-        """Raises WmsError if there is no finished dataset in the folder, or if its manifest is damaged."""
+        """Open a dataset. Raises WmsError if the folder holds no finished dataset or its manifest is damaged."""
         place = folder / files.MANIFEST
         try:
             manifest = json.loads(read_bytes(place))
@@ -51,9 +51,9 @@ class DatasetReader:
         return cls(folder, manifest)
 
     def damaged(self) -> dict[str, str]:
-        """The files of rows that are not what the manifest says, by path, each with what is wrong with it.
+        """Return the Parquet files that do not match the manifest, by path, each with the problem.
 
-        Those too that the manifest does not know, but whoever loads the folder finds. Reads all of them.
+        Includes files that the manifest does not list but `load_dataset` would find. Reads all files.
 
         Raises WmsError if a file may not be read.
         """
@@ -67,7 +67,7 @@ class DatasetReader:
         return wrong
 
     def intact(self) -> None:
-        """Raises WmsError, which names the first shards that are damaged, if some are."""
+        """Raise WmsError with the first damaged shards, if any."""
         wrong = [f"{self.folder / path} {why}" for path, why in self.damaged().items()]
         if wrong:
             more = f", and {len(wrong) - 3:,} more are damaged" if len(wrong) > 3 else ""
@@ -75,24 +75,24 @@ class DatasetReader:
 
     @property
     def tasks(self) -> tuple[str, ...]:
-        """The tasks' names, in order."""
+        """The names of the tasks, in order."""
         return tuple(self.manifest["tasks"])
 
     @property
     def engines(self) -> tuple[str, ...]:
-        """The engines' names, in order."""
+        """The names of the engines, in order."""
         return tuple(self.manifest["engines"])
 
     def shards(self, task: str) -> tuple[str, ...]:
-        """The paths of a task's shards in the folder."""
+        """Return the paths of a task's shards in the folder."""
         return tuple(path for path in self.manifest["shards"] if path.startswith(f"data/{task}/"))
 
     def columns(self, task: str) -> tuple[str, ...]:
-        """The names of a task's columns; none if it has no rows. Raises WmsError if a shard cannot be read."""
+        """Return the names of a task's columns; empty if it has no rows. Raises WmsError if a shard cannot be read."""
         return tuple(n for path in self.shards(task)[:1] for n in _opened(self.folder / path).schema_arrow.names)
 
     def units(self, task: str) -> dict[str, str]:
-        """The SI unit of every column that has one. Raises WmsError if a shard cannot be read."""
+        """Return the SI unit of every column that has one. Raises WmsError if a shard cannot be read."""
         return {
             field.name: field.metadata[b"unit"].decode()
             for path in self.shards(task)[:1]
@@ -103,9 +103,9 @@ class DatasetReader:
     def rows(
         self, task: str, columns: Sequence[str] | None = None, only: Collection[int] | None = None
     ) -> Iterator[Row]:
-        """The rows of a task in order, few in memory at a time: of all instances, or `only` of those named.
+        """Yield the rows of a task in order, few in memory at a time: of all instances, or of those in `only`.
 
-        All columns but those of channels, if none are named. Raises WmsError if a shard cannot be read.
+        Without `columns`, all except the channels. Raises WmsError if a shard cannot be read.
         """
         for path in self.shards(task):
             file = _opened(self.folder / path)
@@ -119,19 +119,19 @@ class DatasetReader:
                 raise _unreadable(self.folder / path, error) from None
 
     def _check(self, path: str, number: int, row: Row, task: str) -> None:
-        """Raise WmsError, which names the file and the row, if a row is none that wmspec writes."""
+        """Raise WmsError, with file and row, if a row is invalid."""
         if fault := row_fault(row, task, self.engines) or pictures_fault(row, PICTURES):
             raise WmsError(f"row {number + 1}: {fault}", FilePlace(str(self.folder / path)), MENDED)
 
 
 def foreign(folder: Path, known: Collection[str]) -> list[str]:
-    """The files that are loaded as rows of a folder, as its card says, and are none of those known, in order."""
+    """Return the files that `load_dataset` would load from a folder and that are not in `known`, in order."""
     there = (path.relative_to(folder).as_posix() for path in sorted(folder.glob("data/*/test-*.parquet")))
     return [path for path in there if path not in known]
 
 
 def plan_beside(folder: Path) -> dict[str, Any]:
-    """What `plan.json` says; empty where a dataset came without one, or with what is none."""
+    """Return the content of `plan.json`; empty if it is missing or invalid."""
     try:
         plan = json.loads(read_bytes(folder / files.PLAN))
     except (OSError, ValueError, RecursionError):
@@ -140,7 +140,7 @@ def plan_beside(folder: Path) -> dict[str, Any]:
 
 
 def _planned(folder: Path, manifest: dict[str, Any]) -> None:
-    """Raise WmsError if a manifest says otherwise than the plan beside it."""
+    """Raise WmsError if a manifest contradicts the plan in its folder."""
     plan = plan_beside(folder)
     same = all(plan[key] == manifest[key] for key in plan.keys() & {"seed", "engines", "size", "consensus", "versions"})
     if plan and not (same and fingerprint(plan) == manifest.get("fingerprint")):
@@ -149,6 +149,7 @@ def _planned(folder: Path, manifest: dict[str, Any]) -> None:
 
 
 def _digest(path: Path) -> str:
+    """Return the SHA-256 of a file. Raises WmsError if it may not be read."""
     try:
         return files.digest(path)
     except OSError as error:
@@ -158,7 +159,7 @@ def _digest(path: Path) -> str:
 def _group(
     file: pq.ParquetFile, group: int, columns: Sequence[str], only: Collection[int] | None
 ) -> Iterator[tuple[int, Row]]:
-    """The rows of a group, each with its number in the file."""
+    """Yield the rows of a row group, each with its number in the file."""
     if only is not None and not set(file.read_row_group(group, ["index"])["index"].to_pylist()) & set(only):
         return
     before = sum(file.metadata.row_group(g).num_rows for g in range(group))
@@ -168,6 +169,7 @@ def _group(
 
 
 def _opened(path: Path) -> pq.ParquetFile:
+    """Open a Parquet file and check its columns."""
     try:
         file = pq.ParquetFile(regular_file(path))
         fault = columns_fault(file.schema_arrow)

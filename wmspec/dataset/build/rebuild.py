@@ -1,4 +1,4 @@
-"""The plan of a folder that has lost it, from its manifest and what its files say."""
+"""Recovers the plan of a folder that has lost it, from its manifest and rows."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from wmspec.dataset.build.reader import DatasetReader
 
 
 def rebuilt(folder: Path, like: Plan) -> dict[str, Any] | None:
-    """The record of the plan by which a folder was made; None if it has no manifest, or one that says something else.
+    """Return the record of the plan by which a folder was made; None if its manifest is missing or contradicts `like`.
 
-    Which instances the tasks have is in the rows and among the rejections; all else is as in the plan `like`, which the
-    fingerprint in the manifest proves.
+    The instances of tasks are found in rows and rejections; everything else comes from the plan `like`. The fingerprint
+    in the manifest confirms the result.
     """
     if not (folder / files.MANIFEST).exists():
         return None
@@ -37,12 +37,13 @@ def rebuilt(folder: Path, like: Plan) -> dict[str, Any] | None:
 
 
 def _plans(like: Plan, known: dict[str, Task], asked: dict[str, list[int]]) -> list[Plan]:
+    """Return candidate plans."""
     tasks = tuple(Task(task.spec, tuple(asked[name])) for name, task in known.items() if name in asked)
     return [replace(like, tasks=tasks)]
 
 
 def _indices(dataset: DatasetReader, task: str) -> list[int]:
-    """The instances of a task, in order."""
+    """Return the instances of a task, in order."""
     asked = {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task}
     for path in dataset.shards(task):
         asked.update(pq.read_table(regular_file(dataset.folder / path), columns=["index"])["index"].to_pylist())

@@ -1,4 +1,4 @@
-"""What a manifest has, and what the rows of a task have: held against what somebody's folder says."""
+"""Validation of manifests and rows that come from elsewhere."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wmspec.dataset.build.pictures import form
 from wmspec.dataset.build.rows import COLUMNS, Row
 from wmspec.runtime.questions.consensus import Consensus
 
-#: Where a shard lies: its task is a name, and so it is in the folder.
+#: The path of a shard, which contains the name of its task.
 SHARD = re.compile(r"data/(\w[\w.-]{0,99})/test-\d{5}-of-\d{5}\.parquet")
 
 _Name = Annotated[str, StringConstraints(pattern=r"^\w[\w.-]{0,99}$")]
@@ -69,7 +69,7 @@ class _Manifest(_Strict):
 
 
 def manifest_fault(manifest: Any) -> str:
-    """What is wrong with a manifest as JSON values: empty if nothing is."""
+    """Return the first problem of a manifest (JSON values), or ''."""
     try:
         _Manifest.model_validate(manifest)
     except ValidationError as error:
@@ -80,6 +80,7 @@ def manifest_fault(manifest: Any) -> str:
 
 
 def _miscounted(manifest: Any) -> str:
+    """Return the first contradiction between the counts of a manifest, or ''."""
     kept = Counter[str]()
     for path, shard in manifest["shards"].items():
         kept[path.split("/")[1]] += shard["rows"]
@@ -96,14 +97,14 @@ def _miscounted(manifest: Any) -> str:
     return "" if lost == Counter(manifest["rejected"]["count"]) else "its rejections are not those that it counts"
 
 
-#: Columns that every file of rows has, and every row a value in.
+#: Columns that every Parquet file has, with a value in every row.
 _NEEDED = (
     "id", "task", "dimension", "index", "question", "engine", "renderer", "text", "context", "context_camera",
     "context_time", "option_image", "option_kind", "option_name", "option_change", "measured", "agreement",
 )  # fmt: skip
-#: What of these is said by the schema to be there, but not in each of the list.
+#: List columns whose items may be null.
 _HOLED = ("option_change", "context_time")
-#: Lists that are as long as one another.
+#: Groups of lists with equal length.
 _TOGETHER = (
     ("context", "context_camera", "context_time"),
     ("option_kind", "option_name", "option_change"),
@@ -111,7 +112,7 @@ _TOGETHER = (
 
 
 def columns_fault(columns: pa.Schema) -> str:
-    """What is wrong with the columns of a file of rows: empty if nothing is."""
+    """Return the first problem of the columns of a Parquet file, or ''."""
     if twice := [name for name, count in Counter(columns.names).items() if count > 1]:
         return f"it has two columns `{twice[0]}`"
     if missing := [name for name in _NEEDED if name not in columns.names]:
@@ -123,7 +124,7 @@ def columns_fault(columns: pa.Schema) -> str:
 
 
 def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
-    """What is wrong with a row, of which some columns were read: empty if nothing is."""
+    """Return the first problem of a row of which some columns were read, or ''."""
     for name in _NEEDED:
         value = row.get(name, "")
         if value is None or (isinstance(value, list) and name not in _HOLED and None in value):
@@ -143,6 +144,7 @@ def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
 
 
 def _options_fault(row: Row) -> str:
+    """Return the first problem of a row's options, or ''."""
     if not row.keys() >= {"option_text", "option_image", "option_kind", "answer"}:
         return ""
     pictured, told, kinds = row["option_image"], row["option_text"] or [], row["option_kind"]
@@ -155,7 +157,7 @@ def _options_fault(row: Row) -> str:
 
 
 def pictures_fault(row: Row, names: Iterable[str]) -> str:
-    """What is wrong with the pictures of a row, but for what only decoding them tells: empty if nothing is."""
+    """Return the first problem of a row's pictures that shows without decoding, or ''."""
     for name in names:
         for number, each in enumerate(row.get(name) or ()):
             if not form(each.get("bytes")):

@@ -1,4 +1,4 @@
-"""A contact sheet of a dataset: a few instances of each task, engine under engine, to be understood at a glance."""
+"""Contact sheets: a few instances of each task, with one row for each engine."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.typeset import BLACK, GREEN, GREY, PALE, Picture, Style
 from wmspec.dataset.build.words import human, reading
 
-#: The width of everything on the sheet (px), and of what is in its columns.
+#: The width of the sheet and of its columns, margins and gaps (px).
 WIDTH, MARGIN, ENGINE, GAP, PARTING, ROOM = 2000, 56, 150, 10, 44, 6
 LARGEST, WORDS = 384, 430
 
-#: What is kept, by the consensus asked for.
+#: Description of each consensus setting.
 AGREED = {"all": "; only what all of them agree on", "majority": "; only what most of them agree on", "none": ""}
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -33,9 +33,9 @@ NAME, TRUE = Style(20, bold=True), Style(20, GREEN, bold=True)
 
 
 def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = None) -> Picture:
-    """A sheet, 2000 px wide, with `count` instances of each task (or of the named ones) of a finished dataset.
+    """Return a sheet, 2000 px wide, with `count` instances of each task (or of the named ones).
 
-    Raises WmsError if there is no finished dataset in the folder, if it is damaged, or has no such task.
+    Raises WmsError if the folder holds no finished dataset, a damaged one, or none with such a task.
     """
     dataset = DatasetReader.open(folder)
     manifest = dataset.manifest
@@ -50,7 +50,7 @@ def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = No
 
 
 def question_of(dataset: DatasetReader, task: str) -> Picture | None:
-    """One question of a task, in the first engine that asks it, 2000 px wide; None if it has none.
+    """Return one question of a task in the first engine that has it, 2000 px wide; None if the task has none.
 
     Raises WmsError if a shard cannot be read.
     """
@@ -91,7 +91,10 @@ def _kept(about: dict[str, Any]) -> str:
 
 
 def _picked(dataset: DatasetReader, task: str, count: int) -> Iterator[tuple[list[Row], dict[str, str]]]:
-    """The rows of `count` questions, engine by engine, spread over the task; those that all engines ask come first."""
+    """Yield the rows of `count` questions, engine by engine, spread over the task.
+
+    Questions that all engines have come first.
+    """
     units = dataset.units(task)
     chosen = _spread(list(dataset.rows(task, ["index", "question", "engine"])), count)
     rows = [_decoded(row) for row in dataset.rows(task, only={index for index, _ in chosen})]
@@ -134,14 +137,14 @@ def _question(rows: list[Row], units: dict[str, str]) -> Picture:
 
 
 def _factors(row: Row, units: dict[str, str]) -> str:
-    """The instance in words: its factors, then its nuisances."""
+    """Return the factors and nuisances of an instance in words."""
     named = [(name, value) for name, value in row.items() if name.startswith(("factor.", "nuisance."))]
     values = "  ·  ".join(f"{name.partition('.')[2]} {human(value, units.get(name, ''))}" for name, value in named)
     return f"instance {row['index']}:  {values}"
 
 
 def _side(row: Row) -> int:
-    """How wide every picture of a question is drawn (px)."""
+    """Return the width of the pictures of a question (px)."""
     shown, choices = len(row["context"]), len(row["option_image"])
     words = 0 if choices else WORDS
     free = _inside() - ENGINE - PARTING - 2 * GAP - words - (shown + choices) * (GAP + 2 * ROOM)
@@ -153,7 +156,7 @@ def _side(row: Row) -> int:
 
 @dataclass(frozen=True)
 class _Heading:
-    """What stands above the pictures of a row: of the context when and where, of the options kind, name and change."""
+    """The captions of a row: camera and time for context pictures; kind, name and change for options."""
 
     context: tuple[str, ...]
     options: tuple[tuple[str, str, str], ...]
@@ -230,7 +233,7 @@ def _sized(picture: Picture, side: int) -> Picture:
 
 
 def _reasons(rows: list[Row]) -> Picture:
-    """Why the answer is the answer, once for all engines that measured the same."""
+    """Return the explanation of the answer, once for all engines that measured the same."""
     engines_by_reason: dict[str, list[str]] = {}
     for row in rows:
         engines_by_reason.setdefault(_reason(row), []).append(row["engine"])

@@ -1,9 +1,9 @@
-"""Which instances go to a worker together: those that share episodes and pictures.
+"""Batching: groups instances that share episodes and pictures, so that one worker makes them together.
 
-What would have happened is what happens in a neighbour: instances that differ only in what counterfactuals change have
-the same episodes, and those that differ in looks besides have the same physics. Whatever else differs in a control
-group, it shares a place, its light and most of its things. This is worked out from the spec alone; were it wrong, some
-episode would be executed twice, and nothing else would come of it.
+A counterfactual of an instance is the episode of a neighbour. Instances that differ only in what counterfactuals change
+share episodes; those that also differ in appearance share physics. Other members of a control group share the place,
+its light and most objects. All this follows from the spec alone. An error here would cost repeated episodes but change
+no result.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from wmspec.core.limits import MAX_DRAWS
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.runtime.questions.closed_sets import has_closed_set
 
-#: A unit has so many instances at most (but a closed set is never parted): what a worker gets at a time.
+#: Maximum number of instances in a unit; closed sets are never split.
 MOST = 32
 
-#: Instances that are made together: one, those of a closed set, or those among which answers are balanced.
+#: Instances made together: one, those of a closed set, or those among which answers are balanced.
 Piece = tuple[int, ...]
 
 
 def units(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Piece]]:
-    """The pieces of every unit, in the order in which they share most; every index comes once."""
+    """Yield the pieces of every unit, ordered by how much they share; every index occurs once."""
     design = Design(spec, seed)
     if spec.plan.balance:
         laps: dict[tuple[int, ...], list[int]] = {}
@@ -54,7 +54,7 @@ def units(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Pi
 
 
 def _pieces(design: Design, indices: Sequence[int]) -> Iterable[Piece]:
-    """What is asked at a time: an instance, or what is wanted of a group that is asked as a whole."""
+    """Return the pieces: single instances, or the requested members of a group that is made as a whole."""
     if not has_closed_set(design.spec):
         return ((index,) for index in indices)
     groups: dict[int, list[int]] = {}
@@ -64,12 +64,12 @@ def _pieces(design: Design, indices: Sequence[int]) -> Iterable[Piece]:
 
 
 def weight(spec: TaskSpec, piece: Piece) -> int:
-    """How many instances may have to be made for a piece."""
+    """Return the number of instances that a piece may require."""
     return len(piece) * (MAX_DRAWS if spec.plan.balance else 1)
 
 
 class _Kin:
-    """What the instances of a task have in common that share episodes."""
+    """Keys of the instances of a task that share episodes."""
 
     def __init__(self, design: Design) -> None:
         spec, depend = design.spec, Dependencies(design.spec)
@@ -81,20 +81,22 @@ class _Kin:
         self._drawn = bool({factor.name for factor in design.nuisances} & felt)
 
     def unit(self, instance: Instance) -> object:
-        """Alike where instances belong together: by what they draw, if physics reads that, or else by their physics."""
+        """Return the key of instances that belong to one unit: their draws if physics depends on draws, else their
+        physics.
+        """
         return instance.key if self._drawn else self.physics(instance)
 
     def physics(self, instance: Instance) -> object:
-        """Alike where instances that belong together may share physics."""
+        """Return the key of instances of a unit that may share physics."""
         return tuple(instance.factors[name] for name in self._physics)
 
     def looks(self, instance: Instance) -> object:
-        """Alike where they may share pictures as well."""
+        """Return the key of instances that may share pictures as well."""
         return (instance.key, *(instance.factors[name] for name in self._looks))
 
 
 def _felt(design: Design) -> set[str]:
-    """The sources of what physics reads; those of everything if the first instance cannot be staged."""
+    """Return the variables that physics depends on; all variables if the first instance cannot be staged."""
     instance = design[0]
     try:
         document = built(Values(design.spec, instance.values, None, instance.key))
@@ -104,7 +106,7 @@ def _felt(design: Design) -> set[str]:
 
 
 def _sources(document: Document) -> Iterator[str]:
-    """What decides the properties of a stage that physics reads."""
+    """Yield the variables that determine physics properties of a stage."""
     for path, prim in document.prims.items():
         seen_only = path.startswith(("/World/Cameras", "/World/Lights", "/World/Episode/Observations"))
         if seen_only:

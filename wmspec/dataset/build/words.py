@@ -1,4 +1,4 @@
-"""Values with their units, as people read them."""
+"""Values with units for people."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Any
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.types.types import TRUTH, Quantity, Vector
 
-#: SI units that people read better in another: its sign, and how many of it make one.
+#: SI units with a more readable unit: its sign and scale.
 READABLE = {"m": ("cm", 100.0), "rad": ("°", 180 / math.pi), "kg": ("g", 1000.0), "m/s": ("cm/s", 100.0)}
 
 
 def human(value: Any, unit: str = "") -> str:
-    """A value in SI units in words: `20 cm/s`, `yes`, `red`, `(10, 20) cm`; a dash for none."""
+    """Return a value in SI units as text: `20 cm/s`, `yes`, `red`, `(10, 20) cm`; a dash for None."""
     if value is None:
         return "–"
     if isinstance(value, bool):
@@ -35,7 +35,7 @@ def _spaced(sign: str) -> str:
 
 
 def reading(name: str, value: float) -> str:
-    """A measured value in the unit of the function that measured it, such as `speed(ball)`."""
+    """Return a measured value in the unit of the measuring function, such as `speed(ball)`."""
     function = FUNCTIONS.get(name.partition("(")[0])
     if function is not None and function.result == TRUTH:
         return human(bool(value))

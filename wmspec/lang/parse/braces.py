@@ -39,10 +39,10 @@ def repair_indented_block(source: Source, tokens: Sequence[Token], stuck: int) -
         (j for j in inner if _begins_line(tokens, j) and _indent(source, tokens[j].line) <= deep), len(tokens) - 1
     )
     closed = tokens[end].type == "RBRACE" and _indent(source, tokens[end].line) == deep
-    what = "`:` opens no block" if colon else "`{` is missing here"
+    message = "`:` opens no block" if colon else "`{` is missing here"
     help = "write `{`" if closed else "write `{`, and `}` where it ends"
     opened = (tokens[i]._replace(type="LBRACE", text="{"),)
-    return Repair(i, i + colon, opened, what, help, 0.5, missing=not colon, closes=None if closed else end)
+    return Repair(i, i + colon, opened, message, help, 0.5, missing=not colon, closes=None if closed else end)
 
 
 def _begins_line(tokens: Sequence[Token], i: int) -> bool:

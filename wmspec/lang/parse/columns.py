@@ -58,8 +58,8 @@ def _align(run: list[FormattedLine], width: int) -> list[str]:
         first = 0
         for part in _runs(run, cell + 2):
             here = range(first, first + len(part))
-            wanted = max(len(row.cells[cell].text) if cell < len(row.cells) else 0 for row in part)
-            wider = {i: widths[i] | {cell: wanted} for i in here}
+            width_needed = max(len(row.cells[cell].text) if cell < len(row.cells) else 0 for row in part)
+            wider = {i: widths[i] | {cell: width_needed} for i in here}
             if all(len(_text(run[i], wider[i])) <= width or not fits[i] for i in here):
                 widths[first : first + len(part)] = wider.values()
             first += len(part)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 from wmspec.lang.parse.lexer import Token
-from wmspec.lang.parse.repair_candidates import UNITS, RepairSite, Repair
+from wmspec.lang.parse.repair_candidates import UNITS, Repair, RepairSite
 from wmspec.lang.parse.tables import tables
 
 #: Keywords of other languages and their equivalents; the first that fits the place applies.
@@ -76,8 +76,8 @@ def _colon(place: RepairSite) -> Iterator[Repair]:
 def _quoted_name(place: RepairSite) -> Iterator[Repair]:
     """A name in quotes: `use "room"`."""
     name = place.word.text.strip('"').removesuffix(".wms")
-    wanted = "NAME" in place.accepted and "STRING" not in place.accepted
-    if place.word.type == "STRING" and wanted and name.isidentifier():
+    name_expected = "NAME" in place.accepted and "STRING" not in place.accepted
+    if place.word.type == "STRING" and name_expected and name.isidentifier():
         made = place.word._replace(type="NAME", text=name)
         yield place.instead(made, message="a name has no quotes", help=f"write `{name}`", cost=0.5)
 

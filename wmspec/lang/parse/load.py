@@ -12,7 +12,7 @@ from typing import TypeVar
 from wmspec.core.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
 from wmspec.core.places import Location, Place, Source, Span
 from wmspec.lang.parse import library_cache
-from wmspec.lang.parse.files import find_library, library_folder, resolve_display_path, read_source, search_path
+from wmspec.lang.parse.files import find_library, library_folder, read_source, resolve_display_path, search_path
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import File, Name, Statement, Task, Use, Variant
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source, Span
-from wmspec.lang.parse.braces import repair_indented_block, balance_braces
+from wmspec.lang.parse.braces import balance_braces, repair_indented_block
 from wmspec.lang.parse.build import build_expression, build_file
 from wmspec.lang.parse.confusables import replace_confusables
 from wmspec.lang.parse.lexer import Token, tokenize
 from wmspec.lang.parse.lr_parser import END, LRParser, Tree
-from wmspec.lang.parse.quotes import repair_quotes, join_lines
+from wmspec.lang.parse.quotes import join_lines, repair_quotes
 from wmspec.lang.parse.recover import drop_unreadable, recover
-from wmspec.lang.parse.repair import repair, apply_repair, keeps_names
+from wmspec.lang.parse.repair import apply_repair, keeps_names, repair
 from wmspec.lang.parse.repair_candidates import short_text
 from wmspec.lang.parse.syntax import Expr, File
 from wmspec.lang.parse.tables import tables
@@ -66,8 +66,8 @@ def _run(source: Source, start: str, where: Span, report: Report) -> tuple[Tree 
     for _ in range(max(2, min(MAX_REPAIRS, MAX_REREAD_TOKENS // len(tokens)))):
         if stuck == len(tokens):
             break
-        tokens, mended = _repair_error(source, start, machine, tokens, stuck, report)
-        whole = whole and mended
+        tokens, names_kept = _repair_error(source, start, machine, tokens, stuck, report)
+        whole = whole and names_kept
         machine, stuck = _parse_prefix(start, tokens)
     while stuck < len(tokens):
         whole = False
@@ -169,17 +169,17 @@ def _span(source: Source, token: Token) -> Span:
     return Span(source, token.start, token.end)
 
 
-def _report_unexpected(source: Source, tokens: list[Token], i: int, wanted: set[str], report: Report) -> None:
+def _report_unexpected(source: Source, tokens: list[Token], i: int, accepted: set[str], report: Report) -> None:
     token, span = tokens[i], _span(source, tokens[i])
     message = f"`{short_text(token)}` is unexpected here"
     if i and tokens[i - 1].type == "STRING":
-        wanted = wanted - {"STRING"}  # a missing second piece of a text is never the error
-    expected = [TERMINAL_NAMES[t] for t in sorted(wanted & TERMINAL_NAMES.keys())]
+        accepted = accepted - {"STRING"}  # a missing second piece of a text is never the error
+    expected = [TERMINAL_NAMES[t] for t in sorted(accepted & TERMINAL_NAMES.keys())]
     hint = f"expected {' or '.join(expected)}" if len(expected) in (1, 2, 3) else ""
     if token.type == END:
         span = _span(source, tokens[i - 1]) if i else span
         message = "the file ends too early"
-    if "RBRACE" in wanted and (token.type == END or token.type in tables().starters):
+    if "RBRACE" in accepted and (token.type == END or token.type in tables().starters):
         hint = "is a `}` missing before this?"
     report.add("WMS101", message, span, hint)
 

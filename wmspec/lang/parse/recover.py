@@ -44,6 +44,6 @@ def _can_continue(machine: LRParser, tokens: list[Token], i: int) -> bool:
     kind = tokens[i].type
     if kind in ("RBRACE", END):
         return machine.recover_to(kind)
-    if kind in tables().starters:  # some of them are names too: what follows tells
+    if kind in tables().starters:  # some are names too: the next token decides
         return machine.recover_to(kind, tokens[i + 1].type) or machine.recover_to(kind)
     return tokens[i + 1].type == "COLON" and machine.recover_to(kind, "COLON")

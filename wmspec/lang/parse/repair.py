@@ -14,7 +14,7 @@ from itertools import chain
 from wmspec.lang.parse.foreign_syntax import foreign_candidates
 from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.lr_parser import LRParser
-from wmspec.lang.parse.repair_candidates import RepairSite, Repair, repair_candidates, end_of_hyphenated
+from wmspec.lang.parse.repair_candidates import Repair, RepairSite, end_of_hyphenated, repair_candidates
 from wmspec.lang.parse.tables import tables
 
 #: Tokens before the rejected one that may change, and tokens after it that are read to compare candidates.

@@ -212,7 +212,7 @@ def _sign(place: RepairSite) -> Iterator[Repair]:
         if (
             kind in place.accepted
             and kind != word.type
-            and any({kind, word.type} <= alike for alike in _CONFUSED_SIGNS)
+            and any({kind, word.type} <= signs for signs in _CONFUSED_SIGNS)
         ):
             cost = 2.4 if word.text in ")]}" and touches and sign != "}" else 2.9
             cost = 1.9 if argues and sign == ":" else cost
@@ -271,8 +271,8 @@ def _missing_word(place: RepairSite) -> Iterator[Repair]:
     if "THEN" in place.accepted and place.word.type != "ELSE":
         yield place.missing("THEN", "NAME", "ELSE", "NAME", message="this `if` has no `then`", help=remedy, cost=4.2)
     if "NAME" in place.accepted:
-        what = "a value" if "NUMBER" in place.accepted else "a name"
-        yield place.missing("NAME", message=f"{what} is missing here", help=f"write {what}", cost=4.0)
+        noun = "a value" if "NUMBER" in place.accepted else "a name"
+        yield place.missing("NAME", message=f"{noun} is missing here", help=f"write {noun}", cost=4.0)
     elif "STRING" in place.accepted:
         remedy = 'write one in quotes: `"..."`'
         yield place.missing("STRING", message="a text is missing here", help=remedy, cost=4.0)
