@@ -73,7 +73,7 @@ def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileM
         raise ImpossibleValue(f"{name} cannot be read: {error.strerror}") from None
     import numpy as np
 
-    with np.errstate(all="ignore"):  # extreme numbers are reported below
+    with np.errstate(all="ignore"):  # extreme numbers are checked in `_load`
         made = _load(path, status.st_mtime_ns, status.st_size, scale, collision)
     if solid and made.volume <= 0 and collision != "surface":
         raise ImpossibleValue(f"{path} has no volume", help="use a mesh that is not flat")

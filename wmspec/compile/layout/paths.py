@@ -60,7 +60,7 @@ def faced(points: Sequence[Vector]) -> tuple[tuple[Vector, ...], tuple[float, ..
         else:
             line += [_toward(here, before, SHARE), _toward(here, after, SHARE)]
             turns += [first, second]
-    if len(leads) > 1 and abs(leads[1] - leads[0]) <= CORNER:  # a closed curve has no corner where it begins
+    if len(leads) > 1 and abs(leads[1] - leads[0]) <= CORNER:  # a curve also turns along its first and last leg
         turns[0] -= (leads[1] - leads[0]) / 2
     last = (leads[-1] - leads[-2]) / 2 if len(leads) > 1 and abs(leads[-1] - leads[-2]) <= CORNER else 0.0
     return (*line, kept[-1]), tuple(turn - turns[0] for turn in (*turns, leads[-1] + last))
@@ -126,7 +126,7 @@ def _arc(length: float, width: float) -> tuple[Vector, ...]:
 def _around(middle: Vector, radius: float, start: float, stop: float) -> tuple[Vector, ...]:
     count = 2 * max(
         4, math.ceil(PIECES / 2 * abs(stop - start) / (2 * math.pi))
-    )  # even, so that the midpoint is a vertex
+    )  # even: the midpoint is a vertex
     angles = (start + (stop - start) * i / count for i in range(count + 1))
     points = (add(middle, scale(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
     first, *rest = points

@@ -82,7 +82,7 @@ class Values:
         setting = self._things[owner].properties.get(name)
         if setting is None or owner in self._changed or not isinstance(setting.value, Value):
             return self.once(key, lambda: self._value(owner, name))
-        constant = setting.value.value  # fast path: most values are ready and need no check
+        constant = setting.value.value  # fast path for constants
         self._check(self._things[owner], name, constant, setting.place)
         self._known[key] = constant
         return constant
@@ -124,7 +124,7 @@ class Values:
         value = self.property(owner, name)
         if isinstance(value, tuple) and all(isinstance(each, str) for each in value):
             return value
-        raise _mismatch(owner, name, value, "names of things")
+        raise _mismatch(owner, name, value, "names of entities")
 
     def pair(self, owner: str, name: str) -> tuple[float, float]:
         """Return a property with two numbers, in SI units."""
@@ -285,7 +285,7 @@ class Values:
             place, value = (
                 change.place,
                 _evaluate(change.value, self.truth, change.place),
-            )  # evaluated without the counterfactual
+            )  # in terms of the truth
         elif setting is not None:
             place, value = setting.place, _evaluate(setting.value, self, setting.place)
         elif thing.kind == "part" and name in INHERITED and self.has(thing.of, name):
@@ -343,8 +343,8 @@ def _evaluate(expr: Expr, values: Values, place: Location) -> Any:
 
 def _fault(number: float, slot: Slot | None) -> str:
     """Return how a number violates its bounds, or an empty string."""
-    if slot and (wanted := slot.fault(number)):
-        return f"{told(number, slot.dimension)} here; it must be {wanted}"
+    if slot and (expected := slot.fault(number)):
+        return f"{told(number, slot.dimension)} here; it must be {expected}"
     if not math.isfinite(number):
         return "not finite"
     if abs(number) > MOST_LENGTH and slot and _LENGTHS.intersection(slot.types):

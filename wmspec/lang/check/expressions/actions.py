@@ -1,4 +1,4 @@
-"""What actions do: their verb, whose verb it is, and the values of their arguments and timings."""
+"""Checks actions: verb, acting robot, arguments and timings."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DURATION = Slot((A_TIME,), "how long it lasts", least=0)
 
 @dataclass(frozen=True)
 class Act:
-    """An action's verb by name and by row, the robot that acts (none for the verbs of objects), and the call."""
+    """A resolved action: its verb by name and table row, its robot (empty for verbs of objects), and the call."""
 
     name: str
     verb: Verb
@@ -33,13 +33,13 @@ class Act:
 
     @property
     def slots(self) -> dict[str, Slot]:
-        """What a counterfactual can change: arguments and timings."""
+        """Arguments and timings, which counterfactuals can change."""
         timings = {"start": START} | ({"duration": DURATION} if self.verb.lasts else {})
         return self.verb.arguments | timings
 
     @property
     def assigned(self) -> list[tuple[str, s.Argument]]:
-        """Every argument that is given with its name; without one if the verb does not know it."""
+        """Every argument with its parameter name, empty if the verb has no such parameter."""
         names = list(self.verb.arguments)
         arguments = []
         for i, argument in enumerate(self.call.arguments):
@@ -49,17 +49,17 @@ class Act:
 
     @property
     def strange(self) -> bool:
-        """Whether an argument is given that the verb does not know: one of its own may be meant by that."""
+        """Whether an argument is unknown to the verb: it may be a misspelled one."""
         return any(not name for name, _ in self.assigned)
 
     @property
     def written(self) -> dict[str, s.Argument]:
-        """The arguments by name, of two that are alike the first."""
+        """The arguments by name; of duplicates the first."""
         return {name: argument for name, argument in reversed(self.assigned) if name}
 
 
 def act(check: Expressions, action: s.Action) -> Act:
-    """What an action does, or a complaint."""
+    """Return the resolved action, or report an error."""
     call = action.call
     if not isinstance(call, s.Call) or not isinstance(call.function, s.Name | s.Member):
         check.fail("WMS204", "an action is a verb with its arguments", call.span, "write `launch(ball, ...)`")
@@ -77,7 +77,7 @@ def act(check: Expressions, action: s.Action) -> Act:
 
 
 def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
-    """A robot's verb."""
+    """Resolve a robot's verb."""
     who = check.infer(function.value, (ROBOT,))
     if who.type == OBJECT and function.name.id in VERBS:
         known = (x for x in call.arguments if x.name is None or x.name.id in VERBS[function.name.id].arguments)
@@ -100,14 +100,14 @@ def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
 
 
 def named(check: Expressions, name: str) -> s.Action:
-    """The action of this name."""
+    """Return the action of this name."""
     action = check.scope.names[name]
     assert isinstance(action, s.Action)
     return action
 
 
 def property_(check: Expressions, name: str, member: s.Name) -> Typed:
-    """`push.speed`: an argument or timing of an action as a value."""
+    """Return `push.speed`, an argument or timing of an action, as a value."""
     action = named(check, name)
     slot = slot_of(check, name, member)
     expr = ir.Property(owner=ir.Value(value=name), name=member.id)
@@ -125,7 +125,7 @@ def property_(check: Expressions, name: str, member: s.Name) -> Typed:
 
 
 def slot_of(check: Expressions, name: str, member: s.Name) -> Slot:
-    """The row of an action's argument or timing, or a complaint."""
+    """Return the table row of an action's argument or timing, or report an error."""
     does = act(check, named(check, name))
     if member.id not in does.slots:
         if member.id == "duration":
@@ -136,7 +136,7 @@ def slot_of(check: Expressions, name: str, member: s.Name) -> Slot:
 
 
 def argument(check: Expressions, action: s.Action, does: Act, name: str) -> Typed:
-    """The value of a written argument."""
+    """Return the value of a written argument."""
     written = does.written[name]
     slot = does.verb.arguments[name]
 
@@ -148,12 +148,12 @@ def argument(check: Expressions, action: s.Action, does: Act, name: str) -> Type
 
 
 def subject(check: Expressions, action: s.Action, does: Act) -> ir.Expr | None:
-    """The object that an action moves, from which `toward` looks."""
+    """Return the object that an action moves, the origin of `toward`."""
     return argument(check, action, does, "object").expr if "object" in does.written else None
 
 
 def _types(check: Expressions, action: s.Action, does: Act, name: str, slot: Slot) -> tuple[Type, ...]:
-    """The types that an argument takes: how far a joint is moved is as the joint says."""
+    """Return the types that an argument accepts; the amount of a joint's motion depends on the joint."""
     if name not in ("target", "far") or "joint" not in does.written:
         return slot.types
     joint = argument(check, action, does, "joint").expr
@@ -164,7 +164,7 @@ def _types(check: Expressions, action: s.Action, does: Act, name: str, slot: Slo
 
 
 def start(check: Expressions, action: s.Action) -> tuple[Typed, Span]:
-    """When an action starts, and where that is said: `at` a time, `after` another action ends, `with` its beginning."""
+    """Return the start of an action and its source: `at` a time, `after` an action's end, `with` its start."""
     timing = next((t for t in reversed(action.timings) if t.kind != "for"), None)
     if timing is None:
         return Typed(ir.Value(value=0.0), A_TIME), action.name.span
@@ -175,7 +175,7 @@ def start(check: Expressions, action: s.Action) -> tuple[Typed, Span]:
 
 
 def _relative(check: Expressions, timing: s.Timing) -> Typed:
-    """The start of an action that is timed by another."""
+    """Return the start of an action that is timed by another."""
     other = check.value(timing.value, (ACTION,), f"`{timing.kind}`").expr
     if not isinstance(other, ir.Value):
         check.fail("WMS302", "which action is meant is a constant", timing.value.span)

@@ -1,4 +1,4 @@
-"""Complaints about constants that are out of bounds."""
+"""Bounds checks of constants."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wmspec.lang.check.tables.vocabulary import Slot
 
 
 def within(check: Expressions, expr: ir.Expr, slot: Slot, span: Span, what: str) -> None:
-    """Complain about a constant that its slot does not take, or a point or size with such a part."""
+    """Report a constant, or a component of a point or size, outside the bounds of its slot."""
     for part in expr.items if isinstance(expr, ir.Items) else (expr,):
         value = constant(part)
         if value is not None and (reason := slot.fault(value)):

@@ -1,4 +1,4 @@
-"""Calls of functions: their arguments, in order and by name, and what they give."""
+"""Checks function calls: positional and named arguments, and result types."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from wmspec.lang.parse import syntax as s
 if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
-#: What stands for several types in the table of functions.
+#: Parameter types of the function table that stand for several types.
 _MEANT: dict[Type, tuple[Type, ...]] = {COUNTED: (List(OBJECT), List(TRUTH)), VIEWER: (CAMERA, OBJECT)}
 
-#: How what is no quantity becomes one.
+#: How to turn a value of another type into a quantity.
 _AS_QUANTITY: dict[Type, str] = {
     List(TRUTH): "write `count(...)` to count those that hold",
     OBJECT: "say what is measured of it, as in `height(...)`",
@@ -45,12 +45,12 @@ _AS_QUANTITY: dict[Type, str] = {
     List(JOINT): "say what is measured of them: `angle(...)` of hinges, `extension(...)` of sliders",
 }
 
-#: The measures of joints: of which kind of joint each is, and that of the other kind.
+#: Measures of joints: the joint kind of each, and the measure of the other kind.
 MOVES = {"angle": ("hinge", "extension"), "extension": ("slider", "angle")}
 
 
 def call(check: Expressions, e: s.Call) -> Typed:
-    """A function of arguments. An option that is given follows the other arguments in the IR."""
+    """Check a function call. In the IR, options follow the other arguments."""
     name, function = _function(check, e)
     if function.measured and not check.measured:
         check.fail("WMS303", f"`{name}` is measured on the executed episode; here it is still being described",
@@ -84,7 +84,7 @@ def call(check: Expressions, e: s.Call) -> Typed:
 
 
 def _pooled(check: Expressions, name: str, written: list[s.Argument], given: list[Typed]) -> list[Typed]:
-    """Quantities and lists of them as what a function of several is of; one alone is a mistake."""
+    """Flatten quantities and lists of quantities for a function of several; a single quantity is an error."""
     if len(given) == 1 and not isinstance(given[0].type, List):
         remedy = f"give it several, as in `{name}(a, b)`, or a list"
         check.fail("WMS205", f"`{name}` is of several quantities, and this is one", written[0].span, remedy)
@@ -92,7 +92,7 @@ def _pooled(check: Expressions, name: str, written: list[s.Argument], given: lis
 
 
 def _unlike(check: Expressions, name: str, arguments: tuple[ir.Expr, ...], span: Span) -> None:
-    """Complain of a thing that is to be measured against itself."""
+    """Report a comparison of an object with itself."""
     if len(arguments) < 2 or not isinstance(arguments[0], ir.Value) or not isinstance(arguments[0].value, str):
         return
     second = arguments[1]
@@ -109,7 +109,7 @@ def _function(check: Expressions, e: s.Call) -> tuple[str, Function]:
 
 
 def _instead(e: s.Call, shown: str) -> str:
-    """What to write for a function that there is not: `ball.contact(box)` begins with its function."""
+    """Return the remedy for an unknown function: `ball.contact(box)` begins with its function."""
     if isinstance(e.function, s.Member):
         name = OTHERWISE.get(e.function.name.id, e.function.name.id)
         if name in FUNCTIONS:
@@ -135,7 +135,7 @@ def _result(check: Expressions, name: str, function: Function, written: list[s.A
 def _each(
     check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]
 ) -> int | None:
-    """The argument that is a list where one is wanted: what is said then holds of each of its items."""
+    """Return the index of a list argument in place of a single value; the result then holds for each item."""
     lists = [i for i, typed in enumerate(given) if _listed(function, i) and isinstance(typed.type, List)]
     if len(lists) > 1:
         check.fail("WMS302", f"`{name}` is measured of each item of one list, and this is a second",
@@ -144,7 +144,7 @@ def _each(
 
 
 def _listed(function: Function, i: int) -> bool:
-    """Whether a list may stand for the parameter of that number: one thing is wanted, and there are many results."""
+    """Whether parameter `i` accepts a list of values, with one result for each."""
     return not function.repeated and function.parameters[i] in (OBJECT, JOINT, QUANTITY) and _spread(function.result)
 
 
@@ -159,7 +159,7 @@ def _item(kind: Type) -> Type:
 
 
 def _moves(check: Expressions, name: str, written: s.Argument, joint: Typed) -> None:
-    """Complain of a joint that has no such measure: hinges have angles, and sliders extensions."""
+    """Report a measure that the joint lacks: hinges have angles, sliders extensions."""
     for part in parts(joint.expr):
         block = check.scope.names.get(str(part.value)) if isinstance(part, ir.Value) else None
         if not isinstance(block, s.Block) or block.model is None or block.kind != "joint":
@@ -195,7 +195,7 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
 
 
 def _one_or_each(check: Expressions, function: str, argument: s.Argument, kind: Type) -> Typed:
-    """An argument of a type, or a list of objects or joints where one is wanted and the function may be of each."""
+    """Check an argument of a type, or a list of objects or joints if the function maps over lists."""
     if kind not in (OBJECT, JOINT) or not _spread(FUNCTIONS[function].result):
         return check.value(argument.value, (kind,), f"`{function}`")
     typed = check.infer(argument.value, (kind,))
@@ -207,7 +207,7 @@ def _one_or_each(check: Expressions, function: str, argument: s.Argument, kind: 
 
 
 def _common(check: Expressions, function: str, written: list[s.Argument], given: list[Typed]) -> Type:
-    """The kind that quantities have in common."""
+    """Return the common type of quantities."""
     kind = given[0].type
     for argument, typed in zip(written[1:], given[1:], strict=True):
         common = joined(kind, typed.type)
@@ -239,7 +239,7 @@ def _options(check: Expressions, e: s.Call, name: str, function: Function) -> tu
 
 
 def _in_order(check: Expressions, name: str, given: dict[str, ir.Expr], spans: dict[str, Span]) -> None:
-    """Complain of a time beside a span of time, and of a span that ends before it begins."""
+    """Report a time next to a time span, and a span that ends before it begins."""
     if "at" in given and (span := spans.get("from", spans.get("to"))):
         check.fail("WMS205", f"`{name}` is measured at a time or during a span, not both", span, "remove it, or `at`")
     start, stop = (constant(given[option]) if option in given else None for option in ("from", "to"))
@@ -251,7 +251,7 @@ def _in_order(check: Expressions, name: str, given: dict[str, ir.Expr], spans: d
 
 
 def signature(name: str, function: Function) -> str:
-    """How a function is called, with the kinds of its arguments, for messages and the reference."""
+    """Return the signature of a function, with parameter types, for messages and the reference."""
     parameters = [str(p) for p in function.parameters]
     more = ["..."] * function.repeated
     options = [f"{option}: {kind}" for option, kind in function.options.items()]

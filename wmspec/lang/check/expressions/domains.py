@@ -1,4 +1,4 @@
-"""Checking domains: lists, ranges, intervals, products, distributions, and choices between them."""
+"""Checks domains: lists, ranges, intervals, products, distributions, and conditional domains."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from wmspec.lang.check.types.types import A_NUMBER, TRUTH, List, Quantity, Type,
 from wmspec.lang.parse import syntax as s
 
 Level = ir.Level
-#: A condition as it was written, and whether it must hold or must not.
+#: A condition as written, and whether it must be true or false.
 Condition = tuple[s.Expr, bool]
 
 _WRITE = "write `[a, b, c]`, `a .. b by c` or `a .. b in 5`"
@@ -26,7 +26,7 @@ _WRITE = "write `[a, b, c]`, `a .. b by c` or `a .. b in 5`"
 
 @dataclass(frozen=True)
 class Option:
-    """A value of a domain, where it was written, the conditions under which it can be chosen, and what it is called."""
+    """A value of a domain: its span, the conditions under which it is available, and its label."""
 
     value: Level
     span: Span
@@ -36,7 +36,7 @@ class Option:
 
 @dataclass(frozen=True)
 class Written:
-    """A domain as it was written: separate `options`, perhaps with `weights`, or a continuous `spread`."""
+    """A domain as written: separate `options`, perhaps with `weights`, or a continuous `spread`."""
 
     type: Type
     options: tuple[Option, ...] = ()
@@ -45,12 +45,12 @@ class Written:
 
     @property
     def conditional(self) -> bool:
-        """Whether there are values that are not always there."""
+        """Whether some values are available only under conditions."""
         return any(option.when for option in self.options)
 
 
 def read(check: Expressions, e: s.Expr) -> Written:
-    """A domain with the type of its values. Conditions are not looked at yet: they may be about any other factor."""
+    """Return a domain with the type of its values. Conditions are checked later: they may refer to any other factor."""
     match e:
         case s.Operation(operator="if"):
             return _either(check, e)
@@ -90,7 +90,7 @@ def _list(check: Expressions, e: s.Expr) -> Written:
 
 
 def _names(check: Expressions, items: tuple[s.Expr, ...]) -> Iterator[str]:
-    """What the values are called: each something else."""
+    """Yield the labels of the values, which must be distinct."""
     first: dict[str, Span] = {}
     for item in items:
         if not isinstance(item, s.Called):
@@ -151,7 +151,7 @@ def _number(check: Expressions, expr: ir.Expr, span: Span) -> float:
 
 
 def _either(check: Expressions, e: s.Operation) -> Written:
-    """`if CONDITION then DOMAIN else DOMAIN`: the values of both, each with its condition."""
+    """Check `if CONDITION then DOMAIN else DOMAIN`: the values of both, each with its condition."""
     condition, *branches = e.operands
     yes, no = (_separate(check, branch, "a choice between domains") for branch in branches)
     kind = joined(yes.type, no.type)
@@ -166,7 +166,7 @@ def _either(check: Expressions, e: s.Operation) -> Written:
 
 
 def _separate(check: Expressions, e: s.Expr, what: str) -> Written:
-    """A domain of separate values, each as likely as any other."""
+    """Check a domain of separate, equally likely values."""
     written = read(check, e)
     if written.spread is not None or written.weights is not None:
         check.fail("WMS401", f"{what} takes lists and ranges of separate values", e.span, _WRITE)
@@ -174,7 +174,7 @@ def _separate(check: Expressions, e: s.Expr, what: str) -> Written:
 
 
 def conditions(check: Expressions, written: Written) -> tuple[tuple[Level, ir.Expr], ...]:
-    """The different values of a domain in order, each with the condition under which it can be chosen."""
+    """Return the distinct values of a domain in order, each with its condition."""
     ways_of: dict[Level, list[ir.Expr]] = {}
     for option in written.options:
         ways_of.setdefault(option.value, []).append(_all(check, option.when))
@@ -182,7 +182,7 @@ def conditions(check: Expressions, written: Written) -> tuple[tuple[Level, ir.Ex
 
 
 def names(written: Written) -> tuple[str, ...] | None:
-    """What the different values of a domain are called, in the order of the values; None if they have no names."""
+    """Return the labels of the distinct values, in order, or None if they have none."""
     called: dict[Level, str] = {}
     for option in written.options:
         called.setdefault(option.value, option.name)
@@ -205,7 +205,7 @@ def _operation(operator: str, operands: list[ir.Expr]) -> ir.Expr:
 
 
 def _product(check: Expressions, e: s.Call) -> Written:
-    """Every point whose coordinates are from the lists."""
+    """Check a Cartesian product of coordinate lists."""
     arguments = _arguments(check, e, (2, 3), "a list for each coordinate")
     lists = [_separate(check, a, "`product`") for a in arguments]
     kind = lists[0].type
@@ -281,7 +281,7 @@ def _arguments(check: Expressions, e: s.Call, counts: tuple[int, ...], what: str
 
 
 def _numbers(check: Expressions, e: s.Call, what: str) -> tuple[Type, tuple[float, float]]:
-    """Two constant quantities of one kind."""
+    """Return two constant quantities of one type."""
     first, second = _arguments(check, e, (2,), what)
     a, b = check.infer(first), check.infer(second)
     assert isinstance(e.function, s.Name)

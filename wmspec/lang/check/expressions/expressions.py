@@ -1,6 +1,7 @@
-"""Checking expressions: every name resolved, every unit turned to SI, every kind known.
+"""Checks expressions: resolves names, converts units to SI and infers types.
 
-`Expressions` knows the task; the sorts of expressions have a file each: names, members, calls, operators, lists.
+`Expressions` holds the state of a task. Each sort of expression has its own module: names, members, calls, operators,
+lists.
 """
 
 from __future__ import annotations
@@ -23,14 +24,14 @@ from wmspec.lang.parse import syntax as s
 
 __all__ = ["ZERO", "Expressions", "Failed", "Typed", "constant", "fits"]
 
-#: How deeply expressions may nest, those counted in that names stand for: who evaluates them goes as deep.
+#: Maximum nesting of expressions, including those behind names: evaluation is recursive.
 MOST_DEPTH = 120
 
 
 class Expressions:
-    """Checks the expressions of one task. Declarations are checked when they are first needed, in any order.
+    """Checks the expressions of one task. Declarations are checked lazily, in any order.
 
-    `unknown` are the names that were told to stand for nothing; the variants of a task share them.
+    `unknown` holds the undefined names that were reported; the variants of a task share it.
     """
 
     def __init__(self, scope: Scope, report: Report, unknown: set[str]) -> None:
@@ -50,7 +51,7 @@ class Expressions:
         self.domain_of: Callable[[s.Factor], Type]  # set by who checks domains, which are made of expressions
 
     def value(self, e: s.Expr, wanted: tuple[Type, ...], what: str) -> Typed:
-        """Check an expression that must be of one of the wanted kinds. `what` names the place in messages."""
+        """Check an expression that must have one of the expected types. `what` names the place in messages."""
         typed = self.infer(e, wanted)
         for kind in wanted:
             if fits(typed.type, kind):
@@ -58,7 +59,7 @@ class Expressions:
         self.misfit(e, typed.type, wanted, what)
 
     def infer(self, e: s.Expr, wanted: tuple[Type, ...] = ()) -> Typed:
-        """Check an expression of any kind; `wanted` helps to read bare words and suggest others."""
+        """Check an expression of any type; the expected types resolve bare words and improve suggestions."""
         self._depth += 1
         try:
             self._deepen(0, e.span)
@@ -88,7 +89,7 @@ class Expressions:
                 return lists.range_(self, e)
 
     def measuring(self, e: s.Expr, wanted: tuple[Type, ...] = (), what: str = "") -> Typed:
-        """Check an expression in which measured functions may stand; of any kind if none is wanted."""
+        """Check an expression that may contain measured functions; of any type if none is expected."""
         before, self.measured = self.measured, True
         try:
             return self.value(e, wanted, what) if wanted else self.infer(e)
@@ -96,12 +97,12 @@ class Expressions:
             self.measured = before
 
     def fail(self, code: str, message: str, span: Span, help: str = "", notes: tuple[Note, ...] = ()) -> NoReturn:
-        """Report a mistake and give up on the value."""
+        """Report an error and raise `Failed`."""
         self.report.add(code, message, span, help, notes)
         raise Failed
 
     def unknown(self, e: s.Name, message: str, help: str, code: str = "WMS201") -> NoReturn:
-        """Report a name that stands for nothing here: each once, and none where names are missing."""
+        """Report an undefined name: each once, and none where declarations may be missing."""
         doubled = self.scope.doubled and "did you mean" not in help  # one of two may have been meant to be called so
         if not e.id or not self.scope.whole or doubled or e.id in self._unknown:
             raise Failed
@@ -119,9 +120,9 @@ class Expressions:
     def misfit(
         self, e: s.Expr, actual: Type, wanted: tuple[Type, ...], what: str, beside: s.Expr | None = None
     ) -> NoReturn:
-        """Report a value of the wrong kind, which may be the fault of what is `beside` it.
+        """Report a value of the wrong type, possibly caused by the expression `beside` it.
 
-        Where a named value is involved, that may be what is wrong: of each, this is told once.
+        Where a named value is involved, its declaration may be the error; each is reported once.
         """
         span = e.span
         wants = either([article(str(k)) for k in wanted])
@@ -161,7 +162,7 @@ class Expressions:
         return Typed(ir.Value(value=units.convert(e.value, scale)), Quantity(dimension))
 
     def unit(self, unit: str, span: Span, wanted: tuple[Type, ...] = ()) -> tuple[float, Dimension]:
-        """The SI value and dimension of a unit as written."""
+        """Return the SI value and dimension of a unit."""
         try:
             return units.parse_unit(unit)
         except units.UnknownUnit as error:
@@ -170,7 +171,7 @@ class Expressions:
             self.fail("WMS103", f"unknown unit `{error}`", span, help)
 
     def once(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed:
-        """Check a declaration the first time it is needed; a circle of declarations is a mistake."""
+        """Check a declaration on first use; a cycle of declarations is an error."""
         if any(key == k for k, _ in self._open):
             notes = tuple(Note(f"`{'.'.join(k)}` needs this", where) for k, where in self._open[1:])
             self._known[key] = None
@@ -184,7 +185,7 @@ class Expressions:
         return known
 
     def _made(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed | None:
-        """A declaration, checked as it stands: not in the midst of the action or answer that needs it."""
+        """Check a declaration independently of the action or answer that refers to it."""
         before = self.subject, self.measured, self._deepest
         self.subject, self.measured, self._deepest = None, False, self._depth
         self._open.append((key, span))

@@ -1,4 +1,4 @@
-"""Which of the libraries that come with wmspec declares a name, for whoever forgot to `use` it."""
+"""Finds the bundled library that declares a name, to suggest a missing `use`."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from functools import cache
 
 from wmspec.lang.parse.files import library_folder
 
-#: Those with a place for things and cameras around it: they go before the others.
+#: Libraries with a support for objects and cameras around it: suggested first.
 _PLACES = ("tabletop", "room")
 _DECLARED = re.compile(r"^(?:object|template|camera)\s+(\w+)", re.MULTILINE)
-#: What is used as it is: with `only` or `as` it brings other names.
+#: Plain `use` statements; `only` and `as` change the names.
 _USED = re.compile(r"^use (\w+)(?:\([^)\n]*\))?$", re.MULTILINE)
 
 
 def having(names: Collection[str]) -> tuple[str, frozenset[str]]:
-    """The library that declares most of the names, and all that it declares; an empty name if none has any."""
+    """Return the library that declares most of the names, and all its names; an empty name if none has any."""
     wanted = frozenset(names)
     best = max(_libraries(), key=lambda library: len(wanted & _declared(library)), default="")
     return (best, _declared(best)) if best and wanted & _declared(best) else ("", frozenset())

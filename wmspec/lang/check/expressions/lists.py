@@ -1,4 +1,4 @@
-"""Lists, tuples and ranges."""
+"""Checks lists, tuples and ranges."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from wmspec.lang.parse import syntax as s
 if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
-#: The most values that a range may have.
+#: Maximum number of values of a range.
 MOST_VALUES = 10_000
 
 
 def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -> Typed:
-    """A list of values of one kind, or a tuple of two or three quantities. What has a name is an item of a domain."""
+    """Check a list of values of one type, or a tuple of two or three quantities. Labelled items belong to domains."""
     if isinstance(e, s.Called):
         what = "only the values of a factor or nuisance have names, where it lists them"
         check.fail("WMS302", what, e.text.span, "remove the name")
@@ -51,7 +51,7 @@ def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -
 
 
 def _scaled(check: Expressions, item: Typed, unit: tuple[float, Dimension], span: Span) -> Typed:
-    """An item of a list that carries the unit of all its items, given by its SI value and dimension."""
+    """Return an item scaled by its list's unit (SI value and dimension)."""
     scale, dimension = unit
     if not fits(item.type, A_NUMBER):
         check.fail("WMS301", "this value has a unit of its own already, beside that of the list", span)
@@ -63,7 +63,7 @@ def _scaled(check: Expressions, item: Typed, unit: tuple[float, Dimension], span
 
 
 def range_(check: Expressions, e: s.Range) -> Typed:
-    """The values of a range; of an interval, its two ends."""
+    """Return the values of a range, or the two ends of an interval."""
     start, stop = check.infer(e.start), check.infer(e.stop)
     kind = joined(start.type, stop.type)
     if not isinstance(kind, Quantity):

@@ -1,4 +1,4 @@
-"""Members: properties of things, arguments of actions, parts of objects, coordinates of points, members of sets."""
+"""Checks members: properties, action arguments, parts, coordinates of points, members of sets."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from wmspec.lang.parse import syntax as s
 if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
-#: What has properties of its own.
+#: Types that have properties.
 _OWNERS = {**{kind: block for block, kind in BLOCKS.items()}, PART: "part"}
 
 
 def member(check: Expressions, e: s.Member) -> Typed:
-    """`ball.mass`, `push.speed`, `rack.left`, `spot.x`."""
+    """Check `ball.mass`, `push.speed`, `rack.left`, `spot.x`."""
     whole = check.infer(e.value, tuple(_OWNERS))
     if isinstance(whole.type, Vector):
         return _coordinate(check, whole, whole.type, e.name)
@@ -56,7 +56,7 @@ def member(check: Expressions, e: s.Member) -> Typed:
 
 
 def _of_asset(check: Expressions, name: str, member: s.Name) -> Typed | None:
-    """A link or joint of an asset."""
+    """Return a link or joint of an asset, or None."""
     if name in check.scope.broken:  # nobody knows what is in it
         raise Failed
     block = check.scope.assets.get(name, {}).get(member.id)
@@ -68,7 +68,7 @@ def _of_asset(check: Expressions, name: str, member: s.Name) -> Typed | None:
 
 
 def named(check: Expressions, name: str) -> Owner:
-    """The block or part of this name in the IR."""
+    """Return the block or part of this IR name."""
     whole, dot, _ = name.partition(".")
     if dot:
         return _parts(check, whole)[name]
@@ -92,7 +92,7 @@ def _row(check: Expressions, table: dict[str, Slot], e: s.Member, what: str) -> 
 
 
 def _measure(check: Expressions, e: s.Member, what: str) -> str:
-    """What to write for a measure, or a coordinate, that is written as a property; nothing if it is none."""
+    """Return the remedy for a measure or coordinate written as a property, or ''."""
     name, of = e.name.id, e.value.span.text
     if what == "object" and name in ("x", "y", "z"):
         return f"write `position({of}).{name}`" if check.measured else f"write `{of}.at.{name}`"
@@ -109,7 +109,7 @@ def _coordinate(check: Expressions, point: Typed, kind: Vector, name: s.Name) ->
 
 
 def _type(check: Expressions, of: Owner, e: s.Member) -> Type:
-    """The kind of a property: that of the value it is given, or of its default."""
+    """Return the type of a property: that of its value or default."""
     name = e.name
     if name.id not in of.slots:
         code, message, span, help = of.lacks(name)
@@ -125,13 +125,13 @@ def _type(check: Expressions, of: Owner, e: s.Member) -> Type:
 
 
 def setting(check: Expressions, of: Owner, p: s.Property, slot: Slot) -> Typed:
-    """The value of a written property."""
+    """Return the value of a written property."""
     key = (of.name, p.name.id)
     return check.once(key, p.name.span, lambda: check.value(p.value, slot.types, f"`{p.name.id}`"))
 
 
 def index(check: Expressions, e: s.Index) -> Typed:
-    """`blocks[2]`: a member of a set; `blocks[-1]`, the last of those that are there."""
+    """Check `blocks[2]`, a member of a set; `blocks[-1]` is the last present one."""
     declared = check.scope.names.get(e.value.id) if isinstance(e.value, s.Name) else None
     if not isinstance(declared, s.Block) or declared.count is None:
         container = check.infer(e.value)

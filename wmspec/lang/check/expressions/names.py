@@ -1,4 +1,4 @@
-"""Bare names: what was declared, `end`, and the words of the language."""
+"""Checks bare names: declarations, `end`, and words of the language."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
     from wmspec.lang.check.expressions.scope import Declaration
 
-#: The kind of what a block declares.
+#: Types of the values that blocks declare.
 BLOCKS: dict[str, Type] = {
     "object": OBJECT,
     "camera": CAMERA,
@@ -42,7 +42,7 @@ BLOCKS: dict[str, Type] = {
 
 
 def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
-    """What a name stands for. What is declared goes before a word, unless only the word fits what is wanted."""
+    """Resolve a name. Declarations take precedence over words, unless only the word has an expected type."""
     if not e.id:  # it is missing, and that was reported
         raise Failed
     word = _word(e.id, wanted)
@@ -61,7 +61,7 @@ def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
 
 
 def undeclared(check: Expressions, e: s.Expr, given: Type) -> bool:
-    """Whether an expression is a word of the language that may have been meant as the name of something."""
+    """Whether an expression is a word of the language that may be meant as a declared name."""
     return isinstance(e, s.Name) and isinstance(given, Word) and e.id not in check.scope.names
 
 
@@ -84,13 +84,13 @@ def _declared(check: Expressions, e: s.Name, declared: Declaration) -> Typed:
 
 
 def present(members: tuple[str, ...]) -> ir.Expr:
-    """Those members of a set that are there."""
+    """Return the present members of a set."""
     everyone = ir.Items(items=tuple(ir.Value(value=m) for m in members))
     return ir.Call(function="present", arguments=(everyone,))
 
 
 def _word(word: str, wanted: tuple[Type, ...]) -> Typed | None:
-    """The word as one of the vocabularies that are wanted."""
+    """Return the word if it belongs to an expected vocabulary."""
     for kind in wanted:
         item = kind.item if isinstance(kind, List) else kind
         vocabulary = NEITHER if item == LABEL else item
@@ -100,7 +100,7 @@ def _word(word: str, wanted: tuple[Type, ...]) -> Typed | None:
 
 
 def suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
-    """What may have been meant by a name where types of values are wanted: first what is of these, then all else."""
+    """Return a suggestion for a name: first names of the expected types, then all others."""
     fit, values = fitting(check, wanted), check.scope.of(s.Factor, s.Let)
     if (other := SYNONYMS.get(name)) in fit:
         return f"did you mean `{other}`?"
@@ -110,7 +110,7 @@ def suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
 
 
 def instead(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> str:
-    """What may be meant by a name of something that is of none of the types that are wanted."""
+    """Return a suggestion for a name whose value has none of the expected types."""
     names = fitting(check, tuple(k for k in wanted if k != TRUTH and not isinstance(k, List)))
     if e.id in check.scope.names:  # it is not misspelled
         return f"known here: {', '.join(sorted(set(names)))}" if 0 < len(names) <= MAX_LISTED_NAMES else ""
@@ -118,7 +118,7 @@ def instead(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> str:
 
 
 def fitting(check: Expressions, wanted: tuple[Type, ...]) -> list[str]:
-    """The words and names that are of one of these types whatever the instance."""
+    """Return the words and names that have an expected type in every instance."""
     items = [k.item if isinstance(k, List) else k for k in wanted]
     words = [w for k in items if isinstance(k, Word) for w in WORDS.get(k.vocabulary, ())]
     words += ["true", "false"] if TRUTH in items else []

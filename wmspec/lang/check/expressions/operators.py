@@ -1,4 +1,4 @@
-"""Operators: `+ - * /`, comparisons, `and or not`, `if`."""
+"""Checks operators: `+ - * /`, comparisons, `and or not`, `if`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ COMPARISONS = ("==", "!=", "<", "<=", ">", ">=")
 
 
 def operation_of(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -> Typed:
-    """An operator applied to what it takes."""
+    """Check an operation."""
     if e.operator == "if":
         return _conditional(check, e, wanted)
     if e.operator in ("and", "or", "not"):
@@ -27,7 +27,7 @@ def operation_of(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -
 
 
 def _truth(check: Expressions, e: s.Operation) -> Typed:
-    """`and`, `or` and `not`; of a list of truth values `not` is of each."""
+    """Check `and`, `or` and `not`; `not` of a list applies to each item."""
     if e.operator == "not" and (typed := check.infer(e.operands[0], (TRUTH,))).type == List(TRUTH):
         return operation("not", [typed], List(TRUTH), 0)
     operands = [check.value(o, (TRUTH,), f"`{e.operator}`") for o in e.operands]
@@ -58,12 +58,12 @@ def _comparison(check: Expressions, e: s.Operation) -> Typed:
 
 
 def _single(kind: Type) -> Type:
-    """The type of each item of a list that an operator is applied to, or of what is no such list."""
+    """Return the item type of a list that an operator maps over, or the type itself."""
     return kind.item if isinstance(kind, List) and isinstance(kind.item, Quantity | Word | Plain) else kind
 
 
 def _each(check: Expressions, e: s.Operation, operands: list[Typed]) -> int | None:
-    """The operand that is a list, of whose items the operator holds each; two lists can only be the same or not."""
+    """Return the index of the list operand that a comparison maps over; two lists can only be equal or not."""
     lists = [i for i, o in enumerate(operands) if _single(o.type) != o.type]
     if len(lists) > 1 and e.operator not in ("==", "!="):
         message = f"`{e.operator}` goes over the items of one list, and this is a second"

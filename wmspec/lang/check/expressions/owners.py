@@ -1,4 +1,4 @@
-"""What has properties: blocks and their parts, by the name that the IR knows them by."""
+"""Owners of properties: blocks and their parts, by IR name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wmspec.lang.parse import syntax as s
 
 @dataclass(frozen=True)
 class Owner:
-    """A block or a part: its name in the IR, its type, and the properties as they are written."""
+    """A block or part: its IR name, its type, and its written properties."""
 
     name: str
     type: ThingType
@@ -30,7 +30,7 @@ class Owner:
 
     @cached_property
     def said(self) -> dict[str, s.Property]:
-        """The written properties by name, of two that are alike the first; `on: X at Y` says `at` too."""
+        """The written properties by name, of duplicates the first; `on: X at Y` includes `at`."""
         properties: dict[str, s.Property] = {}
         for p in self.written:
             properties.setdefault(p.name.id, p)
@@ -40,11 +40,11 @@ class Owner:
 
     @property
     def strange(self) -> bool:
-        """Whether something is said that it cannot have: one of its properties may be meant by that."""
+        """Whether it has a property that is not allowed: it may be a misspelled one."""
         return not self.said.keys() <= {*self.slots, "at"}
 
     def lacks(self, name: s.Name) -> tuple[str, str, Span, str]:
-        """The complaint about a property that it cannot have: code, message, place and remedy."""
+        """Return the error about a property that is not allowed: code, message, span and remedy."""
         if reason := unfit(self.type, name.id):
             return "WMS203", reason, name.span, remedy(self.type, name.id)
         kind = self.type.kind
@@ -52,19 +52,19 @@ class Owner:
         return "WMS203", message, name.span, _meant(name.id, [*self.slots, *self.parts])
 
     def silent(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
-        """The complaint about a property that it could have and does not say."""
+        """Return the error about an allowed property that has no value: code, message, span, remedy and notes."""
         notes = (Note(f"`{self.name}` is declared here", self.span),)
         return "WMS206", f"`{self.name}` does not say its {name.id}", name.span, f"add `{name.id}:` to it", notes
 
 
 def _meant(name: str, known: list[str]) -> str:
-    """A property that the name is another word for, or like."""
+    """Return a suggestion for a property: its alias or the most similar name."""
     other = OTHERWISE.get(name)
     return f"did you mean `{other}`?" if other in known else suggestion(name, known)
 
 
 def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
-    """A block as an owner of properties; `members` are the links and joints of an asset, for suggestions."""
+    """Return a block as an owner; `members` are the links and joints of an asset, for suggestions."""
     written = {p.name.id for p in block.properties}
     model = block.model.id if block.model is not None and block.kind in ("joint", "robot") else ""
     of = thing_type(block.kind, written, model, bool(block.parts), bool(block.whole))
@@ -73,7 +73,7 @@ def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
 
 
 def parts(block: s.Block) -> Iterator[Owner]:
-    """The parts of an object as owners of properties."""
+    """Yield the parts of an object as owners."""
     for part in block.parts:
         of = thing_type("part", {p.name.id for p in part.properties})
         yield Owner(f"{block.name.id}.{part.name.id}", of, part.properties, part.name.span)

@@ -1,4 +1,4 @@
-"""The value of an expression. Operators are a table; names, properties and functions come from the environment."""
+"""Evaluates expressions. The environment provides names, properties and functions."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from wmspec.lang.check.ir.ir import Call, Expr, Items, Operation, Property, Ref,
 
 
 class Environment(Protocol):
-    """Where an expression finds what it refers to."""
+    """Resolves the references of an expression."""
 
     def ref(self, name: str) -> Any:
-        """A factor, nuisance or `let`."""
+        """Return the value of a factor, nuisance or `let`."""
 
     def property(self, owner: str, name: str) -> object:
-        """A property of an object, camera or light, or an argument of an action."""
+        """Return a property of an object, camera or light, or an argument of an action."""
 
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
-        """A function of arguments and options that have been evaluated."""
+        """Return the result of a function for evaluated arguments and options."""
 
 
 class NoValue(ImpossibleValue):
-    """An expression has no value; whoever wanted it knows where it stands."""
+    """An expression has no value; the caller adds the location."""
 
 
 def _divide(a: float, b: float) -> float:
@@ -51,7 +51,7 @@ _OPERATORS: dict[str, Callable[..., Any]] = {
 
 
 def evaluate(expr: Expr, env: Environment) -> Any:
-    """The value: a float (SI), bool, str (words and names), or a tuple of values. Raises WmsError if there is none."""
+    """Return the value: a float (SI), bool, str (words and names), or a tuple. Raises WmsError if there is none."""
     return _KINDS[type(expr)](expr, env)
 
 
@@ -60,7 +60,7 @@ def _items(expr: Items, env: Environment) -> tuple[Any, ...]:
 
 
 def _all(exprs: tuple[Expr, ...], env: Environment) -> list[Any]:
-    """The values of several expressions, most of which are constants."""
+    """Return the values of several expressions, most of which are constants."""
     return [e.value if type(e) is Value else _KINDS[type(e)](e, env) for e in exprs]
 
 
@@ -95,7 +95,7 @@ def _minus(operands: tuple[Expr, ...], env: Environment) -> Any:
     return -values[0] if len(values) == 1 else values[0] - values[1]
 
 
-#: Operators that do not simply take the values of all their operands.
+#: Operators with lazily evaluated operands.
 _OWN_WAY: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
     "if": _if,
     "and": lambda operands, env: all(evaluate(e, env) for e in operands),
@@ -104,7 +104,7 @@ _OWN_WAY: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
 }
 
 
-#: How an expression of each kind is worked out.
+#: Evaluators by expression class.
 _KINDS: dict[type, Callable[[Any, Environment], Any]] = {
     Value: lambda expr, _: expr.value,
     Ref: lambda expr, env: env.ref(expr.name),
@@ -116,7 +116,7 @@ _KINDS: dict[type, Callable[[Any, Environment], Any]] = {
 
 
 def parts(expr: Expr) -> Iterator[Expr]:
-    """The expression and all that it is made of."""
+    """Yield an expression and all its subexpressions."""
     stack: list[Expr] = [expr]
     while stack:
         node = stack.pop()

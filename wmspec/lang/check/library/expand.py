@@ -1,4 +1,4 @@
-"""Assets named by objects: each is read, and its links and joints stand in its place before anything is checked."""
+"""Expands assets: an object that names an asset file is replaced by its links and joints before checks."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:  # most specs have no assets, and checking those should not wa
     from wmspec.lang.importers.model import Refused
     from wmspec.lang.importers.tree import Tree
 
-#: What an asset has from its links, each its own.
+#: Properties that an asset has per link.
 _OF_LINKS = ("shape", "size", "radius", "height", "scale", "mass", "centre", "moments", "axes", "solid")
 
 
 class Assets:
-    """Puts the links and joints of assets in their place and declares them."""
+    """Replaces assets by their links and joints, and declares these."""
 
     def __init__(self, check: Expressions, substitute: Substitute) -> None:
         self.check = check
@@ -33,7 +33,7 @@ class Assets:
         self._known: dict[tuple[Path, str], Tree | Refused] = {}
 
     def expanded(self, block: s.Block) -> tuple[s.Block, ...]:
-        """The links and joints of an asset, its base first; any other block as it is. Raises Failed."""
+        """Return the links and joints of an asset, its base first; other blocks are unchanged. Raises Failed."""
         named = next((p.value for p in block.properties if p.name.id == "file"), None)
         if block.kind != "object" or not isinstance(named, s.Text) or not is_asset(named):
             return (block,)
@@ -53,7 +53,7 @@ class Assets:
         return made
 
     def _fits(self, block: s.Block) -> None:
-        """Complain about properties that an asset has from its links."""
+        """Report properties that belong to the links of an asset."""
         for p in block.properties:
             if p.name.id in _OF_LINKS:
                 link = p.name.id in ("mass",)
@@ -88,7 +88,7 @@ class Assets:
     # ------------------------------------------------------------ what the spec says of links and joints
 
     def _names(self, tree: Tree, named: s.Text) -> dict[str, str]:
-        """The links and joints as the language calls them, each with its name in the file."""
+        """Return the identifiers of the links and joints, each with its name in the file."""
         from wmspec.lang.importers.blocks import plain
         from wmspec.lang.importers.tree import names
 
@@ -103,7 +103,7 @@ class Assets:
         return by_plain
 
     def _overrides(self, block: s.Block, tree: Tree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
-        """What `part NAME { ... }` says of links and joints."""
+        """Return the properties that `part NAME { ... }` sets on links and joints."""
         from wmspec.lang.importers.blocks import OF_JOINT, OF_LINK, plain
         from wmspec.lang.importers.model import MeshFile
 

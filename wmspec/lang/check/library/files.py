@@ -1,4 +1,4 @@
-"""Files that a spec names: beside the file that says so, there when the spec is checked."""
+"""Files that a spec names: they must exist below the spec's folder when it is checked."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 
 def beside(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.Expr:
-    """The value of a property that names a file, as a path from where wmspec was started.
+    """Return a property that names a file as a path relative to the working directory.
 
-    What varies stays so: the folder is put before it.
+    A value that depends on factors keeps doing so: the folder is prepended.
     """
     named = list(texts(check, written, set()))
     folders = {str(PurePosixPath(t.span.source.name).parent) for t in named}
@@ -46,12 +46,12 @@ def beside(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.
 
 
 def is_asset(e: s.Expr) -> bool:
-    """Whether this names the file of an asset, outright."""
+    """Whether an expression names an asset file as a constant."""
     return isinstance(e, s.Text) and e.value.lower().endswith(ASSETS)
 
 
 def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...]) -> None:
-    """Complain about a file that is not there, not of a sort that can be read, or not below the spec's folder."""
+    """Report a file that is missing, of an unreadable type, or outside the spec's folder."""
     file, prim = parted(text.value) if name == "file" else (text.value, "")
     path = PurePosixPath(file)
     if path.is_absolute() or ntpath.isabs(file) or "\\" in file or ".." in path.parts:
@@ -78,7 +78,7 @@ def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...])
 
 
 def _mesh(check: Expressions, text: s.Text, folder: Path, file: str, prim: str) -> None:
-    """Complain about a mesh in a USD file that cannot be read."""
+    """Report a mesh in a USD file that cannot be read."""
     from wmspec.lang.importers.usd_file import mesh
 
     read = mesh(folder / file, folder, file, prim)
@@ -102,7 +102,7 @@ def _neighbours(folder: Path) -> Iterator[Path]:
 
 
 def texts(check: Expressions, e: s.Expr, seen: set[Span]) -> Iterator[s.Text]:
-    """The texts that an expression can be, those of the factors and `let`s in it too."""
+    """Yield the texts that an expression can take, through factors and `let`s."""
     match e:
         case s.Text():
             yield e

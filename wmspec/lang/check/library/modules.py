@@ -1,8 +1,8 @@
-"""What `use` brings: the statements of libraries, with the values of their parameters, chosen and renamed.
+"""Expands `use`: the statements of libraries, with parameters substituted, selected and renamed.
 
-All of it happens in the syntax tree. `use room(wall: blue)` puts `blue` wherever the library says `wall`. With `use
-room as here` its floor is `here.floor`, or `here_floor` once names are plain. `only [floor]` takes that and what it
-needs. A library that says `left` means the word, also where the task calls something so.
+The syntax tree is rewritten. `use room(wall: blue)` replaces the library's `wall` by `blue`. With `use room as here`
+its floor is `here.floor`, or `here_floor` once names are flattened. `only [floor]` selects that statement and those it
+depends on. In a library, `left` is the word, also if the task declares that name.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from wmspec.lang.parse.load import Program
 
 Item = s.Statement | s.Variant | s.Task
 Declared = s.Factor | s.Let | s.Block | s.Action | s.Template
-#: The names that libraries were given with `as`, and the names that there are in each.
+#: Prefixes given with `as`, and the names in each.
 Prefixes = dict[str, frozenset[str]]
 S = TypeVar("S")
 T = TypeVar("T")
@@ -53,21 +53,23 @@ class Modules:
         return bool(self._used)
 
     def written(self) -> dict[str, str]:
-        """How names from libraries with a name of their own are written: `here.floor` for `here_floor`."""
+        """Return how prefixed names are written: `here.floor` for `here_floor`."""
         return {f"{of}_{name}": f"{of}.{name}" for of, names in self._prefixes.items() for name in names}
 
     def statements(self, *items: Iterable[Item]) -> list[s.Statement]:
-        """Items without tasks and variants after what they use; all names plain, all parameters filled in."""
+        """Return the statements, without tasks and variants, after those they use; names flattened, parameters
+        substituted.
+        """
         own = [item for each in items for item in each]
         values = _values({}, (item for item in own if isinstance(item, s.Parameter)))
         return self._level([_replaced(item, values) for item in own], "", self._prefixes)
 
     def plain(self, node: S) -> S:
-        """What the task says, with `here_floor` for `here.floor`."""
+        """Return a node with `here_floor` for `here.floor`."""
         return self._plain(node, self._prefixes)
 
     def _level(self, items: Iterable[Item], outer: str, prefixes: Prefixes) -> list[s.Statement]:
-        """The statements of a file or task after those that it uses; `prefixes` takes the names that it gives these."""
+        """Return the statements of a file or task after those that it uses; adds its prefixes to `prefixes`."""
         own = [item for item in items if not isinstance(item, s.Task | s.Variant)]
         uses = (item for item in own if isinstance(item, s.Use))
         brought = [statement for use in uses for statement in self._brought(use, outer, prefixes)]
@@ -87,13 +89,13 @@ class Modules:
         return _each(node, lambda part: self._joined(part, prefixes))
 
     def _known(self, prefix: str, name: str, span: Span, prefixes: Prefixes) -> s.Name:
-        """The plain name; if the library has no such, what was written, which is reported where it is looked up."""
+        """Return the flattened name; an unknown one is returned as written and reported on lookup."""
         return s.Name(f"{prefix}_{name}" if name in prefixes[prefix] else f"{prefix}.{name}", span)
 
     # ------------------------------------------------------------ one library
 
     def _brought(self, use: s.Use, outer: str, prefixes: Prefixes) -> list[s.Statement]:
-        """The statements of a library by the names that `use` gives them; none if they are here already."""
+        """Return the renamed statements of a library, or none if they are present already."""
         path = self._program.paths.get(use.name.span)
         if path is None:  # which was reported
             return []
@@ -122,7 +124,7 @@ class Modules:
             self._report.add("WMS202", f"`{use.name.id}` is used twice", use.span, help, notes)
 
     def _given(self, use: s.Use, parameters: list[s.Parameter]) -> dict[str, s.Expr]:
-        """The values of a library's parameters."""
+        """Return the values of a library's parameters."""
         known = {p.name.id for p in parameters}
         given: dict[str, s.Property] = {}
         for p in use.given:
@@ -140,7 +142,7 @@ class Modules:
         return _values({name: p.value for name, p in given.items()}, parameters)
 
     def _among(self, use: s.Use, parameter: s.Parameter, given: s.Property | None) -> None:
-        """Complain unless what is given for a parameter, as far as that is written out, is in its list."""
+        """Report an argument that is not in its parameter's list, as far as it is a literal."""
         domain, name = parameter.domain, parameter.name.id
         if not isinstance(domain, s.Items) or domain.kind != "list" or not domain.items:
             what = f"`{name}` is one of a list, and this is none"
@@ -154,7 +156,7 @@ class Modules:
                 self._report.add("WMS205", what, value.span, suggestion(value.span.text, known))
 
     def _chosen(self, use: s.Use, only: s.Expr, statements: list[s.Statement]) -> list[s.Statement]:
-        """What `only` names, and what that needs."""
+        """Return the statements that `only` names, and their dependencies."""
         by_name = {_name(statement) or _world(statement): statement for statement in statements}
         pending: list[str] = []
         for e in only.items if isinstance(only, s.Items) else (only,):
@@ -173,7 +175,7 @@ class Modules:
 
 
 def _values(given: Mapping[str, s.Expr], parameters: Iterable[s.Parameter]) -> dict[str, s.Expr]:
-    """The values of parameters; a default may be made of the parameters before it."""
+    """Return the values of parameters; a default may refer to earlier parameters."""
     values: dict[str, s.Expr] = {}
     for parameter in parameters:
         name = parameter.name.id
@@ -182,7 +184,7 @@ def _values(given: Mapping[str, s.Expr], parameters: Iterable[s.Parameter]) -> d
 
 
 def _declared(items: Iterable[Item]) -> Iterator[str]:
-    """The names that are declared in a file, in its tasks and in their variants."""
+    """Yield the names declared in a file, in its tasks and in their variants."""
     for item in items:
         if isinstance(item, s.Task | s.Variant):
             yield from _declared(item.body)
@@ -191,7 +193,7 @@ def _declared(items: Iterable[Item]) -> Iterator[str]:
 
 
 def _factors(items: Iterable[Item]) -> Iterator[s.Factor]:
-    """The factors of a file, of its tasks and of their variants."""
+    """Yield the factors of a file, of its tasks and of their variants."""
     for item in items:
         if isinstance(item, s.Task | s.Variant):
             yield from _factors(item.body)
@@ -200,7 +202,7 @@ def _factors(items: Iterable[Item]) -> Iterator[s.Factor]:
 
 
 def _written(value: s.Expr, factors: Mapping[str, s.Factor]) -> Iterator[s.Expr]:
-    """What a value may be, as far as it is written out: itself, either side of a condition, the levels of a factor."""
+    """Yield the literal values an argument can take: itself, both branches of a condition, the levels of a factor."""
     match value:
         case s.Text() | s.Number():
             yield value
@@ -217,7 +219,7 @@ def _written(value: s.Expr, factors: Mapping[str, s.Factor]) -> Iterator[s.Expr]
 
 
 def _same(one: s.Expr, other: s.Expr) -> bool:
-    """Whether two values that are written out are written alike."""
+    """Whether two literal values are written alike."""
     if isinstance(one, s.Number) and isinstance(other, s.Number):
         return (one.value, one.unit) == (other.value, other.unit)
     return isinstance(one, s.Text) and isinstance(other, s.Text) and one.value == other.value
@@ -228,14 +230,14 @@ def _world(statement: s.Statement) -> str:
 
 
 def _name(statement: s.Statement) -> str:
-    """What a statement declares; of the world and of what has no name, nothing."""
+    """Return the name that a statement declares; '' for the world and unnamed statements."""
     if isinstance(statement, Declared) and not _world(statement):
         return statement.name.id
     return ""
 
 
 def _said(statements: Iterable[s.Statement]) -> Iterator[str]:
-    """What a library declares, and what its templates do."""
+    """Yield the names that a library and its templates declare."""
     for statement in statements:
         yield _name(statement)
         if isinstance(statement, s.Template):
@@ -246,7 +248,7 @@ def _said(statements: Iterable[s.Statement]) -> Iterator[str]:
 
 
 def _closed(statements: list[s.Statement], words: frozenset[str], library: Source) -> list[s.Statement]:
-    """The statements of a library, in which words that it wrote and declares nowhere are the language's own."""
+    """Return a library's statements with undeclared words bound to the language."""
 
     def closed(node: Any) -> Any:
         if isinstance(node, s.Name):
@@ -285,12 +287,12 @@ def _names_in(statement: s.Statement) -> tuple[str, ...]:
 
 
 def _replaced(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:
-    """A piece of the syntax tree with values for parameters and new names for what is declared."""
+    """Return a subtree with parameters substituted and declarations renamed."""
     return _Replace(values, names or {})(node) if values or names else node
 
 
 class _Replace:
-    """Keys are no names: of properties, arguments and parts; a template's own parameters hide what is outside of it."""
+    """Substitution. Keys (of properties, arguments, parts) are no names; a template's parameters shadow outer names."""
 
     def __init__(self, values: Mapping[str, s.Expr], names: Mapping[str, str]) -> None:
         self._values = values
@@ -331,18 +333,18 @@ class _Replace:
         return _each(node, self)
 
     def _declared(self, name: s.Name) -> s.Name:
-        """A name where it is declared: no value can stand there."""
+        """Return a declared name, renamed: no value can replace it."""
         return replace(name, id=self._names.get(name.id, name.id))
 
 
 @cache
 def _named(kind: Any) -> frozenset[str]:
-    """The fields of a node that are names and no expressions: only another name can stand there."""
+    """Return the fields of a node that are names and not expressions."""
     return frozenset(field.name for field in fields(kind) if field.type in ("Name", "Name | None"))
 
 
 def _each(node: Any, change: Any, but: str = "") -> Any:
-    """A piece of the syntax tree whose parts are changed; as it is if none is."""
+    """Return a node with its children mapped by `change`; the same node if none changes."""
     if isinstance(node, tuple):
         changed = tuple(change(item) for item in node)
         return changed if any(a is not b for a, b in zip(changed, node, strict=True)) else node

@@ -1,4 +1,4 @@
-"""Templates: what objects of one model have in common, put into each of them before anything is checked."""
+"""Expands templates into the objects that use them, before checks."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Templates:
                 self._once_each(statement)
 
     def expanded(self, statement: s.Statement) -> s.Statement:
-        """An object or set with what its template says; anything else as it is."""
+        """Return an object or set with its template's properties; other statements are unchanged."""
         if not isinstance(statement, s.Block) or statement.kind not in ("object", "objects") or statement.model is None:
             return statement
         name = statement.model
@@ -42,7 +42,7 @@ class Templates:
         return self._made(bare, self.known[name.id], name.span)
 
     def unused(self) -> Iterable[s.Block]:
-        """An object of each template that no object is made of, so that its mistakes are found too."""
+        """Return an object of each unused template, so that its errors are found."""
         for name, template in self.known.items():
             if name not in self._used:
                 block = s.Block("object", template.name, (), template.span)
@@ -76,7 +76,7 @@ class Templates:
         return replace(block, properties=(*common, *own), parts=(*parts, *block.parts))
 
     def _known(self, p: s.Property, template: s.Template) -> bool:
-        """Whether an object can have the property; else complain, with the template's parameters in mind."""
+        """Whether objects can have the property; otherwise report it and suggest the template's parameters."""
         table = PROPERTIES["object"]
         if p.name.id in table:
             return True

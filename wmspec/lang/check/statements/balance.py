@@ -1,4 +1,4 @@
-"""Checking what `balance` asks for: answers that can be counted, and something that is drawn anew."""
+"""Checks `balance`: it needs countable answers and at least one random draw."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from wmspec.lang.check.statements.question_kinds import counted
 
 
 def balance(check: Expressions, spec: ir.TaskSpec) -> None:
-    """Report why the answers of the question that the plan names cannot be balanced, if they cannot."""
+    """Report why the answers of the plan's question cannot be balanced, if so."""
     named = next((q for q in spec.questions if q.name and q.name == spec.plan.balance), None)
     design = next(iter(check.scope.designs), None)
     if named is None or design is None:

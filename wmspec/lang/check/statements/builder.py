@@ -1,7 +1,7 @@
-"""Tasks made in Python instead of written as text: the same IR, with the language's defaults for what is left out.
+"""Builds tasks in Python instead of text: the same IR, with the language's defaults.
 
 Values are SI numbers, truth values, words and names as strings, tuples and lists of these, or expressions of
-`wmspec.lang.check.ir.ir`, such as `Ref(name="pace")` for the value of a factor. Units are not checked here.
+`wmspec.lang.check.ir.ir`, such as `Ref(name="pace")` for the value of a factor. Units are not checked.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from wmspec.lang.check.tables.property_schema import ThingType, inherited, slots
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
 from wmspec.lang.check.tables.vocabulary import JOINTS, TOLERANCES, Slot
 
-#: The place of whatever stands in no text.
+#: Location of nodes without source text.
 HERE = Location(file="<python>", line=1, column=1, start=0, end=0)
 
 Part = ir.Factor | ir.Let | ir.Require | ir.Thing | ir.Observation | ir.Question
@@ -26,7 +26,7 @@ _NODES = (ir.Value, ir.Ref, ir.Property, ir.Operation, ir.Call, ir.Items)
 
 
 def expression(value: Any) -> ir.Expr:
-    """A Python value as an expression; an expression as it is. Raises WmsError for anything else."""
+    """Return a Python value as an expression; expressions are returned unchanged. Raises WmsError for other types."""
     if isinstance(value, _NODES):
         return value
     if isinstance(value, bool | str):
@@ -39,7 +39,7 @@ def expression(value: Any) -> ir.Expr:
 
 
 def factor(name: str, values: Iterable[float | bool | str | Sequence[float]], unit: str = "") -> ir.Factor:
-    """A factor with these values, all of one kind; `unit` is the SI unit of numbers and points, such as `m/s`."""
+    """Return a factor with these values, all of one type; `unit` is their SI unit, such as `m/s`."""
     choices = tuple(_constant(v) for v in values)
     return ir.Factor(name=name, domain=ir.Choices(values=choices), nuisance=False, unit=unit, place=HERE)
 
@@ -51,24 +51,24 @@ def _constant(value: float | bool | str | Sequence[float]) -> ir.Scalar | tuple[
 
 
 def nuisance(name: str, low: float, high: float, unit: str = "") -> ir.Factor:
-    """A nuisance drawn uniformly from an interval."""
+    """Return a nuisance drawn uniformly from an interval."""
     return ir.Factor(name=name, domain=ir.Interval(low=low, high=high), nuisance=True, unit=unit, place=HERE)
 
 
 def let(name: str, value: Any) -> ir.Let:
-    """A named value."""
+    """Return a named value."""
     return ir.Let(name=name, value=expression(value), place=HERE)
 
 
 def thing(
     kind: Literal["object", "camera", "light", "world"], name: str, *, set: str = "", **properties: Any
 ) -> ir.Thing:
-    """An object, camera, light or the world. Raises WmsError for a property that its kind lacks or that is missing."""
+    """Return an object, camera, light or the world. Raises WmsError for a disallowed or missing property."""
     return _thing(name, thing_type(kind, properties), properties, set=set)
 
 
 def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: Any) -> tuple[ir.Thing, ...]:
-    """An object made of parts (their properties by name), followed by these. Raises WmsError as `thing` does."""
+    """Return an object made of parts (properties by part name), followed by the parts. Raises WmsError as `thing` does."""
     whole = _thing(name, thing_type("object", properties, parts=True), properties)
     return whole, *(_part(whole, part, properties_of) for part, properties_of in parts.items())
 
@@ -76,23 +76,23 @@ def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: An
 def objects(
     name: str, most: int, properties: Callable[[int], Mapping[str, Any]], count: Any = None
 ) -> tuple[ir.Thing, ...]:
-    """The members of a set, `name_0` to `name_{most - 1}`, with properties from their index.
+    """Return the members of a set, `name_0` to `name_{most - 1}`, with properties computed from their index.
 
-    With a `count`, which is an expression, only so many of them are present.
+    With a `count` expression, only the first `count` members are present.
     """
     members = [thing("object", f"{name}_{i}", set=name, **properties(i)) for i in range(most)]
     return tuple(members if count is None else (_below(m, i, expression(count)) for i, m in enumerate(members)))
 
 
 def joint(name: str, model: str, **properties: Any) -> ir.Thing:
-    """A joint of a model: hinge, slider, ball or fixed. Raises WmsError as `thing` does."""
+    """Return a joint of a model: hinge, slider, ball or fixed. Raises WmsError as `thing` does."""
     if model not in JOINTS:
         raise WmsError(f"there is no kind of joint `{model}`; {suggestion(model, JOINTS)}")
     return _thing(name, thing_type("joint", properties, model), properties, model=model)
 
 
 def robot(name: str, model: str, **properties: Any) -> ir.Thing:
-    """A robot of a model. Raises WmsError as `thing` does."""
+    """Return a robot of a model. Raises WmsError as `thing` does."""
     if model not in ROBOTS:
         raise WmsError(f"there is no kind of robot `{model}`; {suggestion(model, ROBOTS)}")
     return _thing(name, thing_type("robot", properties, model), properties, model=model)
@@ -101,9 +101,9 @@ def robot(name: str, model: str, **properties: Any) -> ir.Thing:
 def action(
     name: str, verb: str, *, by: ir.Thing | None = None, start: Any = 0.0, duration: Any = None, **arguments: Any
 ) -> ir.Thing:
-    """An action: `start` (s), for verbs that last a `duration` (s), and the arguments of the verb.
+    """Return an action with `start` (s), for lasting verbs `duration` (s), and the verb's arguments.
 
-    `by` is the robot that acts, if it is a verb of robots.
+    `by` is the acting robot, for verbs of robots.
     """
     verbs: Mapping[str, Verb] = ROBOTS[by.model] if by is not None else VERBS
     if verb not in verbs:
@@ -118,7 +118,7 @@ def action(
 
 
 def observe(camera: str, times: Sequence[Any], channels: tuple[ir.Channel, ...] = ("rgb",)) -> ir.Observation:
-    """What a camera sees at times (s), and what is kept of each picture."""
+    """Return an observation: a camera, times (s), and the recorded channels."""
     return ir.Observation(camera=camera, times=expression(list(times)), channels=channels, place=HERE)
 
 
@@ -135,9 +135,9 @@ def task(
     license: str = "",
     source: str = "",
 ) -> ir.TaskSpec:
-    """A task of parts in any order. It lasts until `horizon` (s), or else until the last observation.
+    """Return a task with parts in any order. It ends at `horizon` (s), by default at the last observation.
 
-    `tolerances` (SI) are how far engines may disagree. Raises WmsError for an unknown one.
+    `tolerances` (SI) are the allowed disagreement between engines. Raises WmsError for unknown ones.
     """
     for key in tolerances or {}:
         if key not in TOLERANCES:
@@ -170,7 +170,7 @@ def _setting(value: Any) -> ir.Setting:
 
 
 def _thing(name: str, of: ThingType, properties: dict[str, Any], *, model: str = "", set: str = "") -> ir.Thing:
-    """A thing of a type. Raises WmsError for a property that it cannot have or that is missing."""
+    """Return an entity of a type. Raises WmsError for a disallowed or missing property."""
     whose = f"the {of.kind} `{name}`"
     for key in properties:
         if reason := unfit(of, key):
@@ -189,7 +189,7 @@ def _part(whole: ir.Thing, name: str, given: Mapping[str, Any]) -> ir.Thing:
 
 
 def _below(member: ir.Thing, index: int, count: ir.Expr) -> ir.Thing:
-    """The member, present where its index is below the number."""
+    """Return the member, present where its index is below `count`."""
     there: ir.Expr = ir.Operation(operator="<", operands=(ir.Value(value=float(index)), count))
     present = member.properties["present"].value
     if present != ir.Value(value=True):

@@ -1,4 +1,4 @@
-"""Checking counterfactuals: exactly one change each."""
+"""Checks counterfactuals: each has exactly one change."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from wmspec.lang.check.tables.vocabulary import FILES, Slot
 from wmspec.lang.check.types.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
 from wmspec.lang.parse import syntax as s
 
-#: What has properties that a counterfactual can change.
+#: Types with properties that a counterfactual can change.
 _CHANGED = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)
 
 
 class Counterfactuals:
-    """Checks the counterfactuals of a task; a mistake is reported and raises `Failed`."""
+    """Checks the counterfactuals of a task; an error is reported and raises `Failed`."""
 
     def __init__(self, check: Expressions, things: Things) -> None:
         self.check = check
@@ -33,7 +33,7 @@ class Counterfactuals:
         """The actions that counterfactuals add."""
 
     def counterfactual(self, written: s.Counterfactual) -> ir.Counterfactual:
-        """A counterfactual: exactly one change."""
+        """Return a counterfactual with its one change."""
         name = written.name.id
         if len(written.changes) != 1:
             many = len(written.changes)
@@ -66,14 +66,14 @@ class Counterfactuals:
         )
 
     def _action(self, e: s.Expr, what: str) -> str:
-        """The name of an action."""
+        """Return the name of an action."""
         expr = self.check.value(e, (ACTION,), what).expr
         if not isinstance(expr, ir.Value):
             self.check.fail("WMS503", f"{what} names an action", e.span, "which action is meant is a constant")
         return str(expr.value)
 
     def _added(self, name: str, change: s.Change) -> ir.Counterfactual:
-        """An action more, which is called as the counterfactual is."""
+        """Add an action, named like the counterfactual."""
         written = s.Action(s.Name(name, change.target.span), change.target, change.timings, change.span)
         if name in self.check.scope.names:
             notes = (Note("declared here", self.check.scope.names[name].name.span),)
@@ -97,7 +97,7 @@ class Counterfactuals:
         return self._made(name, change, first, second, None, "")
 
     def _turn(self, name: str) -> tuple[float, float] | None:
-        """When an action starts and how long it lasts, if both are constants."""
+        """Return the start and duration of an action if both are constant."""
         action = actions.named(self.check, name)
         start = self._start(action)
         timing = next((t for t in action.timings if t.kind == "for"), None)
@@ -105,7 +105,7 @@ class Counterfactuals:
         return None if start is None or duration is None else (start, duration)
 
     def _start(self, action: s.Action) -> float | None:
-        """The constant start of an action; `with` another it is the other's."""
+        """Return the constant start of an action; with `with`, that of the other action."""
         expr = actions.start(self.check, action)[0].expr
         if isinstance(expr, ir.Property) and isinstance(expr.owner, ir.Value):
             return self._start(actions.named(self.check, str(expr.owner.value)))
@@ -133,7 +133,7 @@ class Counterfactuals:
             self.check.subject = None
 
     def _target(self, change: s.Change) -> tuple[str, str, Slot]:
-        """What a change is made to: its owner, its name and its slot."""
+        """Return the target of a change: its owner, its name and its slot."""
         target = change.target
         example = "push.speed" if change.kind == "action" else "ball.mass"
         if not isinstance(target, s.Member):

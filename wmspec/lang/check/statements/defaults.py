@@ -1,4 +1,4 @@
-"""The values of what is left out."""
+"""Default values of properties and arguments."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wmspec.lang.parse.parser import parse_expression
 
 @cache
 def default_value(slot: Slot) -> ir.Expr:
-    """The value that a property or argument has when it is left out."""
+    """Return the default of a property or argument."""
     assert slot.default is not None
     source = Source("<default>", slot.default)
     report = Report()

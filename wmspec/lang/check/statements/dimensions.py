@@ -1,4 +1,4 @@
-"""The dimensions under which the tasks of the catalogue stand, so that a misspelt one is told from a new one."""
+"""Known dimensions of the catalogue's tasks, to detect misspelled ones."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from wmspec.core.diagnostics import Remedy, Report
 from wmspec.core.spelling import edit_distance
 from wmspec.lang.parse import syntax as s
 
-#: Of every path, what it goes on with. A test holds that all specs of the catalogue are in here.
+#: Continuations of every path. A test verifies that all specs of the catalogue are included.
 DIMENSIONS: dict[str, str] = {
     "": "perception prediction custom",
     "perception": "motion physics quantity space time vision",
@@ -29,7 +29,7 @@ DIMENSIONS: dict[str, str] = {
 
 
 def near_known(path: Sequence[s.Name], report: Report) -> None:
-    """Warn of a dimension that is one slip of the hand from a known one: it would be a new one of its own."""
+    """Warn about a dimension one edit away from a known one."""
     for i, name in enumerate(path):
         known = DIMENSIONS.get(".".join(n.id for n in path[:i]), "").split()
         near = next((other for other in known if edit_distance(name.id.lower(), other, 2) < 2), None)

@@ -1,4 +1,4 @@
-"""Checking what varies: factors, nuisances, `let`s, `require`s, and which combinations make up the design."""
+"""Checks factors, nuisances, `let`s, `require`s, and the design."""
 
 from __future__ import annotations
 
@@ -15,28 +15,27 @@ from wmspec.lang.check.tables.vocabulary import PLANS
 from wmspec.lang.check.types.types import A_NUMBER, TRUTH, Quantity, Type, Vector
 from wmspec.lang.parse import syntax as s
 
-#: More instances are not drawn.
+#: Maximum number of instances.
 MOST_DRAWN = 10_000_000
-#: What a design in groups says: the factors that are crossed in every group, those that take turns, and the question
-#: whose answers are to come equally often.
+#: Keys of a design in groups: crossed factors, rotating factors, and the question with balanced answers.
 GROUPED = ("cross", "turn", "balance")
 
 
 class Factors:
-    """Checks the statements of the design; a mistake is reported and raises `Failed`."""
+    """Checks the statements of the design; an error is reported and raises `Failed`."""
 
     def __init__(self, check: Expressions) -> None:
         self.check = check
         check.domain_of = self.type_of
 
     def type_of(self, factor: s.Factor) -> Type:
-        """The type of a factor's values."""
+        """Return the type of a factor's values."""
         return read(self.check, factor.domain).type
 
     # ------------------------------------------------------------ factors
 
     def factor(self, factor: s.Factor) -> ir.Factor:
-        """A factor or nuisance with its domain."""
+        """Return a factor or nuisance with its domain."""
         written = read(self.check, factor.domain)
         domain = self._drawn(factor, written) if factor.nuisance else self._studied(factor, written)
         kind = written.type
@@ -50,7 +49,7 @@ class Factors:
         )
 
     def _drawn(self, factor: s.Factor, written: Written) -> ir.Domain:
-        """What a nuisance is drawn from. Not from what depends on factors: instances would differ in two things."""
+        """Return the domain of a nuisance. It cannot depend on factors, or neighbours would differ in two variables."""
         name = factor.name.id
         if written.conditional:
             message = f"what the nuisance `{name}` is drawn from depends on a condition"
@@ -60,7 +59,7 @@ class Factors:
         return written.spread or ir.Choices(values=values, weights=written.weights, names=names(written))
 
     def _studied(self, factor: s.Factor, written: Written) -> ir.Domain:
-        """The values of a factor; only a Latin hypercube takes them from an interval or a distribution."""
+        """Return the values of a factor; only a Latin hypercube accepts intervals and distributions."""
         name, span = factor.name.id, factor.domain.span
         if written.weights is not None:
             message = f"`{name}` is a factor, and all values of a factor count alike"
@@ -81,12 +80,12 @@ class Factors:
     # ------------------------------------------------------------ lets and requires
 
     def let(self, let: s.Let) -> ir.Let:
-        """A named value."""
+        """Return a named value."""
         typed = self.check.once(("let", let.name.id), let.name.span, lambda: self.check.infer(let.value))
         return ir.Let(name=let.name.id, value=typed.expr, place=Location.of(let.name.span))
 
     def require(self, require: s.Require) -> ir.Require:
-        """A condition on factors."""
+        """Return a condition on factors."""
         typed = self.check.value(require.condition, (TRUTH,), "`require`")
         return ir.Require(
             condition=typed.expr, text=require.condition.span.words, place=Location.of(require.condition.span)
@@ -95,7 +94,7 @@ class Factors:
     # ------------------------------------------------------------ the design
 
     def plan(self) -> ir.Plan:
-        """Which combinations of the factors there are; all of them if nothing is said. Mistakes are reported."""
+        """Return the design, by default factorial. Errors are reported."""
         if not self.check.scope.designs:
             return ir.Plan()
         first, *more = self.check.scope.designs
@@ -132,7 +131,7 @@ class Factors:
         return ir.Plan(kind=plan, count=count, baseline=self._baseline(design), place=place)
 
     def _grouped(self, design: s.Design) -> dict[str, tuple[str, ...]]:
-        """What groups say: the factors that `cross` and `turn` name, and the question that `balance` does."""
+        """Return the factors named by `cross` and `turn`, and the question named by `balance`."""
         named: dict[str, tuple[str, ...]] = {}
         taken: dict[str, Span] = {}
         for p in design.baseline:
@@ -150,7 +149,7 @@ class Factors:
         return named
 
     def _question(self, e: s.Expr) -> str:
-        """The name of a question."""
+        """Return the name of a question."""
         named = [q.name.id for q in self.check.scope.questions if q.name is not None]
         if isinstance(e, s.Name) and e.id in named:
             return e.id
@@ -159,7 +158,7 @@ class Factors:
         self.check.unknown(s.Name(name, e.span), f"there is no question `{name}`", remedy)
 
     def _factor(self, e: s.Expr, taken: dict[str, Span]) -> str:
-        """The name of a factor, none of which may be named twice."""
+        """Return the name of a factor, which must not be `taken`."""
         name = e.span.text
         self._declared(name, e.span)
         if name in taken:
@@ -169,7 +168,7 @@ class Factors:
         return name
 
     def _declared(self, name: str, span: Span) -> s.Factor:
-        """The factor of that name."""
+        """Return the factor of that name."""
         factor = self.check.scope.names.get(name)
         if not isinstance(factor, s.Factor) or factor.nuisance:
             factors = [f for f, x in self.check.scope.names.items() if isinstance(x, s.Factor) and not x.nuisance]
@@ -195,7 +194,7 @@ class Factors:
         return levels
 
     def _level(self, factor: s.Factor, e: s.Expr) -> Level:
-        """One of the values of a factor."""
+        """Return one of the values of a factor."""
         written = read(self.check, factor.domain)
         expr = self.check.value(e, (written.type,), f"`{factor.name.id}`").expr
         for option in written.options:
@@ -207,7 +206,7 @@ class Factors:
 
 
 def _same(value: Level, expr: ir.Expr) -> bool:
-    """Whether a constant is a value, but for the rounding of units."""
+    """Whether a constant equals a value, up to rounding of units."""
     if isinstance(value, tuple):
         items = expr.items if isinstance(expr, ir.Items) else ()
         return len(items) == len(value) and all(map(_same, value, items))

@@ -1,4 +1,4 @@
-"""Checking what is there and what is done to it: objects and their parts, cameras, lights, joints, robots, actions."""
+"""Checks entities: objects and parts, cameras, lights, joints, robots, actions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _MODELS = {"joint": tuple(JOINTS), "robot": tuple(ROBOTS)}
 
 
 class Things:
-    """Checks blocks and actions; a mistake in one property is reported and the others are still looked at."""
+    """Checks blocks and actions; an error in one property is reported and the others are still checked."""
 
     def __init__(self, check: Expressions) -> None:
         self.check = check
@@ -40,7 +40,7 @@ class Things:
     # ------------------------------------------------------------ blocks
 
     def block(self, block: s.Block) -> tuple[ir.Thing, ...]:
-        """A thing, with the defaults of what it leaves out; the parts of an object follow it."""
+        """Return an entity with its defaults, followed by the parts of an object."""
         self._fits_kind(block)
         of = owner(block)
         whole = ir.Thing(
@@ -57,7 +57,7 @@ class Things:
         return whole, *(self._part(whole, part) for part in parts(block))
 
     def _fits_kind(self, block: s.Block) -> None:
-        """Complain about a model or parts where they mean nothing."""
+        """Report a model or parts on a kind of block that has none."""
         kind, model = block.kind, block.model
         if block.parts and kind != "object":
             self.report.add("WMS405", f"{article(kind)} has no parts", block.parts[0].name.span, "only an object has")
@@ -83,13 +83,13 @@ class Things:
             seen.setdefault(part.name.id, part.name.span)
 
     def _once(self, written: s.Name | s.Block) -> None:
-        """Give up silently on what was reported of another member of the same set."""
+        """Fail silently if the error was reported for another member of the same set."""
         if written.span in self._reported:
             raise Failed
         self._reported.add(written.span)
 
     def _part(self, whole: ir.Thing, of: Owner) -> ir.Thing:
-        """A part: what it does not say of its looks is that of its object."""
+        """Return a part; it inherits unset appearance properties from its object."""
         properties = self._properties(of)
         for name in inherited(of.said, whole.properties):
             value = ir.Property(owner=ir.Value(value=whole.name), name=name)
@@ -98,7 +98,7 @@ class Things:
         return ir.Thing(kind="part", name=of.name, of=whole.name, properties=properties, place=place)
 
     def _properties(self, of: Owner) -> dict[str, ir.Setting]:
-        """The properties that are written, and the defaults of the others."""
+        """Return the written properties and the defaults of the others."""
         properties: dict[str, ir.Setting] = {}
         spans: dict[str, Span] = {}
         here = Location.of(of.span)
@@ -123,7 +123,7 @@ class Things:
         return properties
 
     def _in_vain(self, of: Owner, properties: dict[str, ir.Setting]) -> None:
-        """Complain about what says nothing: a second word on the weight, measures that the shape does not have."""
+        """Report ineffective properties: `density` next to `mass`, and sizes that the shape lacks."""
         if (
             of.type.kind == "object"
             and not of.type.asset
@@ -142,7 +142,7 @@ class Things:
                 self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.said[name].name.span, remedy)
 
     def _written(self, of: Owner, p: s.Property) -> dict[str, ir.Setting]:
-        """A written property, and where it is placed with `at`."""
+        """Return a written property, and its `at` if any."""
         if p.name.id not in of.slots:
             if p.name.id in PROPERTIES[of.type.kind] and not of.said.keys() <= PROPERTIES[of.type.kind].keys():
                 raise Failed  # what it needs may be misspelt
@@ -166,7 +166,7 @@ class Things:
         return ir.Setting(value=expr, place=Location.of(p.value.span))
 
     def _noun(self, of: Owner, p: s.Property) -> None:
-        """Complain about a name with what texts put before it: `the blue crate`; and about one without letters."""
+        """Report a name with an article or colour, as in `the blue crate`, and a name without letters."""
         for text in texts(self.check, p.value, set()):
             noun = text.value.strip()
             before = _ARTICLE.match(noun)
@@ -188,7 +188,7 @@ class Things:
     # ------------------------------------------------------------ actions
 
     def action(self, action: s.Action) -> ir.Thing:
-        """An action: its verb, arguments and timings."""
+        """Return an action with its verb, arguments and timings."""
         does = actions.act(self.check, action)
         self._all_known(does)
         properties: dict[str, ir.Setting] = {}
@@ -220,7 +220,7 @@ class Things:
         return ir.Setting(value=typed.expr, place=Location.of(span))
 
     def _all_known(self, does: Act) -> None:
-        """Complain about arguments that the verb does not know and those that are given twice."""
+        """Report unknown and duplicate arguments."""
         given: set[str] = set()
         for name, argument in does.assigned:
             if not name:
@@ -232,7 +232,7 @@ class Things:
             given.add(name)
 
     def _driven(self, action: s.Action, does: Act) -> None:
-        """Complain about a drive that the joint lacks."""
+        """Report a target for a joint without a drive."""
         joint = actions.argument(self.check, action, does, "joint").expr if "joint" in does.written else None
         block = self.scope.names.get(str(joint.value)) if isinstance(joint, ir.Value) else None
         if not isinstance(block, s.Block):
@@ -243,7 +243,7 @@ class Things:
             self.report.add("WMS206", message, does.call.span, "add `stiffness:` to the joint", notes)
 
     def _timings(self, action: s.Action, does: Act) -> dict[str, ir.Setting]:
-        """When an action starts and how long it lasts, from `at`, `for`, `after` and `with`."""
+        """Return the start and duration of an action, from `at`, `for`, `after` and `with`."""
         spans: dict[bool, Span] = {}
         for timing in action.timings:
             lasts = timing.kind == "for"

@@ -1,4 +1,4 @@
-"""Checking who looks: cameras, times and what is kept of each picture."""
+"""Checks observations: cameras, times and recorded channels."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from wmspec.lang.parse import syntax as s
 
 
 class Observations:
-    """Checks `observe` statements; a mistake is reported and raises `Failed`."""
+    """Checks `observe` statements; an error is reported and raises `Failed`."""
 
     def __init__(self, check: Expressions) -> None:
         self.check = check
 
     def observe(self, observe: s.Observe) -> ir.Observation:
-        """A camera's pictures at times."""
+        """Return the observation of a camera at times."""
         camera = self.check.value(observe.camera, (CAMERA,), "`observe`").expr
         assert isinstance(camera, ir.Value)  # the grammar takes a name here, and a factor is none
         times = self.check.value(observe.times, (List(A_TIME), A_TIME), "`at`")

@@ -1,4 +1,4 @@
-"""Checking what is said of other levels of factors: closed sets of options, and counterfactuals of each other level."""
+"""Checks orbits (closed sets of options) and counterfactuals of each other level."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from wmspec.lang.check.tables.vocabulary import PLANS
 from wmspec.lang.check.types import units
 from wmspec.lang.parse import syntax as s
 
-#: So many options may a closed set have.
+#: Number of options of a closed set.
 FEWEST, MOST = 2, 8
 
 
 class Orbits:
-    """Checks what is said of levels, given the rest of the task; a mistake is reported and raises `Failed`."""
+    """Checks orbits and `each other`, given the rest of the task; an error is reported and raises `Failed`."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class Orbits:
     # ------------------------------------------------------------ closed sets of options
 
     def orbit(self, clause: s.Clause) -> tuple[tuple[ir.Varied, ...], tuple[ir.Counterfactual, ...]]:
-        """The factors of `options orbit of ...`, and a counterfactual for every combination of their levels."""
+        """Return the factors of `options orbit of ...`, and a counterfactual for every combination of their levels."""
         assert isinstance(clause.value, s.Items)
         varied: dict[str, ir.Varied] = {}
         for item in clause.value.items:
@@ -88,7 +88,7 @@ class Orbits:
         return ir.Varied(factor=name, reads=reads)
 
     def _reads(self, name: str) -> Literal["state", "action", "both"] | None:
-        """What is said in terms of a factor: properties that hold before anything happens, or what happens."""
+        """Return whether the initial state, the action or both depend on a factor; None if neither."""
         read = set[bool]()
         for thing in self.things:
             refs = (ref for setting in thing.properties.values() for ref in self._refs(setting.value))
@@ -99,14 +99,14 @@ class Orbits:
         return "both" if len(read) == 2 else "action" if True in read else "state"
 
     def _siblings(self, names: Sequence[str], place: Location) -> Iterator[ir.Counterfactual]:
-        """Every combination, the last factor fastest."""
+        """Yield every combination, the last factor fastest."""
         for levels in product(*map(self._values, names)):
             yield _otherwise(self.factors, dict(zip(names, levels, strict=True)), place)
 
     # ------------------------------------------------------------ each other level
 
     def each_other(self, written: s.EachOther) -> tuple[ir.Counterfactual, ...]:
-        """A counterfactual for every level of a factor, or for an argument every level of the factor that gives it."""
+        """Return a counterfactual for every level of a factor or of the factor that sets an argument."""
         target, place = written.target, Location.of(written.span)
         if isinstance(target, s.Name):
             self._free(target.id, target.span)
@@ -140,7 +140,7 @@ class Orbits:
         )
 
     def _free(self, name: str, span: Span) -> None:
-        """Complain unless it is a factor whose levels can all be had."""
+        """Report a name that is no factor with freely available levels."""
         factor = self._factor(name, span)
         if not isinstance(factor.domain, ir.Choices) or factor.domain.when is not None:
             what = f"which other levels `{name}` can have depends on the instance"
@@ -164,7 +164,7 @@ class Orbits:
         return domain.values
 
     def _refs(self, expr: ir.Expr) -> frozenset[str]:
-        """The factors that a value is said in terms of, by itself or by `let`s."""
+        """Return the factors that a value depends on, directly or through `let`s."""
         refs, waiting = set[str](), [expr]
         while waiting:
             for part in parts(waiting.pop()):
@@ -189,7 +189,7 @@ def _otherwise(factors: Mapping[str, ir.Factor], levels: dict[str, ir.Level], pl
 
 
 def level_words(factor: ir.Factor, level: ir.Level) -> str:
-    """A level in words: what it is called, or its value."""
+    """Return a level in words: its label or its value."""
     called = factor.called(level)
     if called is not None:
         return called
@@ -205,7 +205,7 @@ def level_words(factor: ir.Factor, level: ir.Level) -> str:
 
 
 def _slug(factor: ir.Factor, level: ir.Level) -> str:
-    """A name made of a level, such as `full_of_sand` or `pace_55_cm_s`."""
+    """Return an identifier of a level, such as `full_of_sand` or `pace_55_cm_s`."""
     words = level_words(factor, level).replace("-", "minus ").replace(".", "p")
     name = re.sub(r"\W+", "_", words).strip("_")
     return name if name[:1].isalpha() and not isinstance(level, bool) else f"{factor.name}_{name}"

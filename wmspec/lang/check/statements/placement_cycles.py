@@ -1,4 +1,4 @@
-"""What stands on what: a circle of things that rest on one another or are placed by one another is a mistake."""
+"""Checks placement: objects that rest on or are placed by one another must not form a cycle."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wmspec.lang.check.ir import ir
 
 
 def no_circles(check: Expressions, things: Iterable[ir.Thing]) -> None:
-    """Report every circle among the objects that are named outright; those that factors make show in an instance."""
+    """Report every cycle among constant references; cycles that depend on factors appear in an instance."""
     needs = {t.name: dict(_needs(t)) for t in things if t.kind in ("object", "robot")}
     graph = dict(needs)
     while circle := _circle(graph):
@@ -23,7 +23,7 @@ def no_circles(check: Expressions, things: Iterable[ir.Thing]) -> None:
 
 
 def _circle(graph: dict[str, dict[str, str]]) -> list[str]:
-    """Things each of which needs the next, and the last the first; from the one that was declared first."""
+    """Return a cycle of entities, starting with the one declared first, or an empty list."""
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
@@ -34,7 +34,7 @@ def _circle(graph: dict[str, dict[str, str]]) -> list[str]:
 
 
 def _needs(thing: ir.Thing) -> Iterator[tuple[str, str]]:
-    """The things that decide where this one is, each with the property that says so; of a link, its asset."""
+    """Yield the entities that determine this one's place, each with the property; for a link, its asset."""
     if thing.of:
         yield thing.of, "of"
     for name in ("on", "inside", "at"):

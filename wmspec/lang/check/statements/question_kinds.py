@@ -1,4 +1,4 @@
-"""Which clauses each kind of question allows. `wmspec.runtime.questions.kinds` asks and compares them."""
+"""Clauses that each kind of question allows. `wmspec.runtime.questions.kinds` implements the kinds."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.types.types import PICTURE, TRUTH, Quantity, Type
 
-#: The clause in which a question says what it is asked for, and what stands for its counterfactuals beside clauses.
+#: Keyword of the answer's clause, and the pseudo-clause of counterfactuals.
 ANSWER, COUNTERFACTUAL = "answer", "counterfactual"
 #: A closed set of options: the pictures of the siblings in the group.
 ORBIT = "orbit"
@@ -16,9 +16,9 @@ ORBIT = "orbit"
 
 @dataclass(frozen=True)
 class Rule:
-    """A clause that a kind of question needs or refuses: `message` (`{answer}` is what the answer is) and `remedy`.
+    """A clause that a kind of question requires or refuses: `message` (`{answer}` is the answer's type) and `remedy`.
 
-    It is pointed out `at` a clause. It holds `where` the answer is of such a kind; always, if None.
+    The error is located `at` a clause. The rule applies `where` the answer's type matches; always, if None.
     """
 
     clause: str
@@ -28,15 +28,15 @@ class Rule:
     where: Callable[[Type], bool] | None = None
 
     def holds(self, answer: Type) -> bool:
-        """Whether the rule is one for such answers."""
+        """Whether the rule applies to answers of this type."""
         return self.where is None or self.where(answer)
 
 
 @dataclass(frozen=True)
 class QuestionRules:
-    """A kind of question: which answers, with which clauses beside them, make it, and the rules for its clauses.
+    """A kind of question: the answers and clauses that select it, and the rules for its clauses.
 
-    What is `spoken` is answered in words, so that its values must have some.
+    A `spoken` kind is answered in words, so its values must have a wording.
     """
 
     fits: Callable[[Type, Set[str]], bool]
@@ -81,7 +81,7 @@ _NO_KINDS = Rule(
     at="kinds",
 )
 
-#: The first kind that fits is that of a question.
+#: Kinds of questions; the first that fits applies.
 QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
     "pictures": QuestionRules(
         fits=lambda answer, _: answer == PICTURE,
@@ -140,17 +140,17 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
 
 
 def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
-    """The kind of a question that has such an answer and these clauses."""
+    """Return the kind of a question with this type of answer and these clauses."""
     return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
 
 
 def counted(question: ir.Question) -> bool:
-    """Whether a question's answers are names, of which one can count how often each comes."""
+    """Whether the answers of a question are names, whose frequencies can be counted."""
     return question.kind == "labels"
 
 
 def broken(rules: QuestionRules, answer: Type, clauses: Set[str]) -> Rule | None:
-    """The first rule for its clauses that a question breaks."""
+    """Return the first rule that a question violates, or None."""
     refused = (rule for rule in rules.refused if rule.clause in clauses and rule.holds(answer))
     needed = (rule for rule in rules.needed if rule.clause not in clauses and rule.holds(answer))
     return next((rule for some in (refused, needed) for rule in some), None)

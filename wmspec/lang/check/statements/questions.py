@@ -1,4 +1,4 @@
-"""Checking what is asked: texts, answers, options and gates."""
+"""Checks questions: texts, answers, options and gates."""
 
 from __future__ import annotations
 
@@ -54,14 +54,14 @@ _BRACE = re.compile(r"(?<!\\)[{}]")
 _ONCE = ("options", "orbit", "answer", "within", "difference", "stable")
 _APART = Slot((A_LENGTH,), "how far apart", above=0)
 _TURNED = Slot((AN_ANGLE,), "by what turn", above=0, most=pi)
-#: What `distinct by` takes beside quantities: the kind of the outcome.
+#: Value of `distinct by` next to quantities: the kind of the outcome.
 KIND = "kind"
 _YES_NO = ir.Items(items=(ir.Value(value=True), ir.Value(value=False)))
 
 
 @dataclass(frozen=True)
 class Distinct:
-    """How options must differ: by so much (m), or by such a turn (rad), and in kind."""
+    """Required difference between options: length (m), angle (rad), and kind of outcome."""
 
     length: ir.Expr | None = None
     turn: ir.Expr | None = None
@@ -71,7 +71,7 @@ class Distinct:
 class Questions:
     """Checks questions, once the rest of the task is known (`orbits`).
 
-    A mistake in one clause is reported and the others are still looked at.
+    An error in one clause is reported and the others are still checked.
     """
 
     def __init__(self, check: Expressions, modules: Modules, things: Things) -> None:
@@ -83,7 +83,7 @@ class Questions:
         self._names: dict[str, Span] = {}
 
     def question(self, question: s.Question) -> ir.Question:
-        """A question with all its clauses."""
+        """Return a question with all its clauses."""
         self._named_once(question)
         text = self.pieces(question.text)
         if all(isinstance(part, str) and not part.strip() for part in text):
@@ -140,7 +140,7 @@ class Questions:
         self._names.setdefault(name.id, name.span)
 
     def _tried(self, check: Callable[[C], T], clauses: list[C] | tuple[C, ...]) -> list[T]:
-        """What became of clauses, without those that have mistakes."""
+        """Return the results for the clauses without errors."""
         results = []
         for clause in clauses:
             try:
@@ -154,7 +154,7 @@ class Questions:
     def _answer(
         self, question: s.Question, clauses: dict[str, list[s.Clause]]
     ) -> tuple[ir.QuestionKind, ir.Expr | None, Typed]:
-        """The kind of the question, its options in words (None if it has none) and its answer."""
+        """Return the kind of the question, its options in words (or None) and its answer."""
         clause = clauses[ANSWER][0]
         answer = self.check.measuring(clause.value)
         if answer.type == Quantity(ZERO):
@@ -183,7 +183,7 @@ class Questions:
         return kind, _YES_NO if answer.type == TRUTH else None, answer
 
     def _options(self, clause: s.Clause, answer: Typed) -> tuple[ir.Expr, Typed]:
-        """The options, and the answer as one of their common kind."""
+        """Return the options, and the answer converted to their common type."""
         options = self.check.infer(clause.value, (List(answer.type), List(LABEL)))
         common = joined(options.type, List(answer.type))
         if not isinstance(common, List) or common.item is None:
@@ -194,7 +194,7 @@ class Questions:
         return options.expr, Typed(answer.expr, common.item)
 
     def _once_each(self, written: s.Expr, options: ir.Expr) -> None:
-        """Complain about an option that is written twice."""
+        """Report a duplicate option."""
         if not isinstance(written, s.Items) or not isinstance(options, ir.Items):
             return
         first: dict[ir.Expr, s.Expr] = {}
@@ -206,7 +206,7 @@ class Questions:
                 )
 
     def _within(self, clauses: dict[str, list[s.Clause]], answer: Typed) -> ir.Expr | None:
-        """How far an open answer may be off."""
+        """Return the tolerance of an open answer."""
         if "within" not in clauses:
             return None
         clause = clauses["within"][0]
@@ -217,12 +217,12 @@ class Questions:
     # ------------------------------------------------------------ gates and what is recorded
 
     def ensure(self, clause: s.Clause) -> ir.Require:
-        """A condition that an instance must meet."""
+        """Return a condition that an instance must meet."""
         typed = self.check.measuring(clause.value, (TRUTH,), "`ensure`")
         return ir.Require(condition=typed.expr, text=clause.value.span.words, place=Location.of(clause.value.span))
 
     def margin(self, clause: s.Clause) -> ir.Margin:
-        """How far a value must be from turning."""
+        """Return the required distance of a value from the threshold."""
         assert clause.bound is not None
         value, kind = self._quantity(clause, "margin")
         bound = self.check.value(clause.bound, (kind,), "`apart by`")
@@ -234,7 +234,7 @@ class Questions:
         return ir.Margin(value=value, bound=bound.expr, ratio=ratio, unless=unless, place=Location.of(clause.span))
 
     def difference(self, clause: s.Clause) -> ir.Difference:
-        """How strong the stimulus is."""
+        """Return the stimulus strength."""
         value, kind = self._quantity(clause, "difference")
         return ir.Difference(value=value, unit=kind.dimension.symbol)
 
@@ -246,13 +246,13 @@ class Questions:
         return value.expr, Quantity(NUMBER) if value.type.dimension == ZERO else value.type
 
     def changes(self, written: s.Counterfactual | s.EachOther) -> tuple[ir.Counterfactual, ...]:
-        """What a counterfactual, or one of each other level, stands for."""
+        """Return the counterfactuals of a `counterfactual` or `each other` statement."""
         if isinstance(written, s.EachOther):
             return self.orbits.each_other(written)
         return (self.counterfactuals.counterfactual(written),)
 
     def _unlike(self, changes: list[ir.Counterfactual]) -> None:
-        """Complain about two counterfactuals of one name."""
+        """Report two counterfactuals of one name."""
         first: dict[str, ir.Counterfactual] = {}
         for change in changes:
             if first.setdefault(change.name, change) is not change:
@@ -261,7 +261,7 @@ class Questions:
                 self.report.add("WMS202", what, change.place, "give one of them another name", notes)
 
     def kinds(self, written: s.Kinds) -> tuple[ir.Outcome, ...]:
-        """The kinds of outcome."""
+        """Return the kinds of outcome."""
         outcomes: dict[str, ir.Outcome] = {}
         for p in written.kinds:
             name, span = p.name.id, p.value.span
@@ -278,7 +278,7 @@ class Questions:
         return tuple(outcomes.values())
 
     def _distinct(self, clauses: list[s.Clause], kinds: tuple[s.Kinds, ...]) -> Distinct:
-        """`distinct by 5 cm or 20 deg`, and `distinct by kind`: at most one of each."""
+        """Check `distinct by 5 cm or 20 deg` and `distinct by kind`: at most one of each."""
         first: dict[bool, s.Clause] = {}
         for clause in clauses:
             kind = self._by_kind(clause)
@@ -296,7 +296,7 @@ class Questions:
         return isinstance(clause.value, s.Name) and clause.value.id == KIND and KIND not in self.check.scope.names
 
     def bounds(self, clause: s.Clause) -> tuple[ir.Expr, ir.Expr | None]:
-        """How far apart options must be, `or` how much they must be turned."""
+        """Return the required distance of options and, after `or`, the required angle."""
         length, turn = clause.value, None
         if isinstance(clause.value, s.Operation) and clause.value.operator == "or":
             length, turn = clause.value.operands
@@ -308,7 +308,7 @@ class Questions:
         return apart, typed.expr
 
     def apart(self, clause: s.Clause) -> ir.Expr:
-        """How far apart options must be, or how far objects are nudged."""
+        """Return the required distance of options, or the displacement of objects."""
         typed = self.check.value(clause.value, _APART.types, f"`{clause.kind} by`")
         within(self.check, typed.expr, _APART, clause.value.span, f"`{clause.kind} by`")
         return typed.expr
@@ -316,7 +316,7 @@ class Questions:
     # ------------------------------------------------------------ texts
 
     def pieces(self, text: s.Pieces) -> tuple[str | ir.Said, ...]:
-        """The whole text of a question, as if it had been written in one piece."""
+        """Return the whole text of a question, with its pieces joined."""
         parts: list[str | ir.Said] = []
         for part in (part for piece in text.pieces for part in (" ", *self.text(piece))):
             if isinstance(part, str) and parts and isinstance(parts[-1], str):
@@ -326,7 +326,7 @@ class Questions:
         return tuple(parts)
 
     def text(self, text: s.Text) -> tuple[str | ir.Said, ...]:
-        """Split a text at its `{expression}`s and check them."""
+        """Split a text at its `{expression}`s and check these."""
         parts: list[str | ir.Said] = []
         raw = text.span.text
         end = 1
@@ -351,19 +351,19 @@ class Questions:
         return tuple(part for part in parts if part != "")
 
     def _texts(self, clauses: dict[str, list[s.Clause]]) -> tuple[ir.Filled, ...]:
-        """The texts of options and answers that say values."""
+        """Return the texts with inserted values among options and answers."""
         written = [clause.value for kind in ("options", ANSWER) for clause in clauses.get(kind, [])]
         holes = {text.value: text for text in s.texts(tuple(written)) if _BRACE.search(text.span.text)}
         return tuple(ir.Filled(text=value, parts=self.text(text)) for value, text in holes.items())
 
     def _named(self, expr: ir.Expr) -> bool:
-        """Whether it is a factor or nuisance whose values have names."""
+        """Whether an expression is a factor or nuisance with labelled values."""
         factor = self.check.scope.names.get(expr.name) if isinstance(expr, ir.Ref) else None
         return isinstance(factor, s.Factor) and names(read(self.check, factor.domain)) is not None
 
 
 def _made_one(of: Type) -> str:
-    """How several values become one that can be an answer; empty if there is no short way to say it."""
+    """Return how to reduce several values to one answer, for messages, or ''."""
     if of == List(TRUTH):
         return "write `count(...)`, `any(...)` or `all(...)` of it"
     if isinstance(of, List) and isinstance(of.item, Quantity):
@@ -376,7 +376,7 @@ def _unescape(text: str) -> str:
 
 
 def _spoken(of: Type) -> str | None:
-    """The type of a value that can be said in words, as it is named; None if it cannot."""
+    """Return the name of a type whose values have a wording, or None."""
     if of == Quantity(ZERO):
         return str(Quantity(NUMBER))
     if isinstance(of, List):

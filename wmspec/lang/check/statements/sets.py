@@ -1,4 +1,4 @@
-"""Sets of objects and joints: as many members as there can be at most, each there if its index is below the number."""
+"""Expands sets of objects and joints: the maximum number of members, each present if its index is below `count`."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from wmspec.lang.check.tables.vocabulary import SETS
 from wmspec.lang.check.types.types import A_NUMBER
 from wmspec.lang.parse import syntax as s
 
-#: The most members of a set, and the most combinations of factors that are tried to find the largest number.
+#: Maximum number of members, and of factor combinations tried to find the largest count.
 MOST_MEMBERS, MOST_TRIED = 500, 10_000
 
 
 class Sets:
-    """Makes the members of sets and declares them."""
+    """Creates the members of sets and declares them."""
 
     def __init__(self, check: Expressions, factors: Factors, substitute: Substitute) -> None:
         self.check = check
@@ -31,7 +31,7 @@ class Sets:
         self.substitute = substitute
 
     def members(self, whole: s.Block) -> tuple[s.Block, ...]:
-        """The members of a set as blocks; none if its number is wrong, and what is no set as it is. Raises Failed."""
+        """Return the members of a set as blocks, none if its count is wrong; other blocks are unchanged. Raises Failed."""
         if whole.count is None:
             return (whole,)
         count = self.check.value(whole.count, (A_NUMBER,), "the number of a set").expr
@@ -57,7 +57,7 @@ class Sets:
         return s.Block(SETS[whole.kind], name, properties, whole.span, whole.model, parts=made)
 
     def _largest(self, written: s.Expr, count: ir.Expr) -> int:
-        """The largest number over all values of the factors that it depends on."""
+        """Return the largest count over all values of its factors."""
         numbers = list(self._numbers(written, count))
         if odd := [n for n in numbers if n != int(n)]:
             message = f"a set has a whole number of members, and this can be {odd[0]:g}"
@@ -86,7 +86,7 @@ class Sets:
     def _needs(
         self, written: s.Expr, expr: ir.Expr, lets: dict[str, ir.Expr], domains: dict[str, tuple[Any, ...]]
     ) -> None:
-        """Collect the `let`s and factors that a number depends on."""
+        """Collect the `let`s and factors that a count depends on."""
         for part in parts(expr):
             if isinstance(part, ir.Property | ir.Call) or part == ir.Ref(name="end"):
                 message = "the number of a set is worked out from factors, `let`s and numbers alone"
@@ -108,7 +108,7 @@ class Sets:
 
 
 class _Numbers:
-    """Factors and `let`s alone, as an environment for `evaluate`."""
+    """Environment for `evaluate` with factors and `let`s only."""
 
     def __init__(self, factors: dict[str, Any], lets: dict[str, ir.Expr]) -> None:
         self._known = factors
@@ -126,7 +126,7 @@ class _Numbers:
 
 
 def _present(properties: tuple[s.Property, ...], index: s.Expr, count: s.Expr) -> tuple[s.Property, ...]:
-    """The properties with `present: index < count`, beside what was said of it."""
+    """Return the properties with `present: index < count`, combined with a written `present`."""
     there: s.Expr = s.Operation("<", (index, count), count.span)
     present = next((p for p in properties if p.name.id == "present"), None)
     if present is not None:

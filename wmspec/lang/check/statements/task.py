@@ -1,4 +1,4 @@
-"""Checking a task statement by statement: every mistake is reported, then the next statement is looked at."""
+"""Checks a task statement by statement; errors are reported and the next statement is checked."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ T = TypeVar("T")
 
 
 def check(path: Path, report: Report) -> tuple[ir.TaskSpec, ...]:
-    """The tasks of a spec file. Mistakes go to the report; if there is an error, there are no tasks."""
+    """Return the tasks of a spec file. Errors are reported; after an error there are no tasks."""
     own = Report()
     tasks = check_program(load(path, own), own)
     report.merge(own)
@@ -47,9 +47,9 @@ def check(path: Path, report: Report) -> tuple[ir.TaskSpec, ...]:
 
 
 def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
-    """The tasks of a parsed spec. A library (a file without tasks) is checked and yields none.
+    """Return the tasks of a parsed spec. A library (a file without tasks) is checked and yields none.
 
-    Where a line could not be read as it is written, only that is told of it: the rest rests on a guess.
+    On a line with a syntax error only that error is reported: later ones depend on the repair.
     """
     guessed = {_line(d) for d in report.diagnostics}
     own = Report()
@@ -61,7 +61,7 @@ def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
 
 
 def _of(d: Diagnostic, source: Source) -> bool:
-    """Whether something is told of this text, and not of a library that it uses."""
+    """Whether a diagnostic belongs to this text, and not to a library."""
     return not isinstance(d.place, Span) or d.place.source is source
 
 
@@ -82,7 +82,7 @@ def _specs(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
 
 
 def _named_apart(tasks: Iterable[s.Task], report: Report) -> None:
-    """Complain about two tasks of one name: their instances would be taken for one another."""
+    """Report two tasks of one name: their instances would be confused."""
     named: dict[str, s.Task] = {}
     for task in tasks:
         if task.name.id and (first := named.setdefault(task.name.id, task)) is not task:
@@ -92,7 +92,7 @@ def _named_apart(tasks: Iterable[s.Task], report: Report) -> None:
 
 
 def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:
-    """The variants of a task; of a task without any, the task itself."""
+    """Return the variants of a task; [None] for a task without variants."""
     named: dict[str, s.Variant] = {}
     for variant in (item for item in task.body if isinstance(item, s.Variant)):
         if (first := named.setdefault(variant.name.id, variant)) is not variant:
@@ -103,7 +103,7 @@ def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:
 
 
 def _checked(task: s.Task, program: Program, report: Report) -> Iterator[ir.TaskSpec | None]:
-    """The tasks that the variants are, each with what is common to all of them and to the file."""
+    """Yield the tasks of the variants, each with the common statements of task and file."""
     unknown: set[str] = set()
     for variant in _variants(task, report):
         named = task
@@ -117,7 +117,7 @@ def _items(program: Program, task: s.Task | None, variant: s.Variant | None) -> 
 
 
 def known(program: Program, task: s.Task | None, variant: s.Variant | None) -> Expressions:
-    """What expressions mean in a variant, in a task without any, or in a library; mistakes are passed over."""
+    """Return the checker state of a variant, a task without variants, or a library; errors are ignored."""
     report = Report()
     return _Task(task, Modules(program, report), _items(program, task, variant), report, set()).check
 
@@ -153,7 +153,7 @@ class _Task:
         report.names |= modules.written() | self.scope.written(modules.written())
 
     def _replace(self, made: Callable[[s.Block], tuple[s.Block, ...]]) -> None:
-        """Put what is made of blocks in their place, and nothing where that fails."""
+        """Replace blocks by their expansion, and by nothing where that fails."""
         statements: list[s.Statement] = []
         for statement in self.statements:
             with suppress(Failed):
@@ -172,7 +172,7 @@ class _Task:
         return tolerances(self.check, (x for x in self.statements if isinstance(x, s.Tolerance)))
 
     def blocks(self) -> list[ir.Thing]:
-        """What there is. Templates that nothing is made of are tried as well."""
+        """Return all entities. Unused templates are checked as well."""
         for block in self.unused:
             with suppress(Failed):
                 self.things.block(block)
@@ -222,14 +222,14 @@ class _Task:
         return None if self.report.failed else spec
 
     def _questions(self) -> list[ir.Question]:
-        """Those of the task's own text come first, then those of the libraries that it uses."""
+        """Return the questions, those of the task's own text first, then those of its libraries."""
         assert self.declaration is not None
         text = self.declaration.span.source
         asked = self.each(s.Question, lambda q: (q.span.source is not text, self.questions.question(q)))
         return [question for _, question in sorted(asked, key=lambda pair: pair[0])]
 
     def each(self, sort: type[S], check: Callable[[S], T]) -> list[T]:
-        """The results of checking every statement of a sort, without those that failed."""
+        """Return the results of checking every statement of a type, without failed ones."""
         results = []
         for statement in self.statements:
             if isinstance(statement, sort):

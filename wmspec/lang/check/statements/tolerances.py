@@ -1,4 +1,4 @@
-"""Checking how far engines may disagree."""
+"""Checks tolerances: allowed disagreement between engines."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wmspec.lang.parse import syntax as s
 
 
 def tolerances(check: Expressions, written: Iterable[s.Tolerance]) -> dict[str, float]:
-    """The tolerances (SI) by name; those with mistakes are reported and left out."""
+    """Return the tolerances (SI) by name; wrong ones are reported and left out."""
     checked: dict[str, float] = {}
     spans: dict[str, Span] = {}
     for tolerance in written:

@@ -1,4 +1,4 @@
-"""What can be worked out and measured: the functions, as a table."""
+"""Table of functions: computations and measurements."""
 
 from __future__ import annotations
 
@@ -32,16 +32,15 @@ from wmspec.lang.check.types.units import SPEED, VOLUME
 
 @dataclass(frozen=True)
 class Function:
-    """A function: its parameters and its result.
+    """A function: its parameters and result type.
 
-    `options` are parameters that may be left out, by name; each is written `name: value`, and a keyword of Python has
-    `_` after it there. Where one thing is wanted a list may stand, if the result is a truth value, a quantity or a
-    word: then it is a list of those. With `repeated`, the last of the parameters may be given any number of times.
-    `measured` is what measures it on the executed episode, if that is what it does: `module:function`, called with what
-    was `Observed` and the arguments, names for bodies and cameras. What `chooses` among bodies by another measure is
-    given `Measured`.
-    `moments` is how many moments of the episode it takes to see it: 1 for how something is, 2 for how it changes, 3 for
-    the course of that.
+    `options` are optional named parameters, written `name: value`; the Python parameter of a keyword has a trailing
+    `_`. A list may replace a single parameter if the result is a truth value, a quantity or a word; the result is then
+    a list. With `repeated`, the last parameter may occur any number of times.
+
+    `measured` is the implementation of a measurement, `module:function`, called with an `Observed` and the arguments
+    (names of bodies and cameras). A function that `chooses` among bodies by another measure receives a `Measured`.
+    `moments` is the number of moments that show the value: 1 for a state, 2 for a change, 3 for a course.
     """
 
     meaning: str
@@ -134,7 +133,7 @@ FUNCTIONS: dict[str, Function] = {
     "frame": Function("the picture from a camera at a time of the episode", (CAMERA, A_TIME), PICTURE, "wmspec.runtime.questions.observed:frame", moments=2),
 }  # fmt: skip
 
-#: What people call functions that have another name here; and what to write for those that there are not.
+#: Functions of other languages and their names here, or the remedy for missing ones.
 OTHERWISE: dict[str, str] = {
     **dict.fromkeys(("len", "length", "number", "size", "num"), "count"),
     **dict.fromkeys(("collide", "collides", "collided", "collision", "touch", "touches", "touching", "hit", "hits"), "contact"),

@@ -1,4 +1,4 @@
-"""Which properties a thing has: its kind's, without those that make no sense beside the others that are said."""
+"""Allowed properties of an entity: those of its kind, without those excluded by other properties."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FORM = ("shape", *MEASURES)
 _MESH = ("file", "scale", "collision")
 _TRAFFIC = ("roads", "lane", "keeps")
 _DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping", "pace", "strength")
-#: A property that says nothing without another, and what it is for.
+#: Properties that require another one, and the owner they are for.
 _NEEDS = {
     "scale": ("file", "a mesh"),
     "collision": ("file", "a mesh"),
@@ -22,15 +22,15 @@ _NEEDS = {
     "gap": ("scatter", "what is scattered"),
     "scatter": ("on", "what rests on something"),
 }
-#: The looks that a part has from its object where it does not say its own.
+#: Appearance properties that a part inherits from its object.
 LOOKS = ("color", "material", "image", "repeats", "roughness", "metallic")
 
 
 @dataclass(frozen=True)
 class ThingType:
-    """What decides which properties a thing has: its kind, a joint's or robot's model, what is said, if it has parts.
+    """Determines the allowed properties: kind, model of a joint or robot, written properties, parts.
 
-    `asset` is whether it is a link or a joint of one.
+    `asset` marks links and joints of assets.
     """
 
     kind: str
@@ -43,13 +43,13 @@ class ThingType:
 def thing_type(
     kind: str, written: Collection[str], model: str = "", parts: bool = False, asset: bool = False
 ) -> ThingType:
-    """The type of a thing. Only the properties that decide about others are kept, so that there are few types."""
+    """Return the type of an entity. Only properties that affect others are kept, so there are few types."""
     deciding = {"file", "image", "on", "scatter", "target", "moments"}
     return ThingType(kind, frozenset(deciding & set(written)), model, parts, asset)
 
 
 def unfit(of: ThingType, name: str) -> str:
-    """Why a thing cannot have this property of its kind; empty if it can."""
+    """Return why an entity cannot have this property of its kind, or ''."""
     if of.kind in ("object", "part"):
         if of.parts and name in (*_FORM, *_MESH):
             return f"an object that is made of parts has no `{name}` of its own"
@@ -72,14 +72,14 @@ def unfit(of: ThingType, name: str) -> str:
 
 
 def remedy(of: ThingType, name: str) -> str:
-    """What to do about a property that the thing cannot have."""
+    """Return the remedy for a disallowed property."""
     lonely = of.kind in ("object", "part") and name in _NEEDS and _NEEDS[name][0] not in of.said
     return f"add `{_NEEDS[name][0]}:` or remove this" if lonely and not of.parts else "remove it"
 
 
 @cache
 def slots(of: ThingType) -> dict[str, Slot]:
-    """The properties that a thing can have."""
+    """Return the properties that an entity can have."""
     return {name: _fitted(of, name, slot) for name, slot in PROPERTIES[of.kind].items() if not unfit(of, name)}
 
 
@@ -94,5 +94,5 @@ def _fitted(of: ThingType, name: str, slot: Slot) -> Slot:
 
 
 def inherited(own: Collection[str], whole: Collection[str]) -> tuple[str, ...]:
-    """The looks that a part has from its object: those that the object has (`whole`) and the part does not say."""
+    """Return the appearance properties that a part inherits: those of its object (`whole`) without its `own`."""
     return tuple(name for name in LOOKS if name in whole and name not in own)

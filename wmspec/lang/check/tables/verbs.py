@@ -1,4 +1,4 @@
-"""What can happen: the verbs of actions and of robots, as tables."""
+"""Tables of verbs: actions on objects and of robots."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from wmspec.lang.check.types.units import FORCE, IMPULSE, SPEED
 
 @dataclass(frozen=True)
 class Verb:
-    """An action's verb: its arguments in order. `start` and `duration` come from the timings `at`, `for`, ...
+    """A verb: its arguments in order. `start` and `duration` come from the timings `at`, `for`, ...
 
-    `lasts`: it needs `for TIME`. `author` is the function that says on the stage what happens, as `module:function`; a
-    verb without one is checked, and refused when a stage is made. `staged` is which action of the stage it becomes, if
-    not one of its own name. `carries`: it moves its object whatever is in the way. `holds`: its object stays until then.
-    `whatever`: it can be done to what is carried, too.
+    `lasts`: it requires `for TIME`. `author` writes it to the stage, as `module:function`; a verb without one is
+    checked, but cannot be staged. `staged` is the stage's action type if it differs from the name. `carries`: it moves
+    its object regardless of obstacles. `holds`: its object is fixed until then. `whatever`: it also applies to carried
+    objects.
     """
 
     meaning: str
@@ -147,7 +147,7 @@ _JOINT = Slot((JOINT,), "a hinge or slider")
 _ALONG = Slot((AN_ANGLE, A_LENGTH), "how far, in the joint's own sense", above=0, most=6.3)
 _BY = Slot((AN_ANGLE,), "by how much", "90 deg", above=0, most=6.3)
 
-#: What an arm can do.
+#: Verbs of arms.
 _ARM = {
     "push": Verb("pushes an object over what it rests on", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True),
     "pick": Verb("grasps an object and lifts it", {"object": _GRIPPED, "height": _HIGH, "at": _WHERE}, True),
@@ -162,7 +162,7 @@ _ARM = {
     "close": Verb("does so the other way", {"object": _HANDLE, "joint": _JOINT, "far": _ALONG, "at": _WHERE}, True),
 }  # fmt: skip
 
-#: What each model of robot can do. Its verbs take as long as `for TIME` says.
+#: Verbs of each robot model. They take the time given by `for TIME`.
 ROBOTS: dict[str, dict[str, Verb]] = {
     "panda": _ARM,
     "arm": _ARM,
@@ -182,7 +182,7 @@ ROBOTS: dict[str, dict[str, Verb]] = {
     },
 }  # fmt: skip
 
-#: What people call verbs that have another name here.
+#: Verbs of other languages and their names here.
 OTHERWISE: dict[str, str] = {
     **dict.fromkeys(("throw", "toss", "shoot", "kick", "roll", "set_velocity"), "launch"),
     **dict.fromkeys(("hit", "strike", "knock"), "impulse"),
@@ -193,5 +193,5 @@ OTHERWISE: dict[str, str] = {
     **dict.fromkeys(("fall",), "drop"),
     **dict.fromkeys(("freeze", "halt"), "stop"),
 }
-#: What objects have for what only robots can do.
+#: Verbs of objects that correspond to verbs of robots.
 UNAIDED: dict[str, str] = {"push": "launch", "move": "glide", "carry": "glide", "rotate": "follow"}

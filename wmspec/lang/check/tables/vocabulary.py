@@ -1,6 +1,6 @@
-"""What the language knows about the world: words, properties and settings, as tables.
+"""Vocabulary of the language: words, properties and settings, as tables.
 
-Everything here is data: the checker reads it, and so do the messages and the reference documentation.
+The checker, the messages and the reference documentation read these tables.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from wmspec.lang.check.types.units import (
 from wmspec.sim.materials import MATERIALS, SHADES
 from wmspec.sim.shapes import SHAPES
 
-#: sRGB in 0..1. Told apart at a glance, named as a person would name them.
+#: sRGB in 0..1. Easily distinguished, with everyday names.
 COLORS: dict[str, tuple[float, float, float]] = {
     "red": (0.82, 0.17, 0.10),
     "orange": (0.94, 0.48, 0.05),
@@ -70,7 +70,7 @@ COLORS: dict[str, tuple[float, float, float]] = {
     "mist": (0.86, 0.90, 0.95),
 }
 
-#: How a mesh can be touched, and how UsdPhysics says that.
+#: Collision approximations of meshes, and their UsdPhysics tokens.
 COLLISIONS = {
     "hull": "convexHull",
     "pieces": "convexDecomposition",
@@ -91,26 +91,26 @@ WORDS: dict[str, tuple[str, ...]] = {
     "channel": ("rgb", "depth", "ids"),
 }
 
-#: Headings (rad) that words stand for, as a viewer at the front sees them: +x is right, +y is away.
+#: Headings (rad) of direction words, for a viewer at the front: +x is right, +y is away.
 HEADINGS = {"right": 0.0, "away": pi / 2, "left": pi, "nearer": -pi / 2}
 
-#: The endings of the files that a property can name.
+#: File extensions by property.
 FILES = {
     "file": (".obj", ".stl", ".ply", ".off", ".glb", ".gltf", ".dae"),
     "image": (".png", ".jpg", ".jpeg"),
     "model": (".usdc", ".usda", ".usd"),
 }
 
-#: The endings of USD files, one mesh of which a property can name too: `thing.usda#/World/Cup`.
+#: Extensions of USD files; a property can name one mesh of them: `thing.usda#/World/Cup`.
 STAGES = (".usda", ".usd", ".usdc", ".usdz")
 
-#: The endings of the files of assets, which `file` can name too: things of several links and joints.
+#: Extensions of asset files (several links and joints), which `file` can also name.
 ASSETS = (".urdf", ".xml", *STAGES)
 
-#: Blocks that declare a set, and what its members are.
+#: Blocks that declare a set, and the kind of its members.
 SETS = {"objects": "object", "joints": "joint"}
 
-#: Kinds of joints, and what each lets an object do.
+#: Kinds of joints, and the motion that each allows.
 JOINTS = {
     "hinge": "turns about its axis",
     "slider": "slides along its axis",
@@ -121,10 +121,10 @@ JOINTS = {
 
 @dataclass(frozen=True)
 class Slot:
-    """A property or argument: the types it takes, its bounds, the value it has when left out, and what it means.
+    """A property or argument: accepted types, bounds, default, and meaning.
 
-    `default` is the text of an expression; None means that it must be given unless `optional`. `among` are the words
-    of the type that make sense here; all of them if it is empty.
+    `default` is the text of an expression; with None a value is required unless `optional`. `among` are the accepted
+    words of the type; all of them if empty.
     """
 
     types: tuple[Type, ...]
@@ -139,11 +139,11 @@ class Slot:
 
     @property
     def dimension(self) -> Dimension:
-        """That of its values, a plain number's if it takes none that has any."""
+        """Dimension of its values; that of a plain number if they have none."""
         return next((k.dimension for k in self.types if isinstance(k, Quantity | Vector)), NUMBER)
 
     def fault(self, value: float) -> str:
-        """What a value must be and is not, such as `more than 0`; empty if it is within bounds."""
+        """Return the violated requirement, such as `more than 0`, or ''."""
         if self.above is not None and value <= self.above:
             return f"more than {self._told(self.above)}"
         if self.least is not None and value < self.least:
@@ -158,10 +158,10 @@ class Slot:
         return told(bound, self.dimension) if bound else "0"
 
 
-#: Properties that the material of an object decides when they are left out.
+#: Properties whose default depends on the material.
 BY_MATERIAL = ("color", "roughness", "metallic")
 
-#: What the parameters of shapes take.
+#: Types of shape parameters.
 PARAMETERS: dict[str, Type] = {
     "length": A_LENGTH,
     "number": A_NUMBER,
@@ -170,14 +170,14 @@ PARAMETERS: dict[str, Type] = {
     "path": List(POINT3),
 }
 
-#: The properties that only some shapes have, besides `radius` and `height`.
+#: Shape-specific properties, beyond `radius` and `height`.
 _OWN: dict[str, Slot] = {
     name: Slot((PARAMETERS[p.kind],), p.meaning, optional=True, above=p.above, least=p.least, most=p.most)
     for shape in SHAPES.values()
     for name, p in shape.properties.items()
 }
 
-#: The properties that say how large a shape is.
+#: Properties that set the size of a shape.
 MEASURES = ("size", "radius", "height", *_OWN)
 
 _FORM: dict[str, Slot] = {
@@ -320,7 +320,7 @@ SETTINGS: dict[str, Type] = {
     "horizon": A_TIME,
 }
 
-#: What engines may disagree by.
+#: Quantities in which engines may disagree.
 TOLERANCES: dict[str, Slot] = {
     "rest": Slot((A_LENGTH,), "a body that has never moved", least=0),
     "drift": Slot((Quantity(SPEED),), "a body in motion that has met nothing yet, for each second of motion", least=0),
@@ -332,13 +332,13 @@ TOLERANCES: dict[str, Slot] = {
 
 @dataclass(frozen=True)
 class Form:
-    """One way to write something, with an example of it."""
+    """A syntactic form: an example and its meaning."""
 
     written: str
     meaning: str
 
 
-#: Domains of a factor, which is studied: separate values, all alike. A nuisance may be drawn from these too.
+#: Domains of factors: separate, equally weighted values. Nuisances may use them too.
 STUDIED = (
     Form("[red, blue]", "these values; objects, points, texts and truth values too"),
     Form("[0.5, 1, 2] m/s", "quantities of one unit"),
@@ -347,14 +347,14 @@ STUDIED = (
     Form("product([0 cm, 10 cm], [-5 cm, 5 cm])", "points with these coordinates; three lists for points in space"),
 )
 
-#: What a nuisance is drawn from, or a factor of a Latin hypercube.
+#: Continuous domains of nuisances, and of factors of a Latin hypercube.
 SPREADS = (
     Form("-5 deg .. 5 deg", "anywhere between, all alike; `uniform(-5 deg, 5 deg)` is the same"),
     Form("log_uniform(100 g, 10 kg)", "anywhere between, all ratios alike"),
     Form("normal(0 deg, 2 deg)", "about a mean, with this standard deviation, cut off at three of them"),
 )
 
-#: What people call properties that have another name here.
+#: Property names of other languages and their names here.
 OTHERWISE = {
     "weight": "mass",
     "colour": "color",
@@ -366,7 +366,7 @@ OTHERWISE = {
     "bounciness": "restitution",
 }
 
-#: What people call words that are others here.
+#: Synonyms of words.
 SYNONYMS = {
     "block": "box",
     "brick": "box",
@@ -382,21 +382,21 @@ SYNONYMS = {
     "gold": "yellow",
 }
 
-#: What only a nuisance is drawn from.
+#: Domains for nuisances only.
 WEIGHTED = (Form("weighted([red, blue], [3, 1])", "these values, the first three times as often"),)
 
-#: What only a factor has.
+#: Domains for factors only.
 CONDITIONAL = (Form("if shape == cube then [red, blue] else [green]", "values that depend on another factor"),)
 
 
 @dataclass(frozen=True)
 class Plan(Form):
-    """A design; `counted` is one that says `of` how many instances."""
+    """A design; with `counted`, `of` gives the number of instances."""
 
     counted: bool = False
 
 
-#: Which combinations of the factors there are.
+#: Designs: the combinations of factors.
 PLANS: dict[str, Plan] = {
     "factorial": Plan("design factorial", "all of them; the same if there is no `design`"),
     "sample": Plan("design sample of 500", "so many of them, the values of a factor equally often", counted=True),
@@ -410,5 +410,5 @@ PLANS: dict[str, Plan] = {
     "one_at_a_time": Plan("design one_at_a_time { speed: 1 m/s }", "a baseline, and each factor varied by itself"),
 }
 
-#: Lengths above this (m) are taken for a mistake: engines lose precision there.
+#: Maximum length (m): engines lose precision beyond it.
 MOST_LENGTH = 1e4

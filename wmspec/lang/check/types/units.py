@@ -1,4 +1,4 @@
-"""Units and dimensions. Values are SI numbers once a spec is checked; there are no unit objects at run time."""
+"""Units and dimensions. Checked values are SI numbers; there are no unit objects at run time."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Dimension:
 
     @property
     def symbol(self) -> str:
-        """The SI unit, such as `kg*m/s^2`; empty for a plain number."""
+        """The SI unit, such as `kg*m/s^2`; '' for a plain number."""
         parts = [("kg", self.mass), ("m", self.length), ("rad", self.angle), ("s", self.time)]
         above = "*".join(u if n == 1 else f"{u}^{n}" for u, n in parts if n > 0)
         below = "/".join(u if n == -1 else f"{u}^{-n}" for u, n in parts if n < 0)
@@ -81,7 +81,7 @@ _NAMES = {
     INERTIA: "moment of inertia",
 }
 
-#: How a value of a dimension may be written, for messages.
+#: Example values by dimension, for messages.
 EXAMPLES = {
     LENGTH: "6 cm",
     MASS: "200 g",
@@ -97,7 +97,7 @@ EXAMPLES = {
     NUMBER: "0.5",
 }
 
-#: In which units messages tell a quantity, each from how much of it (SI) on.
+#: Display units by dimension, each with its lower bound (SI).
 _TOLD = {
     LENGTH: (("km", 1000.0), ("m", 1.0), ("cm", 0.01), ("mm", 0.0)),
     MASS: (("kg", 1.0), ("g", 0.0)),
@@ -139,10 +139,10 @@ _FACTOR = re.compile(r"([*/]?)([A-Za-z]+|%)(?:\^(-?\d+))?")
 
 
 class UnknownUnit(Exception):
-    """The unit's name, as written."""
+    """Unknown unit; the argument is its name as written."""
 
 
-#: Units of elsewhere, and what people write for those there are: how much of which unit each is.
+#: Foreign units and spellings: factor and equivalent unit.
 FOREIGN: dict[str, tuple[float, str]] = {
     **dict.fromkeys(("inch", "inches"), (2.54, "cm")),
     **dict.fromkeys(("ft", "foot", "feet"), (30.48, "cm")),
@@ -180,7 +180,7 @@ FOREIGN: dict[str, tuple[float, str]] = {
 
 
 def remedy(unknown: str, text: str, wanted: Iterable[Dimension]) -> str:
-    """What to write for an unknown unit in a text such as `8 inch`; of units equally close one that is wanted."""
+    """Return the remedy for an unknown unit in a text such as `8 inch`; among equals, an expected dimension wins."""
     if unknown in FOREIGN:
         scale, unit = FOREIGN[unknown]
         match = re.fullmatch(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(.+)", text)
@@ -195,7 +195,7 @@ def remedy(unknown: str, text: str, wanted: Iterable[Dimension]) -> str:
 
 @lru_cache(maxsize=256)
 def parse_unit(text: str) -> tuple[float, Dimension]:
-    """The SI value and dimension of a unit such as `cm/s` or `kg*m^2`. Raises UnknownUnit with the unknown part."""
+    """Return the SI value and dimension of a unit such as `cm/s` or `kg*m^2`. Raises UnknownUnit."""
     scale, dimension = 1.0, NUMBER
     for sign, name, power in _FACTOR.findall(text):
         if name not in UNITS:
@@ -209,12 +209,12 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
 
 
 def named(text: str) -> Dimension:
-    """The dimension that is called so, such as `length` or `kg/s`."""
+    """Return the dimension of a name or unit, such as `length` or `kg/s`."""
     return next((dimension for dimension, name in _NAMES.items() if name == text), None) or parse_unit(text)[1]
 
 
 def told(value: float, dimension: Dimension) -> str:
-    """An SI value in the unit in which people say it, such as `-5 cm` or `30 deg`."""
+    """Return an SI value with its customary unit, such as `-5 cm` or `30 deg`."""
     small = 0.1 if dimension == LENGTH else 0.0  # 0 is so many cm
     least = abs(value) or small
     unit = next((u for u, from_ in _TOLD.get(dimension, ()) if least >= from_ * (1 - 1e-9)), dimension.symbol)
@@ -223,7 +223,7 @@ def told(value: float, dimension: Dimension) -> str:
 
 
 def fitting(dimension: Dimension) -> tuple[str, ...]:
-    """The units in which a quantity may be written: those of the table, then those made of several."""
+    """Return the units of a dimension: those of the table, then compound ones."""
     plain = [name for name, (_, of) in UNITS.items() if of == dimension]
     made = [unit for unit, _ in _TOLD.get(dimension, ())]
     made += [EXAMPLES[dimension].partition(" ")[2]] if dimension in EXAMPLES else []
@@ -231,6 +231,6 @@ def fitting(dimension: Dimension) -> tuple[str, ...]:
 
 
 def convert(value: float, scale: float) -> float:
-    """`value * scale`, rounded correctly where the scale is one over a whole number (35 cm is 0.35 m to the bit)."""
+    """Return `value * scale`, rounded correctly if the scale is the inverse of an integer (35 cm is exactly 0.35 m)."""
     inverse = round(1 / scale)
     return value / inverse if inverse > 1 and abs(inverse * scale - 1) < 1e-12 else value * scale
