@@ -1,4 +1,4 @@
-"""The audit of a dataset: every check of every task, one task in the memory of a process at a time."""
+"""The audit of a dataset: runs every check on every task; each process holds one task at a time."""
 
 from __future__ import annotations
 
@@ -21,15 +21,17 @@ from wmspec.dataset.audit.summary import summary
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.runtime.workers.pool import Effort, Lost, in_order
 
-#: A task that takes longer (s) than this is given up.
+#: Timeout for a task (s).
 LONGEST = 24 * 3600.0
 
-#: The order of verdicts: what matters first.
+#: Verdicts, most important first.
 _ORDER = ("fails", "unclear", "told", "holds")
 
 
 @dataclass
 class _Gathered:
+    """The results collected so far."""
+
     findings: list[Finding] = field(default_factory=list)
     counts: list[Counts] = field(default_factory=list)
     tests: list[Test] = field(default_factory=list)
@@ -40,17 +42,17 @@ class _Gathered:
     stable: dict[str, float | None] = field(default_factory=dict)
 
     def add(self, other: _Gathered) -> None:
-        """Take in what was gathered of another task."""
+        """Add the results of another task."""
         for mine, its in zip(vars(self).values(), vars(other).values(), strict=True):
             mine.update(its) if isinstance(mine, dict) else mine.extend(its)
 
 
 def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers: int = 0) -> Audit:
-    """Look at everything in a finished dataset, at the pictures of at most `most` instances of each task.
+    """Run all checks on a finished dataset, with the pictures of at most `most` instances of each task.
 
-    Tasks are shared among so many `workers`, or done in this process if there are none: what is found is the same. Of a
-    task that has a damaged file nothing else is looked at. `progress` is told of every task that is done. Raises
-    WmsError if there is no finished dataset in the folder, or if a file of it may not be read.
+    Tasks are distributed over `workers` processes, or run in this one if `workers` is 0; the result is the same. A task
+    with a damaged file gets no further checks. `progress` is called after every task. Raises WmsError if the folder
+    holds no finished dataset, or if one of its files may not be read.
     """
     dataset = DatasetReader.open(folder)
     gathered = _Gathered(whole(dataset))
@@ -80,7 +82,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
 
 
 def _done(pieces: list[tuple[DatasetReader, str, int, bool]], workers: int) -> Generator[_Gathered | Lost, None, None]:
-    """What is found of every task, in order."""
+    """Yield the results of every task, in order."""
     if workers > 1:
         yield from in_order(_task, pieces, Effort(workers, LONGEST))
     else:
@@ -88,6 +90,7 @@ def _done(pieces: list[tuple[DatasetReader, str, int, bool]], workers: int) -> G
 
 
 def _task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> _Gathered:
+    """Return the results of one task."""
     gathered, counted = _Gathered(), counts(dataset, task)
     gathered.counts.append(counted)
     if damaged:
@@ -102,6 +105,7 @@ def _task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> _Gathe
 
 
 def _unit(unit: Unit, pictures: Enlarging, gathered: _Gathered) -> None:
+    """Run all checks of one question."""
     pairs = enlarged(unit, duplicates(unit), pictures)
     gathered.findings += judged(unit, pairs)
     gathered.groups[unit.name] = groups.effective(unit, pairs)
@@ -119,7 +123,7 @@ def _unit(unit: Unit, pictures: Enlarging, gathered: _Gathered) -> None:
 
 
 def _summary(counted: Counts, gathered: _Gathered, probed: list[Probe]) -> Summary:
-    """A task in one line; its questions have its name, and a number if there are several."""
+    """Return the one-line summary of a task. Its questions have its name, with a number if there are several."""
     return summary(
         counted.task,
         counted.kept,
@@ -131,7 +135,7 @@ def _summary(counted: Counts, gathered: _Gathered, probed: list[Probe]) -> Summa
 
 
 def _spreads(unit: Unit) -> list[Spread]:
-    """How the stimulus differences are spread, where rows have them."""
+    """Return the distribution of stimulus differences, where rows have them."""
     values: dict[tuple[str, str], list[float]] = {}
     for difference in (case.row.get("difference") for case in unit.once):
         if difference is not None:

@@ -1,6 +1,6 @@
-"""Balance: answers, the places of the true option and nuisances are independent of one another.
+"""Balance: tests that answers, positions of the true option and nuisances are independent.
 
-The answer may hang on the factors: that is what they are for. How much it does is told and not judged.
+Answers are expected to depend on factors; this is reported but never fails the audit.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from wmspec.dataset.audit.cases import Case, Unit, task_of
 from wmspec.dataset.audit.model import Finding, Test
 from wmspec.dataset.audit.statistics import Table, crossed, dependence, detectable, goodness, holm
 
-#: Numbers with more different values than this are put into quarters; into halves, if a quarter had fewer cases.
+#: Numbers with more distinct values are binned into quarters, or into halves if a quarter would have fewer cases.
 MOST_VALUES, LEAST_CASES = 8, 20
-#: A dependence fails if it is this sure after correction, and this strong: a weak one is no use to anybody.
+#: A dependence fails below this corrected p-value and above this strength (Cramér's V).
 SURE, STRONG = 0.01, 0.1
-#: A test that could have overlooked what makes guessing better by more than this says nothing.
+#: A test is inconclusive if it could miss a dependence that raises guessing by more than this.
 ROOM = 0.35
 
 PLACE, ANSWER = "place of the truth", "answer"
 
 
 def tests(unit: Unit) -> list[Test]:
-    """All tests of a unit's questions, one row for each instance."""
+    """Return all tests of a unit's questions, with one row for each instance."""
     first = unit.once[0]
     factors, nuisances = first.varied("factor"), first.varied("nuisance")
     made = []
@@ -45,10 +45,10 @@ def tests(unit: Unit) -> list[Test]:
 
 
 def weighed(tested: Sequence[Test]) -> list[Test]:
-    """The tests with their probabilities corrected, and with the weakest dependence that each would have found.
+    """Return the tests with corrected p-values and the weakest detectable dependence.
 
-    Of a task, those of answers are one family and those of the places of the truth another, so that the many of places
-    take nothing from the few of answers, which have one case in each group. Each family has half of the alarms.
+    In a task, tests of answers form one family and tests of positions another, each with half of the false alarms.
+    Otherwise the many tests of positions would take power from the few of answers, which have one case in each group.
     """
     families: dict[tuple[str, str], list[int]] = {}
     for i, test in enumerate(tested):
@@ -68,9 +68,10 @@ def weighed(tested: Sequence[Test]) -> list[Test]:
 
 
 def points(test: Test) -> float:
-    """How much better than guessing is who knows the weakest dependence that would have been found (0 to 1).
+    """Return the gain over guessing (0 to 1) from the weakest detectable dependence.
 
-    That is if it tells all about as many cases as it takes, and nothing about the others.
+    The dependence is assumed to determine the answer of as many cases as its strength permits, and to say nothing about
+    the others.
     """
     rows, columns = sum(map(any, test.counts)), sum(map(any, zip(*test.counts, strict=True)))
     if not test.second:  # one of them is true more often, the others less
@@ -79,7 +80,7 @@ def points(test: Test) -> float:
 
 
 def judge(test: Test) -> Finding:
-    """What a test says about its task."""
+    """Return the finding of a test."""
     asked = sum(map(sum, test.counts))
     what = f"{test.first} and {test.second} are independent" if test.second else f"the {test.first} is uniform"
     wrong = f"{test.first} goes with {test.second}" if test.second else f"the {test.first} is not uniform"
@@ -95,6 +96,7 @@ def judge(test: Test) -> Finding:
 
 
 def _tested(unit: Unit, first: str, second: str, judged: bool) -> Test:
+    """Return the test of two variables."""
     cases = _independent(unit, first, second)
     (rows, a), (columns, b) = _coded(cases, first), _coded(cases, second)
     groups = np.unique([case.row["block"] for case in cases], return_inverse=True)[1]
@@ -104,7 +106,7 @@ def _tested(unit: Unit, first: str, second: str, judged: bool) -> Test:
 
 
 def _independent(unit: Unit, *names: str) -> Sequence[Case]:
-    """The rows that tell something new of these: one of each control group, if all of its rows say the same."""
+    """Return the rows that are independent for these variables: one of a control group if all its rows agree."""
     combinations: dict[int, set[tuple[str, ...]]] = {}
     for case in unit.once:
         combinations.setdefault(case.row["block"], set()).add(tuple(str(_value(case, name)) for name in names))
@@ -114,7 +116,7 @@ def _independent(unit: Unit, *names: str) -> Sequence[Case]:
 
 
 def _uniform(unit: Unit, what: str) -> Test:
-    """Whether every place, or every answer, is true as often as it is on offer."""
+    """Test whether every position, or every answer, is true as often as it is offered."""
     expected: Counter[str] = Counter()
     cases = _independent(unit, what)
     for case in cases:
@@ -128,16 +130,17 @@ def _uniform(unit: Unit, what: str) -> Test:
 
 
 def _offered(case: Case, what: str) -> list[str]:
+    """Return the positions or answers that a case offers."""
     return [str(i + 1) for i in range(case.count)] if what == PLACE else list(case.row["option_name"])
 
 
 def answers_by(cases: Sequence[Case], factor: str) -> Table:
-    """How often each answer, a row, comes with each level of a factor."""
+    """Return counts of each answer (rows) for each level of a factor (columns)."""
     return crossed(_coded(cases, ANSWER)[1], _coded(cases, factor)[1])
 
 
 def _coded(cases: Sequence[Case], what: str) -> tuple[tuple[str, ...], NDArray[np.intp]]:
-    """The values, in order, and the number (n,) of the one that each case has."""
+    """Return the sorted values, and the index (n,) of each case's value."""
     binned = _binned([_value(case, what) for case in cases])
     values = tuple(sorted(set(binned), key=_order))
     number = {value: i for i, value in enumerate(values)}
@@ -145,7 +148,7 @@ def _coded(cases: Sequence[Case], what: str) -> tuple[tuple[str, ...], NDArray[n
 
 
 def _value(case: Case, what: str) -> Any:
-    """The value of a factor or nuisance, the place of the truth (from 1), or the answer."""
+    """Return the value of a factor or nuisance, the position of the truth (from 1), or the answer."""
     if what == PLACE:
         return str(case.row["answer"] + 1)
     if what != ANSWER:
@@ -157,7 +160,7 @@ def _value(case: Case, what: str) -> Any:
 
 
 def _binned(values: Sequence[Any]) -> list[str]:
-    """Values as texts; many different numbers as the quarter, or half, that they are in."""
+    """Return values as text; numbers with many distinct values as their quarter or half."""
     numbers = [v for v in values if isinstance(v, (int, float)) and not isinstance(v, bool)]
     if len(numbers) < len(values) or len(set(numbers)) <= MOST_VALUES:
         return [f"{v:.4g}" if isinstance(v, float) else str(v) for v in values]
@@ -168,7 +171,7 @@ def _binned(values: Sequence[Any]) -> list[str]:
 
 
 def _order(range_: str) -> tuple[float, str]:
-    """Numbers by size, then words."""
+    """Sort key: numbers by size, then words."""
     try:
         return float(range_.partition(" to ")[0]), ""
     except ValueError:

@@ -1,6 +1,6 @@
-"""Small classifiers that pick one of a question's options, judged on questions that they were not fitted to.
+"""Cross-validated classifiers that choose one of a question's options.
 
-Linear ones for words and options, forests for pictures and what is in them, as scikit-learn has them.
+Linear models for words and options, random forests for pictures and object states, from scikit-learn.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ except ImportError as error:
 Array = NDArray[np.float64]
 
 FOLDS = 5
-#: The trees of a forest, the fewest questions (or options) in a leaf, and the share of numbers that a split may be at:
-#: all, because a shortcut is apt to be in few of them.
+#: Trees of a forest, minimum samples in a leaf, share of features tried at a split. All features are tried, because
+#: shortcuts tend to be in few of them.
 TREES, LEAF, NUMBERS = 20, 16, 1.0
-#: The trees of one that is fitted to pick a probe by.
+#: Trees of a forest fitted for selecting a probe.
 FEW_TREES = 6
-#: The ridges that are tried where numbers outnumber questions, as multiples of these; cross-validation picks one.
+#: Ridge penalties for cases with more features than questions; cross-validation chooses one.
 RIDGES = (1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0)
-#: The penalties of the lasso that are tried, as shares of the one that leaves nothing.
+#: Lasso penalties, relative to the one that removes all features.
 PENALTIES = np.geomspace(1.0, 0.01, 30)
 SEED = 20_611
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is to be picked of which questions.
+    """The options of questions as a classification problem.
 
-    For every option in order, whose it is (from 0, ascending), what it is called, and whether it is true; for every
-    question, its group. Questions of one group are held out together.
+    For every option in order: `owner`, the index of its question (ascending from 0), its `name`, and its `truth`. For
+    every question: its group. Questions of one group are held out together.
     """
 
     owner: NDArray[np.int64]
@@ -53,22 +53,22 @@ class Asked:
 
     @property
     def count(self) -> int:
-        """How many questions there are."""
+        """The number of questions."""
         return len(self.groups)
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
-        """The first option of every question."""
+        """The index of every question's first option."""
         return np.asarray(np.flatnonzero(np.r_[True, self.owner[1:] != self.owner[:-1]]))
 
     @cached_property
     def sizes(self) -> NDArray[np.int64]:
-        """How many options every question has."""
+        """The number of options of every question."""
         return np.asarray(np.diff(np.r_[self.starts, len(self.owner)]))
 
     @cached_property
     def folds(self) -> list[NDArray[np.int64]]:
-        """The questions held out together; one fold alone if there are too few groups."""
+        """The questions held out together; a single fold if there are too few groups."""
         number = np.unique(self.groups, return_inverse=True)[1]
         folds = min(FOLDS, int(number.max()) + 1)
         shuffled = np.random.default_rng(SEED).permutation(int(number.max()) + 1)[number]
@@ -76,17 +76,17 @@ class Asked:
         return [held for _, held in splits]
 
     def among(self, values: Array) -> Array:
-        """Values (options, d) relative to the mean of their question's options."""
+        """Return values (options, d) relative to the mean of their question's options."""
         means = np.add.reduceat(values, self.starts, axis=0) / self.sizes[:, None]
         return np.asarray(values - np.repeat(means, self.sizes, axis=0))
 
     def ranks(self, values: Array) -> Array:
-        """By each value (options, d), how many more of its question's options have a smaller one than a larger one."""
+        """Return, for each value (options, d), the number of larger minus smaller values among the question's options."""
         stood = [np.sign((one[:, None] - one).round(9)).sum(1) for one in np.split(values, self.starts[1:])]
         return np.concatenate(stood)
 
     def retold(self, places: NDArray[np.int64]) -> Asked:
-        """The same questions with other options true: of each the one at this place."""
+        """Return the same questions with other true options: in each question, the one at the given position."""
         truth = np.zeros(len(self.owner), dtype=bool)
         truth[self.starts + places] = True
         return replace(self, truth=truth)
@@ -94,9 +94,9 @@ class Asked:
 
 @dataclass(frozen=True)
 class Seen:
-    """What a probe sees as `features`, of every option (options, d) or of every question (questions, d).
+    """The input of a probe: `features` of every option (options, d) or of every question (questions, d).
 
-    If `ranked`, it also sees the order of a question's options by each of the features.
+    If `ranked`, the ranks of the features among a question's options are inputs as well.
     """
 
     features: Array
@@ -106,10 +106,10 @@ class Seen:
 
 
 def held_out(seen: Seen, asked: Asked) -> Array:
-    """For every question, how right the classifier is that was fitted to the other folds: 1, 0, or a part at a tie.
+    """Return the score of every question by a classifier fitted to the other folds: 1, 0, or a fraction at a tie.
 
-    Seen option by option, features count relative to the mean of a question's options, so that nothing but the
-    difference between options does. Seen question by question, options are told apart by their names.
+    Features of options are taken relative to the mean of a question's options, so that only differences between options
+    count. Features of questions distinguish options by their names.
     """
     scores = np.zeros(len(asked.owner))
     for held in asked.folds:
@@ -119,10 +119,10 @@ def held_out(seen: Seen, asked: Asked) -> Array:
 
 
 def held_out_twice(seen: Seen, asked: Asked) -> Array:
-    """The same (folds, questions) of classifiers that were fitted without a further fold, too: the row's.
+    """Return scores (folds, questions) of classifiers fitted without the row's fold and the question's fold.
 
-    Nothing in a row was seen by what it tells of the other folds, so that it may pick what is judged on its own. There
-    it is nought.
+    A row is independent of its own fold. It can therefore select a probe that is then judged on that fold. Scores of
+    the row's own fold are 0.
     """
     inside = [np.isin(asked.owner, held) for held in asked.folds]
     scores = np.zeros((len(inside), len(asked.owner)))
@@ -138,7 +138,7 @@ def held_out_twice(seen: Seen, asked: Asked) -> Array:
 
 
 def hits(scores: Array, asked: Asked) -> Array:
-    """1 where the true option scores highest, 1/n where n options tie with it, else 0."""
+    """Return 1 where the true option scores highest, 1/n where n options tie with it, else 0."""
     best = np.maximum.reduceat(scores, asked.starts)
     top = scores >= best[asked.owner] - 1e-9
     ties = np.add.reduceat(top.astype(np.float64), asked.starts)
@@ -146,7 +146,7 @@ def hits(scores: Array, asked: Asked) -> Array:
 
 
 def _scores(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
-    """How true each option `here` seems to a classifier that was `fitted` to those."""
+    """Return the score of every option in `here` by a classifier fitted to `fitted`."""
     return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
 
 
@@ -174,7 +174,9 @@ def _of_questions(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDA
 
 
 def _linear(x: Array, y: Array, unseen: Array) -> Array:
-    """A regression on few of the numbers, as a shortcut is apt to be in few; on all, if there are too few questions."""
+    """Return predictions of a sparse regression, since shortcuts tend to be in few features; dense if questions are
+    few.
+    """
     middle, spread = x.mean(0), x.std(0)
     spread[spread < 1e-9] = np.inf
     x, unseen = (x - middle) / spread, (unseen - middle) / spread
@@ -188,9 +190,9 @@ def _linear(x: Array, y: Array, unseen: Array) -> Array:
 
 
 def _lasso(x: Array, y: Array, noise: float) -> Array:
-    """The coefficients of a lasso of what is centred, its penalty by Schwarz's criterion (Zou and others 2007).
+    """Return the coefficients of a lasso on centred data, with the penalty of the Bayesian criterion (Zou et al. 2007).
 
-    `noise` is the variance that a regression on all of it leaves.
+    `noise` is the residual variance of the full regression.
     """
     most = max(float(abs(x.T @ y).max()) / len(x), 1e-12)
     paths = lasso_path(x, y, alphas=most * PENALTIES)[1]  # (d, penalties)
@@ -200,6 +202,6 @@ def _lasso(x: Array, y: Array, noise: float) -> Array:
 
 
 def _probabilities(x: Array, y: NDArray[np.generic], unseen: Array, trees: int) -> tuple[NDArray[np.generic], Array]:
-    """The classes, and the probability of each for what was not fitted to."""
+    """Return the classes, and their probabilities for unseen samples."""
     forest = RandomForestClassifier(trees, min_samples_leaf=LEAF, max_features=NUMBERS, random_state=SEED).fit(x, y)
     return forest.classes_, np.asarray(forest.predict_proba(unseen))

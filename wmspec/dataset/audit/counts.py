@@ -1,4 +1,4 @@
-"""Is everything there that the manifest says: files as they were written, questions kept or rejected with a reason?"""
+"""Completeness: files match the manifest, and every question is kept or rejected with a reason."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from wmspec.dataset.audit.model import Counts, Finding
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import MENDED, DatasetReader
 
-#: Reasons that are no property of the design: something broke.
+#: Rejection reasons that indicate a failure instead of a property of the design.
 BROKEN = ("error", "crashed", "timeout")
 
 
 def counts(dataset: DatasetReader, task: str) -> Counts:
-    """What the manifest says of a task."""
+    """Return the manifest's counts of a task."""
     recorded = dataset.manifest["tasks"][task]
     kept, rejected = sum(recorded["rows"].values()), dict(recorded["rejected"])
     return Counts(task, recorded["dimension"], recorded["instances"], kept + sum(rejected.values()), kept, rejected)
 
 
 def whole(dataset: DatasetReader) -> list[Finding]:
-    """Whether every file is there as it was written: a failure of each task with a damaged one, which names them all.
+    """Check every file against the hashes of the manifest. Each task with damaged files fails, with a list of them.
 
-    Shards are held against the hashes in the manifest. The card and the Croissant metadata have to be there.
+    The card and the Croissant metadata must exist as well.
     """
     wrong: dict[str, list[str]] = {}
     for path, why in dataset.damaged().items():
@@ -42,7 +42,7 @@ def whole(dataset: DatasetReader) -> list[Finding]:
 
 
 def accounted(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Iterator[Finding]:
-    """Whether a task's rows are those that the manifest counts, each with one true option."""
+    """Check that a task's rows match the counts of the manifest, each with one true option."""
     rows = [case for unit in units for case in unit.cases]
     by_engine = Counter(c.row["engine"] for c in rows)
     wrong = [
@@ -71,7 +71,7 @@ def _one_truth(case: Case) -> bool:
 
 
 def _judged(counts: Counts) -> Finding:
-    """How many questions were kept. A task that yields none fails, and one in which something broke."""
+    """Return the finding about rejections. A task without questions fails, and one with failures."""
     reasons = ", ".join(f"{n:,} {reason}" for reason, n in counts.rejected.items())
     lost = counts.questions - counts.kept
     share = f"{counts.kept:,} of {counts.questions:,} questions kept of {counts.instances:,} instances"

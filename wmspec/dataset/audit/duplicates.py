@@ -1,4 +1,4 @@
-"""Duplicates: questions asked twice, and questions that say true what another of the same looks says false."""
+"""Duplicates: repeated questions, and questions that look equal but have contrary answers."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from wmspec.dataset.audit.cases import SIDE, Case, Small, Unit
 from wmspec.dataset.audit.model import Finding
 from wmspec.runtime.questions.bearing import Bearing
 
-#: Two pixels of small pictures differ if a channel differs by more than this (of 255).
+#: Thumbnail pixels differ if a channel differs by more than this (of 255).
 LEAST_STEP = 8
-#: Pictures in which fewer pixels than this share differ look alike: as many as a question's own options must differ in.
+#: Thumbnails look alike if a smaller share of pixels differs; options of a question must differ in as many.
 ALIKE = 100 / 256**2
-#: Two pixels of pictures at their own size differ if a channel differs by more than this (of 255), and pictures that
-#: look alike when small are told apart if so many do: as many as show what can be asked about.
+#: Full-size pixels differ if a channel differs by more than the first (of 255). Pictures that look alike as thumbnails
+#: are distinguishable if at least the second share of pixels differs, which is the area of the smallest visible object.
 FAINT_STEP, FAINT = 3, 36 / 256**2
-#: So many pairs are in memory at once at their own size.
+#: Number of full-size pairs in memory.
 AT_ONCE = 16
-#: Candidates for a comparison differ by at most this in the mean of a channel over a ninth of a picture (of 255).
+#: Maximum difference of a channel's mean over a ninth of a picture (of 255) for a pair to be compared.
 COARSE = 4.0
-#: The most examples that a finding names.
+#: Maximum number of examples in a finding.
 MOST_NAMED = 3
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two questions that ask the same: exactly, or to the eye; `contrary` if they do not have the same answer.
+    """Two questions that are the same, exactly or visually; `contrary` if their answers differ.
 
-    Contrary ones that only look so when small are `faint`: at their own size their pictures can be told apart.
+    Contrary pairs that are distinguishable at full size are `faint`.
     """
 
     first: str
@@ -43,19 +43,19 @@ class Pair:
     faint: bool = False
 
 
-#: The pictures shown of some instances at their own size, by the row's name.
+#: Returns the full-size pictures of instances by row id.
 Enlarged = Callable[[set[int]], Mapping[str, Sequence[Small]]]
 
 
 def duplicates(unit: Unit) -> list[Pair]:
-    """The pairs of a unit's questions that ask the same."""
+    """Return the pairs of a unit's questions that are the same."""
     pairs = [*_exact(unit.cases)]
     known = {(p.first, p.second) for p in pairs}
     return pairs + [p for p in _near(unit.first_engine) if (p.first, p.second) not in known]
 
 
 def enlarged(unit: Unit, pairs: Sequence[Pair], pictures: Enlarged) -> list[Pair]:
-    """The pairs, of which the contrary ones that can be told apart at their own size are marked as faint."""
+    """Return the pairs, with contrary ones marked as faint if they are distinguishable at full size."""
     index = {case.row["id"]: case.row["index"] for case in unit.cases}
     near = [p for p in pairs if p.contrary and not p.exact]
     faint = set[Pair]()
@@ -66,11 +66,12 @@ def enlarged(unit: Unit, pairs: Sequence[Pair], pictures: Enlarged) -> list[Pair
 
 
 def _parted(a: Small, b: Small) -> bool:
+    """Whether two full-size pictures are distinguishable."""
     return float((abs(a.astype(np.int16) - b) > FAINT_STEP).any(-1).mean()) >= FAINT
 
 
 def judged(unit: Unit, pairs: Sequence[Pair]) -> list[Finding]:
-    """What there is to say about them: contrary pairs fail, unless they are faint; others are told."""
+    """Return the findings. Contrary pairs fail unless they are faint; others are only reported."""
     contrary, same = [p for p in pairs if p.contrary and not p.faint], [p for p in pairs if not p.contrary]
     findings = []
     if faint := [p for p in pairs if p.faint]:
@@ -102,7 +103,7 @@ def _named(pairs: Sequence[Pair]) -> str:
 
 
 def _exact(cases: Sequence[Case]) -> Iterator[Pair]:
-    """Pairs with the same words and the same pictures shown, in any engine; each with the first of its kind."""
+    """Yield pairs with equal words and pictures in any engine, each with the first of its kind."""
     first: dict[tuple[object, ...], list[Case]] = defaultdict(list)
     for case in cases:
         key = (case.row["text"], case.context, tuple(case.row["context_camera"]), tuple(case.row["context_time"]))
@@ -130,7 +131,7 @@ def _true(case: Case) -> bytes:
 
 
 def _near(cases: Sequence[Case]) -> Iterator[Pair]:
-    """Pairs of the same engine with the same words and pictures that look alike, where one can answer the other."""
+    """Yield pairs of one engine with equal words and similar pictures where one answer applies to the other."""
     parted: dict[tuple[object, ...], list[Case]] = defaultdict(list)
     for case in cases:
         parted[(case.row["text"], case.pictured, len(case.seen_context))].append(case)
@@ -145,7 +146,7 @@ def _near(cases: Sequence[Case]) -> Iterator[Pair]:
 
 
 def _candidates(cases: Sequence[Case]) -> Iterator[tuple[Case, Case]]:
-    """Pairs whose pictures have about the same colours everywhere: a quick look that misses none that look alike."""
+    """Yield pairs with similar mean colours everywhere: a fast filter without false negatives."""
     if not cases or not cases[0].seen_context:
         yield from combinations(cases, 2)
         return
@@ -161,12 +162,12 @@ def _coarse(picture: Small) -> NDArray[np.float32]:
 
 
 def different(a: Small, b: Small) -> float:
-    """The share of pixels in which two small pictures differ."""
+    """Return the share of pixels in which two thumbnails differ."""
     return float((abs(a.astype(np.int16) - b) > LEAST_STEP).any(-1).mean())
 
 
 def looks_alike(a: Small, b: Small) -> bool:
-    """Whether nobody could tell two small pictures apart."""
+    """Whether two thumbnails are indistinguishable."""
     return different(a, b) < ALIKE
 
 
@@ -181,7 +182,7 @@ def _same_answer(a: Case, b: Case) -> bool:
 
 
 def _denies(a: Case, b: Case) -> bool:
-    """Whether what is true in `a` is an option of `b` that is false."""
+    """Whether the true option of `a` is a false option of `b`."""
     if not a.pictured:
         return a.open or _true(a) in _options(b)
     true = a.seen_options[a.row["answer"]]

@@ -1,4 +1,4 @@
-"""How alike pictures are: options that nobody can tell apart, and options that are picked by their likeness alone."""
+"""Similarity of option pictures: indistinguishable options, and options that similarity alone identifies."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ QUANTILES = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
 def likeness(unit: Unit) -> Likeness | None:
-    """How alike the option pictures are; None if options are words."""
+    """Return the similarity of the option pictures; None if options are words."""
     closest: dict[str, float] = {}
     pairs: dict[str, list[float]] = defaultdict(list)
     for case in unit.looked_at:
@@ -34,7 +34,7 @@ def likeness(unit: Unit) -> Likeness | None:
 
 
 def judge(unit: Unit, likeness: Likeness | None) -> Finding:
-    """Fails where a question has two options that are the same, or look it."""
+    """Return the finding; it fails where two options of a question are equal or look equal."""
     same = [c.row["id"] for c in unit.cases if len(set(c.options or c.row["option_text"] or ())) < c.count]
     if same:
         what = f"{len(same):,} questions have the same option twice, such as {', '.join(same[:MOST_NAMED])}"
@@ -47,9 +47,9 @@ def judge(unit: Unit, likeness: Likeness | None) -> Finding:
 
 
 def rules(cases: Sequence[Case]) -> dict[str, NDArray[np.float64]]:
-    """Rules of thumb by which to pick a picture, each with a score for every option: the highest is picked.
+    """Return rules of thumb for choosing a picture, each with a score for every option; the highest is chosen.
 
-    How like the last picture shown it is (similarity), and by how many pixels it differs from the others (prominence).
+    Similarity to the last picture shown, and prominence: the number of pixels that differ from the other options.
     """
     apart = np.concatenate([_from_others(case) for case in cases])
     scored = {"the option that differs most from the others": apart, "the option that differs least": -apart}
@@ -61,5 +61,6 @@ def rules(cases: Sequence[Case]) -> dict[str, NDArray[np.float64]]:
 
 
 def _from_others(case: Case) -> NDArray[np.float64]:
+    """Return the mean difference of each option from the others."""
     options = case.seen_options
     return np.array([sum(different(a, b) for b in options) / max(1, len(options) - 1) for a in options])

@@ -1,4 +1,4 @@
-"""The report of an audit as one page that opens anywhere."""
+"""The audit report as a self-contained page."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from wmspec.dataset.audit.probes import verdict as probe_verdict
 from wmspec.dataset.audit.stability import LEAST_STABLE
 from wmspec.dataset.build.webpage import webpage
 
-#: What verdicts are called.
+#: Labels of verdicts.
 WORDS: dict[Verdict, str] = {"fails": "fails", "unclear": "too few to tell", "told": "to judge", "holds": "holds"}
-#: What they are called of a task as a whole.
+#: Labels of verdicts of a whole task.
 OF_TASKS: dict[Verdict, str] = {"fails": "fail", "unclear": "unknown", "holds": "pass", "told": ""}
-#: The limits that the page explains.
+#: Thresholds that the page explains.
 _RULES = {
     "sure": SURE,
     "strong": STRONG,
@@ -36,7 +36,7 @@ _RULES = {
 
 
 def page(audit: Audit) -> str:
-    """The page: HTML with its style and figures inside, the same for the same findings."""
+    """Return the page: HTML with style and figures inside; deterministic."""
     tasks = dict.fromkeys([c.task for c in audit.counts] + [t.task for t in audit.tests])
     return webpage(
         "wmspec.dataset.audit",
@@ -53,7 +53,7 @@ def page(audit: Audit) -> str:
 
 
 def _task(audit: Audit, task: str) -> dict[str, Any]:
-    """What was found in a task; `best` is the best probe of each family."""
+    """Return the results of a task; `best` is the best probe of each family."""
     best: dict[tuple[str, bool], Probe] = {}
     probes = [p for p in audit.probes if p.task == task]
     for probe in sorted(probes, key=lambda p: p.chance - p.accuracy):
@@ -69,7 +69,7 @@ def _task(audit: Audit, task: str) -> dict[str, Any]:
 
 
 def verdict(audit: Audit) -> str:
-    """The outcome in a sentence."""
+    """Return the outcome in a sentence."""
     number = {v: sum(s.verdict == v for s in audit.summaries) for v in ("holds", "unclear", "fails")}
     wording = {"holds": "pass", "unclear": "cannot be told", "fails": "fail"}
     many = len(audit.summaries)
@@ -79,7 +79,7 @@ def verdict(audit: Audit) -> str:
 
 
 def overview(audit: Audit) -> list[list[str]]:
-    """The first page as cells: a head, and a line for each task, the failing ones first."""
+    """Return the summary table: a header, and a row for each task, failing ones first."""
     order = ("fails", "unclear", "holds")
     head = ["task", "verdict", "why", "questions", "groups", "best probe", "above chance", "found from", "stable"]
     return [head, *map(_line, sorted(audit.summaries, key=lambda s: (order.index(s.verdict), s.task)))]

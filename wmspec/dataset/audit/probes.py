@@ -1,8 +1,8 @@
-"""Shortcut probes: can a question be answered from less than it takes?
+"""Shortcut probes: tests whether questions can be answered from less information than they require.
 
-A probe that sees none of the pictures shown must stay at chance. So must one that sees fewer moments than it takes to
-see the answer: one, of a question about what changes; two, of one about the course of things. Of the many that see one
-picture, or two, the best is judged (`wmspec.dataset.audit.probe_selection`). What sees more is told and not judged.
+A probe that sees no context picture must stay at chance. So must one that sees fewer moments than the answer requires:
+one for a change, two for the course of a motion. Of the many probes that see one or two pictures, the best is judged
+(`wmspec.dataset.audit.probe_selection`). Probes that see more are reported without judgement.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from wmspec.dataset.audit.model import Finding, Probe
 from wmspec.dataset.audit.probe_selection import Rivals
 from wmspec.dataset.audit.statistics import clopper_pearson, independence
 
-#: A shortcut is worth mending if it is more than this above chance: of what sees no picture, of what sees some.
+#: Tolerated accuracy above chance: without pictures, and with some pictures.
 SLACK, SLACK_SEEN = 0.05, 0.12
-#: A probe that could have overlooked a larger shortcut than this says nothing: there are too few questions.
+#: A probe is inconclusive if it could miss a larger shortcut than this.
 ROOM = 0.3
-#: Fewer questions, or groups of them, are not worth fitting to.
+#: Minimum number of questions, and of groups, for fitting.
 LEAST_ASKED, LEAST_GROUPS = 20, 5
 
 Of = Literal["options", "questions"]
@@ -37,7 +37,7 @@ SeeViews = Callable[[Sequence[Case], Sequence[int]], Array]
 Look = Callable[[], Seen]
 Family = Literal["text", "options", "rule", "picture", "pair", "pictures"]
 
-#: What the best of these is called.
+#: Names of the selected probes.
 _BEST = {"picture": "single picture", "pair": "pair of pictures"}
 
 _BLIND = "it sees none of the pictures"
@@ -51,7 +51,7 @@ _UNASKED = "without the question, any of what is shown may be meant"
 
 @dataclass(frozen=True)
 class _Line:
-    """A probe to be made. What it sees is worked out when it is its turn."""
+    """A probe to be run. Its input is computed on demand."""
 
     sees: str
     family: Family
@@ -64,7 +64,7 @@ class _Line:
 
 
 def probes(unit: Unit) -> list[Probe]:
-    """Every probe that the unit's questions allow; none if there are too few of them, or nothing to choose from."""
+    """Return the results of all applicable probes; empty if questions are too few or have no options."""
     cases = _alike(unit.looked_at)
     if len(cases) < LEAST_ASKED or cases[0].open:
         return []
@@ -79,7 +79,7 @@ def probes(unit: Unit) -> list[Probe]:
 
 
 class _Task:
-    """The questions of a task that are probed."""
+    """The probed questions of a task."""
 
     def __init__(self, name: str, cases: Sequence[Case], groups: Sequence[str]) -> None:
         self._name, self._cases, self._groups = name, cases, groups
@@ -88,7 +88,7 @@ class _Task:
         self._asked = {False: _asked(cases, groups, everything), True: _asked(cases, groups, struck)}
 
     def probe(self, line: _Line) -> Probe:
-        """What a probe answers of the questions."""
+        """Return the result of a probe."""
         asked = self._asked[line.pictured]
         if line.scores is not None:
             scores = line.scores[self._kept] if line.pictured else line.scores
@@ -98,7 +98,7 @@ class _Task:
         return self._probe(line, held_out(seen, asked), learned)
 
     def rivals(self, family: Family, lines: Sequence[_Line]) -> list[Probe]:
-        """What each of these probes answers, and the best of them."""
+        """Return the results of competing probes, and of the best of them."""
         # Shortcuts are planted into the same features again and again: few numbers, dear to work out.
         asked, seen = self._asked[True], [cache(partial(self._seen, line)) for line in lines]
         rivals = Rivals.of(seen, asked)
@@ -132,7 +132,7 @@ class _Task:
 
 
 def _asked(cases: Sequence[Case], groups: Sequence[str], struck: Sequence[NDArray[np.bool_]]) -> Asked:
-    """What is to be picked, of the options that are not struck out."""
+    """Return the classification problem without eliminated options."""
     kept = ~np.concatenate(struck)
     truth = [np.arange(c.count) == c.row["answer"] for c in cases]
     return Asked(
@@ -144,7 +144,7 @@ def _asked(cases: Sequence[Case], groups: Sequence[str], struck: Sequence[NDArra
 
 
 def _classes(case: Case) -> list[str]:
-    """What options are called where questions are compared; pictures by their places, because names give them away."""
+    """Return the names of options across questions; positions for pictures, since their names reveal the truth."""
     return [str(i) for i in range(case.count)] if case.pictured else case.row["option_name"]
 
 
@@ -152,7 +152,7 @@ def _classes(case: Case) -> list[str]:
 
 
 def _lines(cases: Sequence[Case]) -> Iterator[_Line]:
-    """The probes for questions such as these."""
+    """Yield the applicable probes."""
     shown = len(cases[0].seen_context)
     blind = (bool(shown), _BLIND if shown else _NOTHING)
     yield _Line("the place of the options", "options", True, _BLIND, _blind(features.positions, cases))
@@ -174,14 +174,14 @@ def _lines(cases: Sequence[Case]) -> Iterator[_Line]:
 
 
 def _views(shown: int) -> Iterator[tuple[int, ...]]:
-    """Each picture, and each pair of pictures unless there are no more."""
+    """Yield each picture, and each pair of pictures unless that is all of them."""
     yield from combinations(range(shown), 1)
     if shown > 2:
         yield from combinations(range(shown), 2)
 
 
 def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
-    """The probes that see these pictures with the question and its options."""
+    """Yield the probes that see these pictures with the question and its options."""
     rival = _fewer(cases, views)
     if len(views) > 1 and not rival:
         return  # there is nothing to learn from what is meant to suffice
@@ -206,7 +206,7 @@ def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
 
 
 def _unasked(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
-    """All pictures with the options, without the question: told, because the question may be what decides."""
+    """Yield the probe with all pictures and options but no question; not judged, since the question may be irrelevant."""
     if len({c.row["text"] for c in cases}) > 1:
         seen = _pixels(cases, views)
         yield _Line("all pictures, not the question", "pictures", False, _UNASKED, seen, pictured=True)
@@ -225,30 +225,30 @@ def _forest(see: SeeViews, cases: Sequence[Case], views: tuple[int, ...], of: Of
 
 
 def _fewer(cases: Sequence[Case], views: Sequence[int]) -> bool:
-    """Whether it takes more moments to see the answer than these pictures are of, and more are shown."""
+    """Whether these pictures cover fewer moments than the answer requires, while more are shown."""
     first = cases[0]
     return len({first.row["context_time"][view] for view in views}) < min(_needed(cases), first.moments)
 
 
 def _needed(cases: Sequence[Case]) -> int:
-    """How many moments it takes to see the answer."""
+    """Return the number of moments that the answer requires."""
     if cases[0].row["answer_standing"]:
         return 1
     return max(case.row.get("answer_moments") or 2 for case in cases)
 
 
 def _alike(cases: Sequence[Case]) -> list[Case]:
-    """The cases of the commonest form: as many pictures, and options of one kind."""
+    """Return the cases of the most frequent form: number of pictures and type of options."""
     forms = [(c.pictured, c.open, len(c.seen_context)) for c in cases]
     common = max(forms, key=forms.count, default=None)
     return [c for c, form in zip(cases, forms, strict=True) if form == common]
 
 
 def _groups(unit: Unit, cases: Sequence[Case]) -> list[str]:
-    """The control group of each case, which share all draws; some of them to fit to and some to judge by would mislead.
+    """Return the control group of each case. Groups share draws, so they must not be split between training and test.
 
-    A design that is made again a few times has few such groups. Then they are those that differ in nothing but the
-    factor on which the answer hangs: a shortcut can be found so, but that there is none cannot be told.
+    A design with few repetitions has few groups. Then the groups are the cases that differ only in the factor that
+    determines the answer. These can reveal a shortcut but not prove its absence.
     """
     if unit.draws >= LEAST_GROUPS:
         return [str(c.row["block"]) for c in cases]
@@ -261,9 +261,9 @@ def _groups(unit: Unit, cases: Sequence[Case]) -> list[str]:
 
 
 def weighed(made: Sequence[Probe]) -> list[Probe]:
-    """The probes with their intervals, and with the smallest shortcut that each could have found.
+    """Return the probes with their intervals and smallest detectable shortcuts.
 
-    All judged probes of a task are one family of tests, which raises one false alarm in twenty sound tasks.
+    All judged probes of a task form one family of tests, with one false alarm in twenty sound tasks.
     """
     families: dict[str, list[Probe]] = {}
     for probe in made:
@@ -290,7 +290,7 @@ def _weighed(probe: Probe, beyond: float | None) -> Probe:
 
 
 def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
-    """What a judged probe says of its task."""
+    """Return the verdict of a probe."""
     if not probe.judged:
         return "told"
     slack = SLACK_SEEN if probe.family in ("picture", "pair") else SLACK
@@ -300,7 +300,7 @@ def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
 
 
 def judge(probe: Probe) -> Finding:
-    """What a probe says about its task, in words."""
+    """Return the finding of a probe."""
     result = f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.questions:,} right (chance {probe.chance:.0%})"
     outcome = verdict(probe)
     if outcome in ("told", "fails"):

@@ -1,4 +1,4 @@
-"""Stability of answers: do the engines agree, and does a nudge leave the answer as it is?"""
+"""Stability of answers: agreement of engines, and robustness to nudges."""
 
 from __future__ import annotations
 
@@ -7,17 +7,16 @@ from wmspec.dataset.audit.model import Finding
 from wmspec.dataset.audit.statistics import clopper_pearson
 from wmspec.dataset.build.reader import DatasetReader
 
-#: A task fails if surely fewer of its answers hold than this.
+#: A task fails if its share of stable answers is significantly below this.
 LEAST_STABLE = 0.95
-#: Reasons for which an answer does not hold.
+#: Rejection reasons of unstable answers.
 TURNED = ("unstable", "disagreement")
 
 
 def stability(dataset: DatasetReader, task: str, parts: list[Unit]) -> tuple[Finding, float | None]:
-    """The share of questions whose answers hold, of those that nothing else is wrong with; None if it is unknown.
+    """Return the share of stable answers among otherwise valid questions; None if unknown.
 
-    What the engines disagree on, and what a nudge turns, is among the rejected, or, where no consensus was asked for,
-    to be seen in the votes.
+    Unstable answers and disagreements are among the rejections, or in the votes if no consensus was required.
     """
     turned = {
         (r["index"], r["question"])
