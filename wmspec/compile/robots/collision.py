@@ -14,9 +14,9 @@ from wmspec.compile.robots.arm import Arm, Array, about, shift
 from wmspec.compile.robots.boxes import Box, between, boxes, ends
 from wmspec.compile.robots.grasps import CLOSED, FIRM
 from wmspec.compile.robots.link_points import limbs
-from wmspec.compile.robots.manipuland import Goods, together
+from wmspec.compile.robots.manipuland import Manipuland, joined_objects
 from wmspec.compile.robots.planning import OPENS, PUSHES, TAKES, Plan, Reach, State, matrix, moving
-from wmspec.compile.robots.supported_objects import gang, riders
+from wmspec.compile.robots.supported_objects import rigid_group, supported_objects
 from wmspec.lang.check.ir.ir import Thing
 from wmspec.sim.shapes.shape import Shape
 
@@ -35,7 +35,7 @@ LEADS = {"pick": CLOSED, "grasp": CLOSED, "lift": CLOSED, "push": PUSHES[0], "op
 """From which share of its time a verb leads what it is done to."""
 
 
-def collision(made: Plan, action: Thing, before: Goods) -> tuple[str, str] | None:
+def collision(made: Plan, action: Thing, before: Manipuland) -> tuple[str, str] | None:
     """What an arm goes through during an action and when, and what helps; None if it keeps clear.
 
     `before` is what it handles, as it was before.
@@ -50,10 +50,10 @@ def collision(made: Plan, action: Thing, before: Goods) -> tuple[str, str] | Non
     )
 
 
-def _with_things(made: Plan, action: Thing, before: Goods, links: Array, hand: list[Box]) -> tuple[str, str] | None:
+def _with_things(made: Plan, action: Thing, before: Manipuland, links: Array, hand: list[Box]) -> tuple[str, str] | None:
     """What the hand, a link or what is held or pushed goes through, of all that the arm does not handle."""
     reach, arm, frames = made.reaches[action.name], made.arms[action.of].arm, links[:, -1]
-    led, carried = _led(made, action, before, frames), riders(made, gang(made, action))
+    led, carried = _led(made, action, before, frames), supported_objects(made, rigid_group(made, action))
     leads = LEADS.get(action.verb, 0.0) * made.lasts(action)  # what lies on it or in it comes along from then on
     for name, box in _obstacles(made, action, carried):
         when = _first(hand, [box], reach, SLACK) if _near(frames, box) else None
@@ -69,7 +69,7 @@ def _with_things(made: Plan, action: Thing, before: Goods, links: Array, hand: l
     return None
 
 
-def _with_what_it_takes(made: Plan, action: Thing, before: Goods, frames: Array) -> tuple[str, str] | None:
+def _with_what_it_takes(made: Plan, action: Thing, before: Manipuland, frames: Array) -> tuple[str, str] | None:
     """Whether a finger comes down on what it is to take, or the two close on an edge of it."""
     reach, arm = made.reaches[action.name], made.arms[action.of].arm
     if action.verb not in TAKES or made.values.parts(before.name):
@@ -136,7 +136,7 @@ class _Led:
     box: Box
 
 
-def _led(made: Plan, action: Thing, before: Goods, frames: Array) -> list[_Led]:
+def _led(made: Plan, action: Thing, before: Manipuland, frames: Array) -> list[_Led]:
     """The pieces of what the hand (n, 4, 4) holds fast or pushes during an action, as they go with it."""
     reach = made.reaches[action.name]
     when = made.number(action, "start") + np.array(reach.times)
@@ -219,7 +219,7 @@ def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Bo
 
 def _obstacles(made: Plan, action: Thing, carried: set[str]) -> Iterator[tuple[str, Box]]:
     """All that an arm does not handle; what it pushes may push what can move, but for what is `carried` along."""
-    values, handled = made.values, together(made.values, made.values.reference(action.name, "object"))
+    values, handled = made.values, joined_objects(made.values, made.values.reference(action.name, "object"))
     others = {values.reference(t.name, "object") for t in moving(values)}
     for thing in values.spec.things:
         name = thing.name

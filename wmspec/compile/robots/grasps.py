@@ -11,7 +11,7 @@ import numpy as np
 from wmspec.compile.layout import surfaces
 from wmspec.compile.robots.arm import Array, down, shift
 from wmspec.compile.robots.legs import Leg, stay, straight
-from wmspec.compile.robots.manipuland import Goods, goods, together
+from wmspec.compile.robots.manipuland import Manipuland, manipuland_of, joined_objects
 from wmspec.compile.robots.planning import ABOVE, Plan, Unable, only
 from wmspec.compile.robots.schedule import OPENS
 from wmspec.core.diagnostics import ImpossibleValue
@@ -29,7 +29,7 @@ JERK_PEAK = 5.7735  # the greatest acceleration of a minimum-jerk way, in ways p
 CLOSED = 0.65  # of the time of what takes something, the hand is closed
 
 
-def pick(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def pick(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Come from above, take it, and raise it."""
     action, height = only(acts), made.number(acts[0], "height")
     made.free(action)
@@ -39,7 +39,7 @@ def pick(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     return take(made, action, thing, at, straight(at, up), FIRM, firm).moved((0.0, 0.0, height))
 
 
-def grasp(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def grasp(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Come from above and take it, where it is: on something, or in another hand."""
     action = only(acts)
     made.free(action)
@@ -47,7 +47,7 @@ def grasp(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     return take(made, action, thing, at, stay(at), FIRM, carries(made, action, thing.mass, thing.friction, 0.0))
 
 
-def lift(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def lift(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Raise what is held; else take it at the end that is nearer, or both ends with two hands, and raise that."""
     if len(acts) == 1 and made.arms[acts[0].of].held == thing.name:
         return _raise(made, acts[0], thing)
@@ -75,12 +75,12 @@ def lift(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     return thing
 
 
-def place(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def place(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Carry it above its place, put it down there, let go and draw back."""
     action = only(acts)
     arm, lasts, values = made.arms[action.of], made.lasts(action), made.values
     onto = values.reference(action.name, "on")
-    if onto in together(values, thing.name):
+    if onto in joined_objects(values, thing.name):
         raise ImpossibleValue(f"`{thing.name}` cannot be put on itself", action.place, "name what it is to stand on")
     made.wields(action)
     face = np.array(surfaces.top(values, onto, values.pair(action.name, "at")).middle)
@@ -103,7 +103,7 @@ def place(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     return thing.moved(way) if held else thing
 
 
-def drop(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def drop(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Open the hand; what no other hand holds falls to where it was taken from."""
     action = only(acts)
     arm = made.arms[action.of]
@@ -113,7 +113,7 @@ def drop(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     made.go(action, [Leg(part * OPENS, stay(arm.tool), arm.arm.opening) for part in (0.5, 1.0)])
     if not held or any(other.held == thing.name for other in made.arms.values()):
         return thing
-    return thing.moved((0.0, 0.0, float(goods(made.values, thing.name).middle[2] - thing.middle[2])))
+    return thing.moved((0.0, 0.0, float(manipuland_of(made.values, thing.name).middle[2] - thing.middle[2])))
 
 
 # ---------------------------------------------------------------- by which means
@@ -122,12 +122,12 @@ def drop(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
 def take(
     made: Plan,
     action: Thing,
-    thing: Goods,
+    thing: Manipuland,
     at: Array,
     rise: Callable[[float], Array],
     points: tuple[tuple[float, float, float], ...],
     firm: bool,
-) -> Goods:
+) -> Manipuland:
     """Come from above, take it at `at`, and go the way `rise` with it.
 
     What is not held `firm` slips out of the hand, and a hand beside it closes on nothing: then it stays where it is.
@@ -159,7 +159,7 @@ def carries(made: Plan, action: Thing, mass: float, friction: float, height: flo
     return mass * (made.values.gravity + pull) <= 2 * sqrt(arm.rubber * friction) * arm.grip
 
 
-def taken(made: Plan, action: Thing, thing: Goods) -> Array:
+def taken(made: Plan, action: Thing, thing: Manipuland) -> Array:
     """Where the tool takes a thing: across one of its sides that fits between the fingers."""
     arm = made.arms[action.of].arm
     x, y = made.values.pair(action.name, "at")
@@ -181,7 +181,7 @@ def taken(made: Plan, action: Thing, thing: Goods) -> Array:
     return down(spot[0], spot[1], max(spot[2], low), made.nearest(action.of, sides))
 
 
-def sides_of(made: Plan, acts: Sequence[Thing], thing: Goods) -> dict[int, Thing]:
+def sides_of(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> dict[int, Thing]:
     """Which arm's action is at which end of a thing: -1 is that along its -x."""
     if len(acts) > 2:
         raise ImpossibleValue(f"at most two arms {acts[2].verb} one thing", acts[2].place)
@@ -193,12 +193,12 @@ def sides_of(made: Plan, acts: Sequence[Thing], thing: Goods) -> dict[int, Thing
 
 
 def _end_way(
-    thing: Goods, side: int, lengths: dict[int, float], heights: dict[int, float], hand: Array
+    thing: Manipuland, side: int, lengths: dict[int, float], heights: dict[int, float], hand: Array
 ) -> Callable[[float], Array]:
     """The way of a hand at an end, so far (m) from the middle: on the arc of the thing's own turn."""
     half, high, length = thing.half[0], thing.half[2], lengths[side]
 
-    def together(s: float) -> tuple[float, float]:
+    def joined_objects(s: float) -> tuple[float, float]:
         low, top = heights[-1] * s, heights[1] * s
         tilt = float(np.arcsin((top - low) / (lengths[-1] + lengths[1])))
         return side * length * np.cos(tilt), high + low + (lengths[-1] + side * length) * np.sin(tilt)
@@ -210,13 +210,13 @@ def _end_way(
         return side * (x - half), z
 
     def way(s: float) -> Array:
-        x, z = (together if len(heights) == 2 else alone)(s)
+        x, z = (joined_objects if len(heights) == 2 else alone)(s)
         return np.asarray(thing.frame @ shift(x, 0.0, z - high) @ hand)
 
     return way
 
 
-def _raise(made: Plan, action: Thing, thing: Goods) -> Goods:
+def _raise(made: Plan, action: Thing, thing: Manipuland) -> Manipuland:
     made.wields(action)
     arm, up = made.arms[action.of], (0.0, 0.0, made.number(action, "height"))
     made.go(action, [Leg(made.lasts(action), straight(arm.tool, shift(*up) @ arm.tool), arm.width)])

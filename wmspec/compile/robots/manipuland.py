@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
     from wmspec.compile.layout.values import Values
 
-INSIDE = 0.25
+GRASP_DEPTH = 0.25
 """So deep in a ball, in radii, fingers find hold: nearer to its rim they squeeze it out."""
 
 
 @dataclass(frozen=True, eq=False)
-class Goods:
+class Manipuland:
     """A thing that stands upright: its box has half the edges `half` (3,) m in the frame `frame` (4, 4) of its middle.
 
     `slipped`: it was too heavy or too smooth for the hand that wanted to raise it, or the hand closed beside it.
@@ -54,11 +54,11 @@ class Goods:
         """Its heading, rad."""
         return float(np.arctan2(self.frame[1, 0], self.frame[0, 0]))
 
-    def moved(self, way: Sequence[float] | Array) -> Goods:
+    def moved(self, way: Sequence[float] | Array) -> Manipuland:
         """It, elsewhere; what has slipped stays."""
         return self.put(shift(*map(float, way)))
 
-    def put(self, move: Array) -> Goods:
+    def put(self, move: Array) -> Manipuland:
         """It, moved as a body (4, 4); what has slipped stays."""
         return self if self.slipped else replace(self, frame=move @ self.frame)
 
@@ -66,7 +66,7 @@ class Goods:
         """Whether a hand at a point (3,), seen from above, is where it is: of a ball, well within it."""
         own = np.abs(self.seen(point))
         within = bool(own[0] <= self.half[0] and own[1] <= self.half[1])
-        return within and (self.ball is None or self.ball.depth_at(own * (1, 1, 0))[0] > INSIDE * self.half[0])
+        return within and (self.ball is None or self.ball.depth_at(own * (1, 1, 0))[0] > GRASP_DEPTH * self.half[0])
 
     def seen(self, point: Array) -> Array:
         """A point (3,) in its own frame."""
@@ -84,7 +84,7 @@ class Goods:
         return 2 * self.half[0 if own[0] > own[1] else 1]
 
 
-def goods(values: Values, name: str) -> Goods:
+def manipuland_of(values: Values, name: str) -> Manipuland:
     """A thing as it is at the start. Raises WmsError with its place if no hand can handle it."""
     made, pose = pieces(values, name), values.pose(name)
     if values.flag(name, "fixed"):
@@ -96,7 +96,7 @@ def goods(values: Values, name: str) -> Goods:
     frame = shift(*pose.position) @ about(2, values.number(name, "yaw")) @ shift(*((low + high) / 2).tolist())
     half = ((high - low) / 2).tolist()
     lone = made[0].solid if len(made) == 1 and isinstance(made[0].solid, Sphere) else None
-    return Goods(
+    return Manipuland(
         name,
         frame,
         (half[0], half[1], half[2]),
@@ -106,7 +106,7 @@ def goods(values: Values, name: str) -> Goods:
     )
 
 
-def together(values: Values, name: str, but: str = "") -> set[str]:
+def joined_objects(values: Values, name: str, but: str = "") -> set[str]:
     """An object and all that joints, `but` for one, join to it."""
     joined, left = {name}, [t for t in values.spec.things if t.kind == "joint" and t.name != but]
     ends = [set(values.ends(t.name)) for t in left]

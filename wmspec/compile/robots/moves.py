@@ -11,7 +11,7 @@ from wmspec.compile.layout.motion import angle as heading
 from wmspec.compile.robots.arm import Array, down, shift
 from wmspec.compile.robots.grasps import FIRM, LEEWAY, PALM, sides_of, taken
 from wmspec.compile.robots.legs import Leg, smooth, spun, stay, straight
-from wmspec.compile.robots.manipuland import Goods, together
+from wmspec.compile.robots.manipuland import Manipuland, joined_objects
 from wmspec.compile.robots.planning import ABOVE, OPENS, PUSHES, Plan, Unable, only
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Thing
@@ -25,7 +25,7 @@ NEAR = 1e-6  # rad or m: so far beyond its limit a joint is at it
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def push(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def push(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Touch it on the side opposite to where it is to go, and move it there.
 
     Two hands that push one way, or against each other, each push their end of it so far; two that push across each
@@ -46,7 +46,7 @@ def push(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     return thing.put(rigid)
 
 
-def carry(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def carry(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Move the hand level, and what it holds with it."""
     action = only(acts)
     made.wields(action)
@@ -56,23 +56,23 @@ def carry(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     return thing.moved(way) if arm.held == thing.name else thing
 
 
-def rotate(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def rotate(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Turn the hand, and what it holds with it, about the upright through the tool."""
     return _turn_hand(made, only(acts), thing, UP)
 
 
-def tilt(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def tilt(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Tip the hand over, and what it holds with it, as one pours."""
     action = only(acts)
     return _turn_hand(made, action, thing, np.cross(UP, level(made.values.direction(action.name))))
 
 
-def open_(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def open_(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Take a handle, move it as its joint lets it, let go and draw back."""
     return _along_joint(made, only(acts), thing, 1.0)
 
 
-def close(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
+def close(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """The same, the other way."""
     return _along_joint(made, only(acts), thing, -1.0)
 
@@ -93,7 +93,7 @@ def around(point: Array, axis: Array, angle: float) -> Array:
     return np.asarray(shift(*point) @ turn @ shift(*(-point)))
 
 
-def _pushed(made: Plan, action: Thing, thing: Goods, way: Array, aside: Array, move: Callable[[float], Array]) -> None:
+def _pushed(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: Array, move: Callable[[float], Array]) -> None:
     """One hand that pushes: it comes down beside the thing, goes with it as it moves, and draws back."""
     arm, lasts = made.arms[action.of], made.lasts(action)
     made.free(action)
@@ -125,13 +125,13 @@ def _pushed(made: Plan, action: Thing, thing: Goods, way: Array, aside: Array, m
     made.go(action, legs)
 
 
-def _turning(thing: Goods, total: Array, angle: float) -> Callable[[float], Array]:
+def _turning(thing: Manipuland, total: Array, angle: float) -> Callable[[float], Array]:
     """How a thing that is pushed moves (4, 4), for 0..1 of its way."""
     return lambda s: np.asarray(shift(*(s * total)) @ around(thing.middle, UP, s * angle))
 
 
 def _by_the_ends(
-    made: Plan, acts: Sequence[Thing], thing: Goods, ways: dict[str, Array]
+    made: Plan, acts: Sequence[Thing], thing: Manipuland, ways: dict[str, Array]
 ) -> tuple[dict[str, Array], Array, float]:
     """Where on its side each hand pushes, how far the thing goes then, and by which angle (rad) it turns."""
     sides, along = sides_of(made, acts, thing), thing.frame[:3, 0]
@@ -149,13 +149,13 @@ def _by_the_ends(
     return asides, (gone[1] + gone[-1]) / 2 * across, turned
 
 
-def _beside(thing: Goods, ahead: Array, other: Array) -> Array:
+def _beside(thing: Manipuland, ahead: Array, other: Array) -> Array:
     """How far beside the middle of its side a hand pushes, away from another one round the corner."""
     across = other - (other @ ahead) * ahead
     return np.asarray(across * max(0.0, min(CORNER, thing.reach(other) - NARROW / 2)))
 
 
-def _turn_hand(made: Plan, action: Thing, thing: Goods, axis: Array) -> Goods:
+def _turn_hand(made: Plan, action: Thing, thing: Manipuland, axis: Array) -> Manipuland:
     """Turn the hand about an axis through the tool, and what it holds with it."""
     arm, angle = made.arms[action.of], made.number(action, "angle")
     here = arm.tool
@@ -173,7 +173,7 @@ def _turn_hand(made: Plan, action: Thing, thing: Goods, axis: Array) -> Goods:
     return thing.put(around(point, axis, angle)) if arm.held == thing.name else thing
 
 
-def _along_joint(made: Plan, action: Thing, handle: Goods, sign: float) -> Goods:
+def _along_joint(made: Plan, action: Thing, handle: Manipuland, sign: float) -> Manipuland:
     """Take a handle and move it by so much along the way that its joint leaves it; let go, and draw back."""
     arm, lasts, joint = made.arms[action.of], made.lasts(action), made.values.reference(action.name, "joint")
     made.free(action)
@@ -202,7 +202,7 @@ def _along_joint(made: Plan, action: Thing, handle: Goods, sign: float) -> Goods
 def _lets(made: Plan, action: Thing, handle: str, joint: str, by: float) -> None:
     """Complain unless a joint holds the handle, or what that is joined to, and lets it be moved so far (rad or m)."""
     values = made.values
-    if values.reference(joint, "of") not in together(values, handle):
+    if values.reference(joint, "of") not in joined_objects(values, handle):
         raise ImpossibleValue(
             f"`{joint}` does not hold `{handle}`", action.place, "name a thing that is joined to what the joint holds"
         )

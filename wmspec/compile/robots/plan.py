@@ -16,10 +16,10 @@ from wmspec.compile.robots.arm import Arm
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.collision import collision
 from wmspec.compile.robots.franka import PANDA
-from wmspec.compile.robots.manipuland import Goods
+from wmspec.compile.robots.manipuland import Manipuland
 from wmspec.compile.robots.planning import Blocked, Plan, Reach, State, Unable, matrix
 from wmspec.compile.robots.schedule import in_turn
-from wmspec.compile.robots.supported_objects import move
+from wmspec.compile.robots.supported_objects import record_motion
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Thing
 from wmspec.lang.parse.files import resolve_display_path
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 ARMS = ("panda", "arm")
 """The models of robots that are arms."""
 
-_VERBS: dict[str, Callable[[Plan, Sequence[Thing], Goods], Goods]] = {
+_VERBS: dict[str, Callable[[Plan, Sequence[Thing], Manipuland], Manipuland]] = {
     "pick": grasps.pick,
     "grasp": grasps.grasp,
     "lift": grasps.lift,
@@ -99,5 +99,5 @@ def _tried(values: Values, choice: int) -> dict[str, Reach]:
                 raise Blocked(action, *touched)
         made.things[thing.name] = after
         if after.frame is not thing.frame:
-            move(made, every[0], after.frame @ np.linalg.inv(thing.frame))
+            record_motion(made, every[0], after.frame @ np.linalg.inv(thing.frame))
     return made.reaches

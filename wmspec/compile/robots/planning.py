@@ -10,7 +10,7 @@ import numpy as np
 
 from wmspec.compile.robots.arm import Arm, Array
 from wmspec.compile.robots.legs import Leg, OutOfReachError, joints, times
-from wmspec.compile.robots.manipuland import Goods, goods
+from wmspec.compile.robots.manipuland import Manipuland, manipuland_of
 from wmspec.compile.robots.schedule import lasts
 from wmspec.core.diagnostics import Diagnostic, ImpossibleValue, Note
 from wmspec.core.space import Pose
@@ -97,18 +97,18 @@ class Plan:
     values: Values
     choice: int
     arms: dict[str, State]
-    things: dict[str, Goods] = field(default_factory=dict)
+    things: dict[str, Manipuland] = field(default_factory=dict)
     reaches: dict[str, Reach] = field(default_factory=dict)
     opened: dict[str, float] = field(default_factory=dict)
     moved: dict[str, Array] = field(default_factory=dict)
 
-    def thing(self, action: Thing) -> Goods:
+    def thing(self, action: Thing) -> Manipuland:
         """What an action is done to, as it is by then."""
         name = self.values.reference(action.name, "object")
         self._stays(action, name)
         if name not in self.things:
             try:
-                self.things[name] = goods(self.values, name).put(self.motion(name))
+                self.things[name] = manipuland_of(self.values, name).put(self.motion(name))
             except ImpossibleValue as error:
                 raise ImpossibleValue.of(_used(d, action) for d in error.diagnostics) from None
         return self.things[name]

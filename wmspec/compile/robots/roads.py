@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import bounds
-from wmspec.compile.robots.ways import Bend, Leg, Spot, Straight, Swerve
+from wmspec.compile.robots.ways import Bend, PathSegment, Pose2D, Straight, Swerve
 from wmspec.core.space import IDENTITY, rotate
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ class Road:
     """A straight carriageway: its middle, its heading one way (rad), and half its length and width (m)."""
 
     name: str
-    middle: Spot
+    middle: Pose2D
     half_length: float
     half_width: float
 
@@ -59,7 +59,7 @@ class Traffic:
     lane: float
     side: int
 
-    def under(self, spot: Spot) -> tuple[Road, int]:
+    def under(self, spot: Pose2D) -> tuple[Road, int]:
         """The road that a car is on, and whether it goes its way (1) or the other (-1)."""
         for road in self.roads:
             far, left = road.seen(spot.x, spot.y)
@@ -86,12 +86,12 @@ class Traffic:
 
     # ------------------------------------------------------------ what cars do
 
-    def forward(self, spot: Spot, distance: float) -> list[Leg]:
+    def forward(self, spot: Pose2D, distance: float) -> list[PathSegment]:
         """On along the lane."""
         self._long_enough(spot, distance)
         return [Straight(spot, distance)]
 
-    def change_lane(self, spot: Spot, to: int) -> list[Leg]:
+    def change_lane(self, spot: Pose2D, to: int) -> list[PathSegment]:
         """Over to the middle of the next lane to the left (`to` 1) or right (-1)."""
         road, way = self.under(spot)
         offset = road.seen(spot.x, spot.y)[1] * way * self.side
@@ -106,7 +106,7 @@ class Traffic:
         self._long_enough(spot, SWERVES * abs(aside))
         return [Swerve(spot, SWERVES * abs(aside), aside)]
 
-    def turn(self, spot: Spot, to: int) -> list[Leg]:
+    def turn(self, spot: Pose2D, to: int) -> list[PathSegment]:
         """Into the next road to the left (`to` 1) or right (-1): from its lane into one of that, and on beyond it."""
         ahead = self._turns(spot, to)
         if not ahead:
@@ -118,12 +118,12 @@ class Traffic:
         straight, bend, on = min(ahead, key=lambda legs: legs[0].length)
         return [straight, bend, on]
 
-    def go_to(self, spot: Spot, place: tuple[float, float]) -> list[Leg]:
+    def go_to(self, spot: Pose2D, place: tuple[float, float]) -> list[PathSegment]:
         """The shortest way to where the road that passes nearest to a place does so (E. W. Dijkstra, 1959)."""
         goal = min(self.roads, key=lambda road: road.away(*place))
         most = goal.half_length - LONG / 2
         far = min(most, max(-most, goal.seen(*place)[0]))
-        waiting: list[tuple[float, int, list[Leg], Spot | None]] = [(0.0, 0, [], spot)]
+        waiting: list[tuple[float, int, list[PathSegment], Pose2D | None]] = [(0.0, 0, [], spot)]
         known, count = set[tuple[float, ...]](), 0
         while waiting:
             gone, _, legs, here = heappop(waiting)
@@ -135,7 +135,7 @@ class Traffic:
             known.add(key)
             road, way = self.under(here)
             ahead = (far - road.seen(here.x, here.y)[0]) * way
-            further: list[tuple[Leg, ...]] = [turned for to in (1, -1) for turned in self._turns(here, to)]
+            further: list[tuple[PathSegment, ...]] = [turned for to in (1, -1) for turned in self._turns(here, to)]
             further += [(Straight(here, ahead),)] if road is goal and ahead >= 0 else []
             for more in further:
                 count += 1
@@ -149,13 +149,13 @@ class Traffic:
 
     # ------------------------------------------------------------ by which means
 
-    def _turns(self, spot: Spot, to: int) -> list[tuple[Straight, Bend, Straight]]:
+    def _turns(self, spot: Pose2D, to: int) -> list[tuple[Straight, Bend, Straight]]:
         """The ways into all roads that go off ahead, to that side."""
         road, _ = self.under(spot)
         crossings = (self._crossing(road, spot, other, to) for other in self.roads if other is not road)
         return [found for found in crossings if found is not None]
 
-    def _long_enough(self, spot: Spot, distance: float) -> None:
+    def _long_enough(self, spot: Pose2D, distance: float) -> None:
         road, _ = self.under(spot)
         end = spot.ahead(distance + LONG / 2)
         over = abs(road.seen(end.x, end.y)[0]) - road.half_length
@@ -165,14 +165,14 @@ class Traffic:
                 "let it drive less far, or make the road longer",
             )
 
-    def _crossing(self, road: Road, spot: Spot, other: Road, to: int) -> tuple[Straight, Bend, Straight] | None:
+    def _crossing(self, road: Road, spot: Pose2D, other: Road, to: int) -> tuple[Straight, Bend, Straight] | None:
         """The way into another road; None if that does not go off ahead, to that side."""
         across = math.sin(other.middle.heading - spot.heading)
         if abs(across) < math.sin(2 * ALIGNED):
             return None
         onward = other.middle.heading if across * to > 0 else other.middle.heading + math.pi
         angle = math.remainder(onward - spot.heading, 2 * math.pi)
-        axes = Spot(road.middle.x, road.middle.y, spot.heading), Spot(other.middle.x, other.middle.y, onward)
+        axes = Pose2D(road.middle.x, road.middle.y, spot.heading), Pose2D(other.middle.x, other.middle.y, onward)
         middle = _at(axes[0], _meeting(*axes))  # of the crossing
         way = math.cos(onward - other.middle.heading)
         end = other.seen(*middle)[0] * way + road.half_width / abs(math.sin(angle)) + BEYOND
@@ -187,16 +187,16 @@ class Traffic:
         bend = Bend(spot.ahead(corner - sharp), sharp / math.tan(abs(angle) / 2), angle)
         left = bend.at(bend.length)
         far = other.seen(left.x, left.y)[0] * way
-        on = Straight(Spot(left.x, left.y, onward), max(0.0, end - far))
+        on = Straight(Pose2D(left.x, left.y, onward), max(0.0, end - far))
         return Straight(spot, corner - sharp), bend, on
 
 
-def _at(spot: Spot, far: float) -> tuple[float, float]:
+def _at(spot: Pose2D, far: float) -> tuple[float, float]:
     there = spot.ahead(far)
     return (there.x, there.y)
 
 
-def _meeting(spot: Spot, line: Spot) -> float:
+def _meeting(spot: Pose2D, line: Pose2D) -> float:
     """How far (m) ahead of a spot its line meets another."""
     cos, sin = math.cos(line.heading), math.sin(line.heading)
     away = (line.x - spot.x) * sin - (line.y - spot.y) * cos
@@ -211,4 +211,4 @@ def road(values: Values, name: str) -> Road:
     long = high[0] - low[0] >= high[1] - low[1]
     ahead = rotate(pose.orientation, (1.0, 0.0, 0.0) if long else (0.0, 1.0, 0.0))
     sizes = ((high[0] - low[0]) / 2, (high[1] - low[1]) / 2)
-    return Road(name, Spot(x, y, math.atan2(ahead[1], ahead[0])), max(sizes), min(sizes))
+    return Road(name, Pose2D(x, y, math.atan2(ahead[1], ahead[0])), max(sizes), min(sizes))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from heapq import heappop, heappush
 
 from wmspec.compile.robots.obstacles import Outline, Point
-from wmspec.compile.robots.ways import Leg, Pivot, Spot, Straight
+from wmspec.compile.robots.ways import PathSegment, Pivot, Pose2D, Straight
 
 CELL = 0.1  # m: how fine a way is looked for
 WITHIN = 0.35  # m: so near before a thing a walker has come to it
@@ -15,7 +15,7 @@ MOST_CELLS = 60_000
 _AROUND = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
 
 
-def legs_to(spot: Spot, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float) -> list[Leg] | None:
+def legs_to(spot: Pose2D, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float) -> list[PathSegment] | None:
     """The legs of a way that `keeps` so far (m) from all that stands there and comes near the goal, and faces it.
 
     None if no way leads there.
@@ -23,7 +23,7 @@ def legs_to(spot: Spot, goal: Sequence[Outline], standing: Sequence[Outline], ke
     cells = _cells(spot, goal, standing, keeps)
     if cells is None:
         return None
-    legs, here = list[Leg](), spot
+    legs, here = list[PathSegment](), spot
     for corner in _pulled(cells, standing, keeps):
         legs += [Pivot(here, _towards(here, corner)), Straight(here, 0.0)]
         here = legs[-2].at(legs[-2].length)
@@ -33,12 +33,12 @@ def legs_to(spot: Spot, goal: Sequence[Outline], standing: Sequence[Outline], ke
     return [*legs, Pivot(here, _towards(here, nearest.middle))]
 
 
-def _towards(here: Spot, point: Point) -> float:
+def _towards(here: Pose2D, point: Point) -> float:
     """By how much (rad) somebody turns to a point."""
     return math.remainder(math.atan2(point[1] - here.y, point[0] - here.x) - here.heading, math.tau)
 
 
-def _cells(spot: Spot, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float) -> list[Point] | None:
+def _cells(spot: Pose2D, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float) -> list[Point] | None:
     """The points of a shortest way on a grid (P. Hart, N. Nilsson and B. Raphael's A*, 1968)."""
     blocked = _blocked(standing, keeps)
     middle = math.fsum(o.middle[0] for o in goal) / len(goal), math.fsum(o.middle[1] for o in goal) / len(goal)

@@ -1,4 +1,4 @@
-"""The links and joints of an asset as objects and joints of the language, and what the spec says of them instead."""
+"""Converts links and joints of an asset to objects and joints of the language, with the spec's overrides."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from wmspec.lang.importers.write import Writer
 from wmspec.lang.parse import syntax as s
 from wmspec.sim.shapes import shape_word
 
-#: What a spec may say of a link and of a joint of an asset, instead of its file.
+#: Properties of links, and of joints, that a spec may override.
 OF_LINK = (
     *LOOKS, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed", "velocity",
     "spin", "passes",
 )  # fmt: skip
 OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "touching")
-#: What holds for every link where the whole says it, besides looks.
+#: Properties of the whole asset that apply to every link, beyond its appearance.
 _COMMON = ("density", "friction", "restitution", "damping")
-#: The units of what sizes of shapes are, if not lengths or points.
+#: Units of shape parameters other than lengths and points.
 _SIZES = {"number": None, "angle": "rad"}
 _UNITS = {"density": "kg/m^3", "damping": "Hz", "spin_damping": "Hz"}
 
@@ -33,13 +33,13 @@ Overrides = Mapping[str, tuple[s.Property, ...]]
 
 
 def plain(name: str) -> str:
-    """A name of the file as one of the language: what a name cannot have in it becomes `_`."""
+    """Return a name of the file as an identifier: other characters become `_`."""
     made = re.sub(r"\W", "_", name, flags=re.ASCII)
     return made if not made[:1].isdigit() else f"_{made}"
 
 
 def mattering(of: Tree | Refused, overrides: Overrides, whole: Collection[str]) -> tuple[Diagnostic, ...]:
-    """The first mistakes that matter, with what a spec says of links and of the `whole`, each once."""
+    """Return the first relevant errors, each once, given the spec's overrides of links and of the `whole`."""
     mistakes = dict.fromkeys(of.diagnostics if isinstance(of, Refused) else ())
     for link in of.links if isinstance(of, Refused) else (placed.link for placed in of.links):
         own = {p.name.id for p in overrides.get(plain(link.name), ())}
@@ -50,7 +50,7 @@ def mattering(of: Tree | Refused, overrides: Overrides, whole: Collection[str]) 
 
 @dataclass(frozen=True)
 class Blocks:
-    """Makes the blocks of an asset; `base` is the object that names it, `overrides` what it says of its links."""
+    """Converts an asset; `base` is the object that names it, `overrides` are the spec's properties of its links."""
 
     base: s.Block
     tree: Tree
@@ -58,12 +58,12 @@ class Blocks:
     write: Writer
 
     def name(self, of: str) -> str:
-        """What the block of a link or joint is called."""
+        """Return the block name of a link or joint."""
         first = self.tree.links[0].link.name
         return self.base.name.id if of == first else f"{self.base.name.id}_{plain(of)}"
 
     def all(self) -> tuple[s.Block, ...]:
-        """The base, the other links, the joints."""
+        """Return the base, the other links, and the joints."""
         first, *others = self.tree.links
         return self._base(first.link), *(self._link(p) for p in others), *(self._joint(j) for j in self.tree.joints)
 
@@ -94,13 +94,13 @@ class Blocks:
         return s.Block("object", name, made, self.write.span, parts=parts, whole=base)
 
     def _of(self, link: Link) -> tuple[s.Property, ...]:
-        """What the spec says of a link, but for what is of its parts."""
+        """Return the overrides of a link, without those that apply to its parts."""
         return tuple(p for p in self.overrides.get(plain(link.name), ()) if p.name.id != "collision")
 
     # ------------------------------------------------------------ what a link is made of
 
     def _by_file(self, link: Link) -> dict[str, s.Expr]:
-        """What the file says of a link besides its mass, unless the spec says it of the whole."""
+        """Return the file's properties of a link except its mass, unless the spec sets them for the whole."""
         whole = {p.name.id for p in self.base.properties}
         values = {n: self.write.number(x, _UNITS.get(n)) for n, x in link.given.items()}
         if link.velocity is not None:
@@ -112,7 +112,7 @@ class Blocks:
         return {n: made for n, made in values.items() if n not in whole}
 
     def _matter(self, link: Link, properties: tuple[s.Property, ...]) -> dict[str, s.Expr]:
-        """Its mass with its centre and its moments, which go with the mass; nothing if the spec says its density."""
+        """Return mass, centre and moments; empty if the spec sets the density."""
         names = {p.name.id for p in properties}
         if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._of(link))}:
             return {}
@@ -133,7 +133,9 @@ class Blocks:
         return tuple(self._part(i, shape, files, touched) for i, shape in enumerate(link.shapes))
 
     def _part(self, i: int, shape: Shape, files: Collection[str], touched: s.Expr | None) -> s.Part:
-        """A shape; `files` is what the file may say of it, `touched` is how the spec says that meshes are."""
+        """Return a shape as a part. `files` are the properties taken from the file, `touched` overrides the collision
+        mode of meshes.
+        """
         yaw, pitch, roll = angles(shape.pose.orientation)
         values = {
             **self._form(shape.form, touched),
@@ -186,7 +188,7 @@ class Blocks:
         return s.Block("joint", name, properties, self.write.span, model, whole=self.base.name.id)
 
     def _coordinate(self, joint: Joint) -> dict[str, s.Expr]:
-        """Axis, limits, damping; it starts at 0, or at the limit that is nearest to it."""
+        """Return axis, limits and damping; the start is 0 or the nearest limit."""
         unit = "rad" if joint.kind == "hinge" else "m"
         low, high = (-math.inf if joint.low is None else joint.low), (math.inf if joint.high is None else joint.high)
         start = joint.start if joint.start is not None else max(low, min(high, 0.0))
@@ -199,6 +201,6 @@ class Blocks:
 
 
 def _instead(made: tuple[s.Property, ...], instead: tuple[s.Property, ...]) -> tuple[s.Property, ...]:
-    """Properties with what is said instead of them."""
+    """Return properties with overrides applied."""
     names = {p.name.id for p in instead}
     return *(p for p in made if p.name.id not in names), *instead

@@ -1,4 +1,4 @@
-"""XML read within bounds: no entities, no document types, so many elements and no more; each knows its line."""
+"""Bounded XML reader: no DTDs, no entities, limited size; elements keep their lines."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from wmspec.core.limits import XML_BYTES, XML_DEPTH, XML_ELEMENTS
 from wmspec.core.places import FilePlace
 from wmspec.lang.importers.model import Broken, Faults
 
-#: No quantity of a thing that stands in a room is larger (SI).
+#: Maximum magnitude of any quantity (SI).
 MOST = 1e6
 
 
 @dataclass
 class Element:
-    """An element: its tag, attributes and children, and where it is, such as `cabinet.urdf:12: joint hinge`."""
+    """An element: tag, attributes, children and location, such as `cabinet.urdf:12: joint hinge`."""
 
     tag: str
     attributes: dict[str, str]
@@ -29,23 +29,23 @@ class Element:
 
     @property
     def where(self) -> FilePlace:
-        """The file, the line, and what the element is called there."""
+        """File, line and name of the element."""
         name = self.attributes.get("name", "")
         return FilePlace(self.file, self.line, f"`{self.tag}{' ' + name[:60] if name else ''}`")
 
     def all(self, tag: str) -> list[Element]:
-        """The children of a tag."""
+        """Return the children with a tag."""
         return [child for child in self.children if child.tag == tag]
 
 
 class Reader:
-    """Reads elements and the numbers in their attributes; what is wrong with them goes to the faults."""
+    """Reads elements and their numeric attributes; errors are added to the faults."""
 
     def __init__(self, faults: Faults) -> None:
         self.faults = faults
 
     def known(self, e: Element, attributes: Collection[str], children: Collection[str] = ()) -> None:
-        """Complain about attributes and children that mean nothing here; those with a prefix are other programs'."""
+        """Report unsupported attributes and children; prefixed ones belong to other programs and are ignored."""
         for name in e.attributes:
             if name not in attributes and ":" not in name and name != "xmlns":
                 hint = suggestion(name, attributes) or "remove it"
@@ -56,20 +56,20 @@ class Reader:
                 self.faults.add(child.where, f"`{child.tag}` in `{e.tag}` is not supported", hint)
 
     def only(self, e: Element, tag: str) -> Element | None:
-        """The child of a tag, if there is one; complain about more."""
+        """Return the child with a tag, if any; report duplicates."""
         elements = e.all(tag)
         if len(elements) > 1:
             self.faults.add(elements[1].where, f"`{e.tag}` has more than one `{tag}`", "remove one")
         return elements[0] if elements else None
 
     def text(self, e: Element, name: str) -> str:
-        """An attribute that must be there."""
+        """Return a required attribute."""
         if not e.attributes.get(name):
             self.faults.add(e.where, f"it needs `{name}`", f'write {name}="..."')
         return e.attributes.get(name, "")
 
     def number(self, e: Element, name: str, default: float | None = None, *, above: float = -math.inf) -> float:
-        """A number, which must be there unless it has a default."""
+        """Return a number, required unless it has a default."""
         if name not in e.attributes and default is not None:
             return default
         (value,) = self.numbers(e, name, 1, above=above)
@@ -78,7 +78,7 @@ class Reader:
     def numbers(
         self, e: Element, name: str, count: int, default: tuple[float, ...] | None = None, *, above: float = -math.inf
     ) -> tuple[float, ...]:
-        """So many numbers; what is wrong is reported, and ones are given for it."""
+        """Return `count` numbers; errors are reported and replaced by ones."""
         if name not in e.attributes and default is not None:
             return default
         try:
@@ -98,7 +98,7 @@ class Reader:
         return (1.0,) * count
 
     def scale(self, e: Element) -> tuple[float, ...]:
-        """The scale of a mesh along each of its axes; below 0 it is mirrored."""
+        """Return the scale of a mesh along each axis; negative values mirror it."""
         factors = self.numbers(e, "scale", 3, (1.0, 1.0, 1.0))
         if 0 in factors:
             self.faults.add(e.where, "its scale is 0", "make it other than 0")
@@ -107,7 +107,7 @@ class Reader:
 
 
 def read(path: Path, shown: str, faults: Faults) -> Element:
-    """The root element of a file. Raises Broken, with the fault taken note of, if it is no XML or too large."""
+    """Return the root element of a file. Raises Broken, after adding the fault, if it is no XML or too large."""
     try:
         with path.open("rb") as file:
             content = file.read(XML_BYTES.most + 1)
@@ -119,7 +119,7 @@ def read(path: Path, shown: str, faults: Faults) -> Element:
 
 
 class _Builder:
-    """Builds the tree as the parser goes along."""
+    """Builds the element tree from parser events."""
 
     def __init__(self, shown: str, faults: Faults) -> None:
         self._shown = shown

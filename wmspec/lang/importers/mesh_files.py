@@ -1,6 +1,6 @@
-"""Files of meshes looked at before they are read: how much they hold, and that they name no other files.
+"""Checks mesh files before they are loaded: size and references to other files.
 
-The library that reads them, and those that it uses, may refuse the same, or may cease to.
+The checks do not rely on those of the loading library.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import FILE_BYTES, POINTS
 from wmspec.core.safe_io import is_within
 
-#: A face of a binary STL file takes so many bytes, after so many of its head.
+#: Size (bytes) of a face and of the header of a binary STL file.
 _STL_FACE, _STL_HEAD = 50, 84
 
 
 def harmless(path: Path) -> None:
-    """Raise WmsError if a file is too large, or names what it must not: entities, or files that are not beside it."""
+    """Raise WmsError if a file is too large, has entities, or refers to files outside its folder."""
     size = path.stat().st_size
     kind = path.suffix.lower()
     if size > FILE_BYTES.most:
@@ -39,7 +39,7 @@ def _binary(path: Path) -> bool:
 
 
 def _gltf(path: Path) -> Any:
-    """What a glTF file says, in JSON; None if it is no such file, which its reader tells."""
+    """Return the JSON of a glTF file, or None if it is invalid, which its reader reports."""
     content = path.read_bytes()
     if path.suffix.lower() == ".glb":
         if len(content) < 20:
@@ -53,7 +53,7 @@ def _gltf(path: Path) -> Any:
 
 
 def _referring(path: Path, told: Any) -> None:
-    """Raise WmsError for a file that is not beside this one, and for more points than are read."""
+    """Raise WmsError for a reference outside the file's folder, and for too many points."""
     for uri in _all(told, "uri"):
         if not uri.startswith("data:") and not is_within(path.parent, path.parent / uri):
             raise WmsError(f"uses `{uri[:80]}`, which is not beside it", help="put it there, or export a .glb")
@@ -62,7 +62,7 @@ def _referring(path: Path, told: Any) -> None:
 
 
 def _all(told: Any, key: str) -> Iterator[Any]:
-    """The values of a key that the parts of a glTF have: texts of `uri`, numbers of `count`."""
+    """Yield the values of a key in all parts of a glTF: texts of `uri`, numbers of `count`."""
     for part in ("buffers", "images", "accessors"):
         for each in told.get(part, ()) if isinstance(told, dict) and isinstance(told.get(part), list) else ():
             value = each.get(key) if isinstance(each, dict) else None

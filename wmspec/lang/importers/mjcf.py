@@ -1,7 +1,7 @@
-"""MJCF, as https://mujoco.readthedocs.io/en/stable/XMLreference.html has it: bodies, geoms, joints, position actuators.
+"""Imports MJCF (https://mujoco.readthedocs.io/en/stable/XMLreference.html): bodies, geoms, joints, position actuators.
 
-Left out, since they are the spec's business or bear on nothing: options, visuals, sites, lights, cameras, sensors,
-keyframes, the ranges of controls. All else is refused by its name.
+Ignored, since the spec sets them or they have no effect: options, visuals, sites, lights, cameras, sensors, keyframes,
+control ranges. Everything else is rejected by name.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _BODY = ("name", "childclass", "pos", "quat", "euler", "axisangle")
 
 
 def mjcf(root: Element, find: Find, faults: Faults) -> Asset:
-    """The asset in the root element of an MJCF. Raises Broken if it is none."""
+    """Return the asset of an MJCF root element. Raises Broken if it is invalid."""
     return _Mjcf(root, find, faults).asset()
 
 
@@ -42,7 +42,7 @@ class _Mjcf:
         self.shapes = 0
 
     def asset(self) -> Asset:
-        """The bodies as links; the geoms of the world, if any, as a base that stands on it."""
+        """Return the bodies as links; geoms of the world become a base that stands on it."""
         self.read.known(self.root, ("model",), (*_READ, *_LEFT_OUT))
         worlds = self.root.all("worldbody")
         if not worlds:
@@ -56,7 +56,7 @@ class _Mjcf:
         return Asset(self.links, self.by_name)
 
     def _base(self, world: Element) -> str:
-        """The link that bodies of the world are held by."""
+        """Return the link that holds the bodies of the world."""
         self.read.known(world, (), ("geom", "body", "light", "camera", "site"))
         self.links[WORLD] = Link(WORLD, world.where)
         link = self.geoms.link(world, "", "base")
@@ -68,7 +68,7 @@ class _Mjcf:
         return "base"
 
     def _bodies(self, world: Element, base: str) -> Iterator[tuple[Element, str, str]]:
-        """All bodies, each after its parent, with the parent's name and the class that holds there."""
+        """Yield all bodies, parents first, with the parent's name and the active defaults class."""
         waiting = [(body, base, "") for body in reversed(world.all("body"))]
         count = 0
         while waiting:
@@ -81,7 +81,7 @@ class _Mjcf:
             waiting += [(child, body.attributes["name"], inherited) for child in reversed(body.all("body"))]
 
     def _body(self, body: Element, parent: str, inherited: str) -> None:
-        """One body and what holds it."""
+        """Add one body and its joint."""
         left_out = ("light", "camera", "site")
         self.read.known(body, _BODY, ("geom", "joint", "freejoint", "inertial", "body", *left_out))
         name = body.attributes["name"]

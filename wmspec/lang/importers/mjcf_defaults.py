@@ -1,4 +1,4 @@
-"""Elements of MJCF with the defaults of their classes, and the places and angles in them."""
+"""MJCF elements with the defaults of their classes; poses and angles."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wmspec.lang.importers.model import Faults
 from wmspec.sim.scene.model import Array, Pose
 from wmspec.sim.scene.model.transform import from_rotation_vector, multiply
 
-#: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
+#: Resolves a mesh reference to a path relative to the spec; '' if it is missing, which is reported.
 Find = Callable[[Element, str], str]
 
 _TURNS = ("quat", "euler", "axisangle")
@@ -50,7 +50,7 @@ class Defaults(Reader):
             self.sequence = "xyz"
 
     def _class(self, e: Element, name: str, above: dict[str, dict[str, str]], depth: int) -> None:
-        """A class of defaults, which has those of the one around it too."""
+        """Add a class of defaults, which inherits those of the enclosing class."""
         own = {tag: dict(values) for tag, values in above.items()}
         for child in e.children:
             if child.tag != "default":
@@ -62,18 +62,18 @@ class Defaults(Reader):
             self._class(child, child.attributes.get("class", ""), own, depth + 1)
 
     def full(self, e: Element, inherited: str) -> Element:
-        """The element with what its class, or the one that holds here, says of what it leaves out."""
+        """Return the element completed by the defaults of its class or of the active one."""
         name = e.attributes.get("class", inherited)
         if name not in self._classes:
             self.faults.add(e.where, f"there is no class `{name[:60]}`", "correct it, or add a `default` for it")
         own = {k: v for k, v in e.attributes.items() if k != "class"}
         above = self._classes.get(name, {}).get(e.tag, {})
-        if {"fromto", *_TURNS} & own.keys():  # one way to say a turn goes before another
+        if {"fromto", *_TURNS} & own.keys():  # the element's own orientation replaces the default's
             above = {k: v for k, v in above.items() if k not in ("fromto", *_TURNS)}
         return Element(e.tag, {k: v for k, v in above.items() if k != "class"} | own, e.line, e.file, e.children)
 
     def named(self, tag: str, name: str) -> Element | None:
-        """The mesh or material of a name."""
+        """Return the mesh or material of a name."""
         candidates = (e for assets in self.root.all("asset") for e in assets.all(tag))
         for e in candidates:
             stem = e.attributes.get("file", "").rpartition("/")[2].rpartition(".")[0]
@@ -82,7 +82,7 @@ class Defaults(Reader):
         return None
 
     def place(self, e: Element) -> Pose:
-        """Where something is in what is around it."""
+        """Return the pose of an element relative to its parent."""
         position = np.array(self.numbers(e, "pos", 3, (0.0, 0.0, 0.0)))
         turns = [name for name in _TURNS if name in e.attributes]
         if len(turns) > 1:
@@ -98,7 +98,7 @@ class Defaults(Reader):
         return self._about(e, np.array(axis), angle * self.angle)
 
     def _euler(self, e: Element) -> Array:
-        """Turns about axes that go with the thing (xyz), or stand still (XYZ), one after the other."""
+        """Return the quaternion of successive rotations about moving (xyz) or fixed (XYZ) axes."""
         made = from_rotation_vector(np.zeros(3))
         for letter, angle in zip(self.sequence, self.numbers(e, "euler", 3), strict=True):
             turn = self._about(e, np.eye(3)["xyz".index(letter.lower())], angle * self.angle)
@@ -106,7 +106,7 @@ class Defaults(Reader):
         return made
 
     def _about(self, e: Element, axis: Array, angle: float) -> Array:
-        """Turned about an axis, as a quaternion."""
+        """Return the quaternion of a rotation about an axis."""
         size = float(np.linalg.norm(axis))
         if size == 0:
             if angle != 0:

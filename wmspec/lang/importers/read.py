@@ -1,4 +1,4 @@
-"""The asset in a file, by its format, with the meshes that it names."""
+"""Reads asset files of any supported format, with their meshes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from wmspec.lang.importers.urdf import urdf
 
 
 def read(folder: Path, name: str) -> Tree | Refused:
-    """The links and joints of the asset in the file `name` below the spec's folder, or all that is wrong with it."""
+    """Return the links and joints of the asset `name` below the spec's folder, or its errors."""
     faults = Faults()
     asset = Asset({}, {})
     with suppress(Broken):
@@ -30,17 +30,17 @@ def read(folder: Path, name: str) -> Tree | Refused:
 
 
 class _Lenient(Faults):
-    """Faults that stop nothing but what cannot be read at all."""
+    """Faults that stop at unreadable files only."""
 
     def add(self, where: FilePlace, message: str, help: str) -> None:
-        """Take note of a fault, however many there are."""
+        """Add an error, without a maximum number."""
         self.diagnostics.append(Diagnostic(message, where, help, ASSET))
 
 
 def structure(folder: Path, name: str) -> tuple[Asset, tuple[Diagnostic, ...]]:
-    """The links, joints and looks in the file `name` below a folder, and what in it a spec could not have.
+    """Return links, joints and appearance of an asset, and the features that a spec does not support.
 
-    Raises WmsError if it cannot be read.
+    Raises WmsError if the file cannot be read.
     """
     faults = _Lenient()
     try:
@@ -50,7 +50,7 @@ def structure(folder: Path, name: str) -> tuple[Asset, tuple[Diagnostic, ...]]:
 
 
 def _asset(folder: Path, name: str, faults: Faults) -> Asset:
-    """What the file says, by its format. Raises Broken if that is nothing."""
+    """Return the asset by file format. Raises Broken if it is invalid."""
     if PurePosixPath(name).suffix.lower() in (".urdf", ".xml"):
         root, find = read_xml(folder / name, name, faults), _Meshes(folder, name, faults).find
         return mjcf(root, find, faults) if root.tag == "mujoco" else urdf(root, find, faults)
@@ -60,7 +60,7 @@ def _asset(folder: Path, name: str, faults: Faults) -> Asset:
 
 
 class _Meshes:
-    """Finds the meshes that an asset names: from its own folder, or `package://NAME/...` in a folder above them."""
+    """Resolves meshes relative to the asset's folder, or `package://NAME/...` in a folder above."""
 
     def __init__(self, folder: Path, name: str, faults: Faults) -> None:
         self._folder = folder
@@ -68,7 +68,7 @@ class _Meshes:
         self._faults = faults
 
     def find(self, e: Element, named: str) -> str:
-        """The mesh, seen from the spec's folder; empty, after a complaint, if it cannot be used."""
+        """Return the mesh path relative to the spec's folder, or '' after reporting an error."""
         if PurePosixPath(named).suffix.lower() not in FILES["file"]:
             can = ", ".join(FILES["file"])
             self._faults.add(e.where, f"`{named[:80]}` is no mesh that can be read", f"convert it to one of: {can}")

@@ -1,4 +1,4 @@
-"""The links of an asset as a tree: every link once, each in the asset's frame, mere frames left out."""
+"""Kinematic tree of an asset: every link once, in the asset's frame, without empty frames."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from wmspec.lang.importers.model import Asset, Faults, Joint, Link
 from wmspec.sim.scene.model import Inertia, Pose
 from wmspec.sim.scene.model.transform import apply, compose, identity, multiply, rotate
 
-#: The name of a root that is the world itself.
+#: Name of a root link that is the world itself.
 WORLD = "world"
 
 
 @dataclass(frozen=True)
 class Placed:
-    """A link and where its frame is in the asset's, with all joints at 0."""
+    """A link with its pose in the asset's frame, all joints at 0."""
 
     link: Link
     pose: Pose
@@ -26,7 +26,7 @@ class Placed:
 
 @dataclass(frozen=True)
 class Tree:
-    """The links that have shapes, the base first, and the joints between them or to the world (`parent` is empty).
+    """Links with shapes, base first, and joints between them or to the world (`parent` is '').
 
     The base's frame is the asset's. `held` is whether the base is fixed to the world.
     """
@@ -37,7 +37,7 @@ class Tree:
 
 
 def tree(asset: Asset, where: FilePlace, faults: Faults) -> Tree:
-    """The links in their places. Raises Broken if they are no tree; other faults are taken note of."""
+    """Return the kinematic tree. Raises Broken if the links form none; other errors are added to the faults."""
     root = _root(asset, where, faults)
     below: dict[str, list[Joint]] = {}
     for joint in asset.joints.values():
@@ -49,7 +49,7 @@ def tree(asset: Asset, where: FilePlace, faults: Faults) -> Tree:
 
 
 def _root(asset: Asset, where: FilePlace, faults: Faults) -> str:
-    """The one link that nothing holds."""
+    """Return the one link without a parent."""
     if not asset.links:
         raise faults.stop(where, "has no links", "is this the right file?")
     held = _held(asset, faults)
@@ -64,7 +64,7 @@ def _root(asset: Asset, where: FilePlace, faults: Faults) -> str:
 
 
 def _held(asset: Asset, faults: Faults) -> set[str]:
-    """The links that joints hold, each by one."""
+    """Return the child links, each of which has one joint."""
     holders: dict[str, str] = {}
     for joint in asset.joints.values():
         for end in (joint.parent, joint.child):
@@ -78,7 +78,7 @@ def _held(asset: Asset, faults: Faults) -> set[str]:
 
 
 def _reached(asset: Asset, root: str, faults: Faults) -> None:
-    """Complain about links that hold one another in a circle, where the root does not reach."""
+    """Report cycles of links that the root does not reach."""
     reached, grown = set[str](), {root}
     while grown != reached:
         reached, grown = grown, grown | {j.child for j in asset.joints.values() if j.parent in grown}
@@ -88,7 +88,7 @@ def _reached(asset: Asset, root: str, faults: Faults) -> None:
 
 
 class _Walk:
-    """Goes from the root outwards and collects what has matter."""
+    """Traverses the tree from the root and collects links with shapes or mass."""
 
     def __init__(self, asset: Asset, below: dict[str, list[Joint]], faults: Faults) -> None:
         self._asset = asset
@@ -99,7 +99,7 @@ class _Walk:
         self.held = False
 
     def from_root(self, name: str) -> None:
-        """Begin with the base: the root, or the first that a root without matter holds."""
+        """Start with the base: the root, or its first descendant with a shape."""
         here, link = identity(), self._asset.links[name]
         others: list[Joint] = []
         while not link.shapes:
@@ -116,7 +116,7 @@ class _Walk:
         self._base(link, here, others)
 
     def _from_world(self, name: str, joint: Joint, here: Pose, others: list[Joint]) -> None:
-        """A base that a joint holds to the world."""
+        """Add a base with a joint to the world."""
         if name != WORLD and not self.held:
             what = f"`{name}` has neither shape nor mass, so nothing can be joined to it"
             raise self._faults.stop(joint.where, what, "give it a `visual`; or call it `world`, if it is that")
@@ -129,7 +129,7 @@ class _Walk:
         self.joints.insert(0, replace(joint, parent="", child=link.name, at=at, axis=axis))
 
     def _base(self, link: Link, here: Pose, others: list[Joint]) -> None:
-        """The base, all that it holds, and the `others` that the world holds besides."""
+        """Add the base, all its descendants, and the `others` that the world holds."""
         self.links.append(Placed(_moved(link, here), identity()))
         waiting = [(j, "", identity()) for j in reversed(others)]
         waiting += [(j, link.name, here) for j in reversed(self._below.get(link.name, ()))]
@@ -155,7 +155,7 @@ class _Walk:
 
 
 def _moved(link: Link, here: Pose) -> Link:
-    """A link whose own frame is where `here` is seen from."""
+    """Return a link expressed in the frame in which its own frame has the pose `here`."""
     if not here.position.any() and here.orientation[0] == 1:
         return link
     shapes = tuple(replace(s, pose=compose(here, s.pose)) for s in link.shapes)
@@ -166,7 +166,7 @@ def _moved(link: Link, here: Pose) -> Link:
 
 
 def _solid(walk: _Walk, faults: Faults) -> None:
-    """Complain about masses that no solid has."""
+    """Report physically impossible inertias."""
     for placed in walk.links:
         link = placed.link
         if link.mass is None:
@@ -179,6 +179,6 @@ def _solid(walk: _Walk, faults: Faults) -> None:
 
 
 def names(tree: Tree) -> Iterator[tuple[str, FilePlace]]:
-    """The links and joints by name, each with where it stands."""
+    """Yield the links and joints by name, with their locations."""
     yield from ((placed.link.name, placed.link.where) for placed in tree.links)
     yield from ((joint.name, joint.where) for joint in tree.joints)

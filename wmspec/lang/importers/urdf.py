@@ -1,7 +1,7 @@
-"""URDF, as https://wiki.ros.org/urdf/XML has it: what bears on a passive mechanism is read, what cannot be is refused.
+"""Imports URDF (https://wiki.ros.org/urdf/XML): passive mechanisms; unsupported features are rejected.
 
-Not read, since they are for other programs: `gazebo`, `transmission`, `safety_controller`, `calibration`, whatever has
-a prefix, and the `effort` and `velocity` of a limit, which bound a motor.
+Ignored, since other programs use them: `gazebo`, `transmission`, `safety_controller`, `calibration`, prefixed elements,
+and the motor limits `effort` and `velocity`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from wmspec.lang.importers.urdf_links import Find, Links
 
 
 def urdf(robot: Element, find: Find, faults: Faults) -> Asset:
-    """The asset in the root element of a URDF. Raises Broken if it is none."""
+    """Return the asset of a URDF root element. Raises Broken if it is invalid."""
     if robot.tag != "robot":
         raise faults.stop(
             robot.where,
@@ -24,7 +24,7 @@ def urdf(robot: Element, find: Find, faults: Faults) -> Asset:
 
 
 def _asset(robot: Element, read: Reader, find: Find) -> Asset:
-    """The links and joints; of two of one name the first."""
+    """Return the links and joints; of duplicates the first."""
     read.known(robot, ("name", "version"), ("link", "joint", "material", "gazebo", "transmission"))
     elements = robot.all("link")
     shapes = sum(len(e.all("visual")) + len(e.all("collision")) for e in elements)

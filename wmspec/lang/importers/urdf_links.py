@@ -1,4 +1,4 @@
-"""The links of a URDF: what is drawn and what is touched, colours, masses."""
+"""URDF links: visuals, collisions, colours, masses."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from wmspec.sim.scene.model.transform import multiply, rotation
 from wmspec.sim.scene.physics.inertia import principal
 from wmspec.sim.shapes import Box, Capsule, Cylinder, Sphere
 
-#: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
+#: Resolves a mesh reference to a path relative to the spec; '' if it is missing, which is reported.
 Find = Callable[[Element, str], str]
 
 
 class Links:
-    """Makes links; `materials` are those that can be meant by their name, which grow as it goes."""
+    """Converts links; `materials` collects the named materials."""
 
     def __init__(self, read: Reader, find: Find, materials: dict[str, Element]) -> None:
         self.read = read
@@ -28,7 +28,7 @@ class Links:
         self.materials = materials
 
     def link(self, e: Element) -> Link:
-        """A link with all its shapes: what is drawn and touched alike is one shape."""
+        """Return a link with all its shapes; an equal visual and collision are one shape."""
         self.read.known(e, ("name", "type"), ("inertial", "visual", "collision"))
         drawn = [s for v in e.all("visual") if (s := self._shape(v)) is not None]
         touched = [s for c in e.all("collision") if (s := self._shape(c)) is not None]
@@ -41,7 +41,7 @@ class Links:
         return Link(e.attributes.get("name", ""), e.where, tuple(shapes), self._mass(e))
 
     def _mass(self, link: Element) -> Inertia | None:
-        """What `inertial` says; None if there is none."""
+        """Return the `inertial`, or None."""
         e = self.read.only(link, "inertial")
         if e is None:
             return None
@@ -63,7 +63,7 @@ class Links:
         return Inertia(kg, here.position, multiply(here.orientation, axes), moments)
 
     def _shape(self, e: Element) -> Shape | None:
-        """A `visual` or `collision`."""
+        """Return a `visual` or `collision`."""
         drawn = e.tag == "visual"
         self.read.known(e, ("name",), ("origin", "geometry", *(("material",) if drawn else ())))
         geometry = self.read.only(e, "geometry")
@@ -90,7 +90,7 @@ class Links:
                 return (Cylinder if e.tag == "cylinder" else Capsule)(radius, length)
             case "mesh":
                 return self._mesh(e)
-        return None  # it was complained about
+        return None  # already reported
 
     def _mesh(self, e: Element) -> MeshFile | None:
         self.read.known(e, ("filename", "scale"))
@@ -99,14 +99,14 @@ class Links:
         return MeshFile(file, scale) if file else None
 
     def _look(self, e: Element) -> Look:
-        """The colour of a `visual`, and what is wrong with it."""
+        """Return the colour of a `visual`, with errors."""
         with self.read.faults.apart() as faults:
             material = self.read.only(e, "material")
             color = self._color(self._meant(material)) if material is not None else None
         return Look(color, conditional=conditional(faults, LOOKS))
 
     def _meant(self, material: Element) -> Element:
-        """What says how a `material` looks: itself, or the one that first said so under its name."""
+        """Return the definition of a `material`: itself, or the first one of its name."""
         name = material.attributes.get("name", "")
         if material.children:
             self.materials.setdefault(name, material)
@@ -134,7 +134,7 @@ class Links:
 
 
 def origin(read: Reader, e: Element) -> Pose:
-    """The place that its `origin` says."""
+    """Return the pose given by `origin`."""
     origin_ = read.only(e, "origin")
     if origin_ is None:
         return posed()
@@ -144,7 +144,7 @@ def origin(read: Reader, e: Element) -> Pose:
 
 
 def _alike(a: Shape, b: Shape) -> bool:
-    """Whether two shapes are the same in the same place, whatever they look like."""
+    """Whether two shapes have the same geometry and pose."""
     if a.form != b.form:
         return False
     here, there = ((s.pose.position, rotation(s.pose.orientation)) for s in (a, b))

@@ -1,7 +1,7 @@
-"""USD as the reader of stages reads it: its rigid bodies as links, all else as the base, joints, what passes what.
+"""Imports USD: rigid bodies become links, all other geometry the base; joints and collision filters are kept.
 
-Geometry outside any rigid body never moves; but a file without any physics is one thing, which can move and all of
-which is touched. Cameras, lights, physics scenes and episodes are the spec's business and left out.
+Geometry outside rigid bodies never moves. A file without physics is one movable object with collision everywhere.
+Cameras, lights, physics scenes and episodes are ignored: the spec sets them.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from wmspec.sim.usd.shapes import PlacedShape, placed_shape
 from wmspec.sim.usd.stage_index import BodyPrim, GeomPrim, StageWalk
 from wmspec.sim.usd.unsupported import TYPES
 
-#: What is the spec's business, and no part of an asset.
+#: Prim types that the spec sets, not the asset.
 _ASIDE = frozenset(
     {"PhysicsScene", "Camera", "DistantLight", "DomeLight", "WmsEpisode", "WmsAction", "WmsObservation"}
     | {kind for kind in TYPES if "Light" in kind}
@@ -53,13 +53,13 @@ _WORDS = {way: word for word, way in COLLISIONS.items()}
 
 
 def usd(path: Path, folder: Path, shown: str, faults: Faults) -> Asset:
-    """The asset in a USD file, all of whose layers are below a folder. Raises Broken if it cannot be read."""
+    """Return the asset of a USD file whose layers are all below a folder. Raises Broken if it cannot be read."""
     with stage_of(path, folder, shown, faults) as stage:
         return _Usd(stage, folder, shown, faults).asset()
 
 
 class _Usd:
-    """Reads one stage; what is wrong with it is noted, and goes to the faults in the end."""
+    """Reads one stage; errors are collected and added to the faults at the end."""
 
     def __init__(self, stage: Usd.Stage, folder: Path, shown: str, faults: Faults) -> None:
         self.stage, self.folder, self.shown, self.faults = stage, folder.resolve(), shown, faults
@@ -70,7 +70,7 @@ class _Usd:
         self.materials = MaterialTable((piece for owner in self.owners for piece in owner.pieces), pictured=True)
 
     def asset(self) -> Asset:
-        """The base, the rigid bodies and the joints between them; or all of it as one, without any physics."""
+        """Return the base, the rigid bodies and their joints, or one link for a stage without physics."""
         self._sized()
         if not any(_physical(owner) for owner in self.owners):
             whole = Link("base", FilePlace(self.shown), tuple(self._bare()))
@@ -87,7 +87,7 @@ class _Usd:
         return Asset(stage.links, {}) if self.faults.diagnostics else stage.asset(tuple(held.values()), self.faults)
 
     def _sized(self) -> None:
-        """Complain about nothing, and about too much."""
+        """Report an empty and a too large stage."""
         if not (self.owners or self.problems.failed):
             raise self.faults.stop(FilePlace(self.shown), "has no geometry", "is this the right file?")
         if len(self.owners) > MOST_LINKS + MOST_SHAPES or sum(len(o.pieces) for o in self.owners) > MOST_SHAPES:
@@ -97,7 +97,7 @@ class _Usd:
     # ------------------------------------------------------------ bodies
 
     def _bodies(self) -> tuple[dict[str, Body], dict[str, tuple[Shape, ...]]]:
-        """The bodies without their geometries, and these as shapes in their frames, both by the bodies' paths."""
+        """Return the bodies without geometry, and their geometry as shapes in their frames, both by prim path."""
         names = Names()
         bodies: dict[str, Body] = {}
         shapes: dict[str, tuple[Shape, ...]] = {}
@@ -130,7 +130,7 @@ class _Usd:
         return body(owner, name, place.pose, (), mass, self.world), tuple(shapes)
 
     def _bare(self) -> Iterator[Shape]:
-        """All that is drawn where nothing says what is touched: all of it is, but for sheets."""
+        """Yield all drawn geometry of a stage without physics: all of it collides except flat sheets."""
         for piece in (piece for owner in self.owners for piece in owner.pieces):
             with self.problems.collect_errors():
                 bounded(piece.prim)
@@ -141,9 +141,9 @@ class _Usd:
     # ------------------------------------------------------------ shapes
 
     def _shapes(self, piece: GeomPrim, here: PlacedShape, motion: Motion | None) -> Iterator[Shape]:
-        """A geometry; if parts of a mesh look different each of these, and the whole if it can be touched.
+        """Yield a geometry, split into parts of different appearance, plus the whole for collisions.
 
-        Without a `motion` nothing says how meshes are touched and what rubs: by their hulls, as the language says.
+        Without a `motion` the stage has no physics: meshes collide as hulls, the language's default.
         """
         prim, rubs = piece.prim, None
         if piece.collides and motion is not None:
@@ -165,7 +165,7 @@ class _Usd:
             yield Shape(MeshFile(file, collision=way), here.pose, look, piece.collides, drawn, rubs, why)
 
     def _rubs(self, prim: Usd.Prim) -> tuple[float, float]:
-        """Friction and restitution of a collider. Raises StageError if it rubs in two ways."""
+        """Return friction and restitution of a collider. Raises StageError if its two frictions differ."""
         friction = self.materials.friction(prim)
         if friction.static != friction.dynamic:
             reason = f"its static friction {friction.static:g} differs from its dynamic friction {friction.dynamic:g}"
@@ -173,7 +173,7 @@ class _Usd:
         return friction.dynamic, friction.restitution
 
     def _touched(self, prim: Usd.Prim, mesh: Mesh, motion: Motion) -> tuple[str, tuple[Conditional, ...]]:
-        """How a mesh is touched, as a word of the language, and why it cannot be as its file says."""
+        """Return the collision mode of a mesh as a word of the language, and why the file's mode is unsupported."""
         try:
             return _WORDS[collision_approximation(prim, mesh, motion)], ()
         except StageError as error:
@@ -182,7 +182,7 @@ class _Usd:
             return "hull", conditional(self._told(error), ("collision",))
 
     def _look(self, prim: Usd.Prim) -> Look:
-        """How a geometry or subset looks, and what of it cannot be honoured."""
+        """Return the appearance of a geometry or subset, and its unsupported features."""
         try:
             surface = self.materials.surface(prim)
             if surface is None:
@@ -194,7 +194,7 @@ class _Usd:
         return Look(color, image, surface.repeats, surface.roughness, surface.metallic)
 
     def _picture(self, prim: Usd.Prim, texture: str) -> str:
-        """The file of a picture, seen from the spec's folder. Raises StageError if it is not there, or no picture."""
+        """Return the path of an image relative to the spec's folder. Raises StageError if it is missing or invalid."""
         path = Path(texture)
         if not is_within(self.folder, path):
             what = f"there is no picture `{path.name[:80]}` below the spec's folder"
@@ -210,7 +210,7 @@ class _Usd:
 
 
 def _physical(owner: BodyPrim) -> bool:
-    """Whether physics is said of a body or of anything in it."""
+    """Whether a body or any descendant has physics attributes."""
     return "PhysicsRigidBodyAPI" in applied_schemas(owner.prim) or any(
         "PhysicsCollisionAPI" in applied_schemas(piece.prim) for piece in owner.pieces
     )

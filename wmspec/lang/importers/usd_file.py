@@ -1,4 +1,4 @@
-"""USD files of others, opened within bounds, in silence, all of their layers below the spec's folder."""
+"""Opens untrusted USD files: bounded, silent, with all layers below the spec's folder."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from wmspec.sim.usd.frames import StageFrame, split_transform
 from wmspec.sim.usd.prims import refuse, value
 from wmspec.sim.usd.unsupported import report_missing_files
 
-#: What stands behind the path of a mesh for those of its faces that are in no subset.
+#: Suffix of a mesh path for the faces that belong to no subset.
 REST = ".rest"
 
 
 @contextmanager
 def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Iterator[Usd.Stage]:
-    """The stage in a USD file that messages call `shown`, all of whose layers are below a folder, if one is given.
+    """Open the stage of a USD file; messages call it `shown`, and its layers must be below `folder`, if given.
 
-    Raises Broken if it cannot be read, or whatever is done with it meanwhile goes wrong.
+    Raises Broken if it cannot be read, or if an error occurs during its use.
     """
-    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us
+    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # suppresses USD's output: errors are reported below
     try:
         stat = path.stat()
         stage = _stage(str(path), stat.st_mtime_ns, stat.st_size)
@@ -51,12 +51,12 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
 
 @lru_cache(maxsize=1)
 def _stage(path: str, _changed: int, _size: int) -> Usd.Stage:
-    """The stage in a file. The last one is kept: its meshes are asked for one by one."""
+    """Return the stage of a file. The last one is cached: its meshes are requested one by one."""
     return open_stage_file(Path(path), Path(path).name)
 
 
 def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) -> None:
-    """Complain about what a stage is made of and is missing, or elsewhere, and about too much."""
+    """Report missing layers, layers outside the folder, and too large stages."""
     problems = Report(StageError)
     report_missing_files(stage, problems)
     note(problems.diagnostics, shown, faults, folder)
@@ -73,7 +73,7 @@ def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) ->
 
 
 def note(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Path | None = None) -> None:
-    """Take note of what is wrong with prims of the file."""
+    """Add errors about prims of the file to the faults."""
     home = f"{folder.resolve()}/" if folder is not None else ""
     for problem in problems:
         reason = problem.message.replace(home, "") if home else problem.message
@@ -81,16 +81,16 @@ def note(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Pat
 
 
 def bounded(prim: Usd.Prim) -> None:
-    """Refuse a mesh that is too large. Raises StageError."""
+    """Raise StageError for a mesh that is too large."""
     if max(len(value(prim, name, ())) for name in ("points", "faceVertexIndices")) > POINTS.most:
         refuse(prim, f"it {POINTS.sentence}", POINTS.help)
 
 
 def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple[Diagnostic, ...]:
-    """The mesh at a prim of a USD file, or the polygons of a GeomSubset; or else all that is wrong with it.
+    """Return the mesh at a prim of a USD file, or the polygons of a GeomSubset, or the errors.
 
-    It is seen from the prim's rigid frame: what the transforms to it scale, mirror or skew is in its points. `shown` is
-    what the file is called, and all its layers are below `folder`, if one is given.
+    Points are in the prim's rigid frame and include scale, mirroring and skew. `shown` is the file's name in messages;
+    all its layers are below `folder`, if given.
     """
     faults, problems = Faults(), Report(StageError)
     made: Mesh | None = None
@@ -111,7 +111,7 @@ def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple
 
 
 def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: StageFrame) -> Mesh:
-    """A mesh, one of its subsets, or the rest of it. Raises StageError."""
+    """Return a mesh, one of its subsets, or its remaining faces. Raises StageError."""
     bounded(of)
     faces = None
     if at != of:

@@ -1,6 +1,6 @@
-"""The bodies and joints of a stage as links and joints that are led away from the base.
+"""Converts bodies and joints of a stage to a kinematic tree.
 
-What never moves is the base, and each other joint has a parent that is nearer to it.
+Static geometry is the base. The parent of each joint is the link closer to the base.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ from wmspec.sim.usd.prims import Names
 
 Pair = tuple[str, str]
 
-#: What stands for a body that has no geometry: a ball of this radius (m), neither drawn nor touched.
+#: Radius (m) of the placeholder ball for a body without geometry, invisible and without collisions.
 _POINT = 1e-3
-#: The density (kg/m³) of what UsdPhysics gives none.
+#: Default density of UsdPhysics (kg/m³).
 _WATER = 1000.0
 _OVER = Pose(np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
 
 
 class Stage:
-    """The links of a stage: `shapes` are in the frames of the bodies, both by path; `apart` pass through each other."""
+    """Links of a stage: `shapes` are in the frames of the bodies, both by path; pairs in `apart` do not collide."""
 
     def __init__(
         self, bodies: Mapping[str, Body], shapes: Mapping[str, tuple[Shape, ...]], apart: Sequence[Pair], shown: str
@@ -70,7 +70,7 @@ class Stage:
         return Link(name, where, shapes, body.inertia, properties, body.motion != "dynamic", velocity, spin, passes)
 
     def asset(self, held: Sequence[model.Joint], faults: Faults) -> Asset:
-        """All links and the joints between them; those that do not fit go to the faults."""
+        """Return all links and joints; unsupported ones are added to the faults."""
         if len(self.links) > MOST_LINKS:
             raise faults.stop(self._file, f"has more than {MOST_LINKS} rigid bodies", "make it simpler")
         links, made = dict(self.links), dict[str, Joint]()
@@ -86,7 +86,7 @@ class Stage:
         return self._root if body is None else self._link[body]
 
     def _led(self, held: Sequence[model.Joint], faults: Faults) -> Iterator[Joint]:
-        """The joints, each after what holds its parent; what none of them reaches is free."""
+        """Yield the joints, parents first; unreached links are free."""
         reached, waiting = {self._root}, list(held)
         for name, link in self.links.items():
             if link.fixed:
@@ -108,7 +108,7 @@ class Stage:
                 note(error.diagnostics, self._shown, faults)
 
     def _pose(self, link: str) -> Pose:
-        """Where a link is on the stage."""
+        """Return the pose of a link on the stage."""
         body = next((b for b in self._bodies.values() if link in self.links and self._link[b.name] == link), None)
         return body.pose if body else identity()
 
@@ -117,12 +117,12 @@ class Stage:
         return Joint(f"{name} free", where, "free", self._root, name, self._pose(name), np.zeros(3), X)
 
     def _joint(self, joint: model.Joint, turned: bool) -> Joint:
-        """A joint whose parent is its first end, or its second if it is `turned`: its coordinate stays the same.
+        """Return a joint whose parent is its first end, or its second if `turned`; its coordinate stays the same.
 
-        Raises StageError if it does not fit, mimics another, or is a ball joint with limits.
+        Raises StageError if it is invalid, mimics another, or is a ball joint with limits.
         """
         ends = ((joint.first, joint.first_frame), (joint.second, joint.second_frame))
-        if turned:  # the axis is turned round with the two ends
+        if turned:  # the axis is reversed with the ends
             ends = tuple((body, compose(frame, _OVER)) for body, frame in reversed(ends))  # type: ignore[assignment]
         (upper, above), (lower, below) = ends
         assert lower is not None
@@ -134,7 +134,7 @@ class Stage:
             raise StageError(reason, PrimPlace(joint.path), remedy)
         start = joint_coordinate(joint, relative_frame(self._bodies, upper, lower, above, below))
         parent, child = self._end(upper), self._end(lower)
-        if upper is not None and parent == self._root:  # the frame of the base is that of the stage
+        if upper is not None and parent == self._root:  # the base's frame is the stage's
             above = compose(self._bodies[upper].pose, above)
         if joint.kind in ("hinge", "slider"):
             place = compose(above, inverse(below))
@@ -164,12 +164,12 @@ class Stage:
 
 
 def _still(bodies: Sequence[Body], shapes: Mapping[str, tuple[Shape, ...]]) -> tuple[Shape, ...]:
-    """All that never moves, in the frame of the stage."""
+    """Return all static geometry, in the frame of the stage."""
     return tuple(replace(s, pose=compose(body.pose, s.pose)) for body in bodies for s in shapes[body.path])
 
 
 def _rubbing(shapes: tuple[Shape, ...]) -> tuple[tuple[Shape, ...], dict[str, float]]:
-    """Shapes, and how a link of them rubs if what is touched of it all rubs alike; otherwise each shape says it."""
+    """Return the shapes and their common friction and restitution; if these differ, each shape keeps its own."""
     frictions = {s.rubs for s in shapes if s.solid and s.rubs is not None}
     if len(frictions) != 1:
         return shapes, {}

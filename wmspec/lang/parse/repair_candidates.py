@@ -57,7 +57,7 @@ UNITS = ("mm", "cm", "m", "s", "ms", "deg", "kg", "g", "N", "rad")
 class Repair:
     """Replacement of the tokens from `start` to `stop`, with its message.
 
-    `cost`: lower is likelier. A `missing` token is reported after the previous token. A `end_of_hyphenated` name is replaced
+    `cost`: lower is likelier. A `missing` token is reported after the previous token. A `hyphenated` name is replaced
     wherever it is used. A block that the change opens `closes` before that token.
     """
 
@@ -68,7 +68,7 @@ class Repair:
     help: str
     cost: float
     missing: bool = False
-    end_of_hyphenated: bool = False
+    hyphenated: bool = False
     closes: int | None = None
 
 

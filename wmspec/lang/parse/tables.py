@@ -124,14 +124,14 @@ def _build_tables(lark: Lark) -> Tables:
     number = {state: i for i, state in enumerate(table)}
     rules = {rule: i for i, rule in enumerate(lark.rules)}
 
-    def action(kind: Any, argument: Any) -> int:
-        return number[argument] if kind.name == "Shift" else ~rules[argument]
+    def action(kind: Any, target: Any) -> int:
+        return number[target] if kind.name == "Shift" else ~rules[target]
 
     return Tables(
         pattern=pattern,
         keywords=keywords,
         rules=tuple(map(_rule, lark.rules)),
-        states=tuple({str(name): action(*argument) for name, argument in actions.items()} for actions in table.values()),
+        states=tuple({str(name): action(*pair) for name, pair in actions.items()} for actions in table.values()),
         first={start: number[way.start_state] for start, way in ways.items()},
         last={start: number[way.end_state] for start, way in ways.items()},
         starters=frozenset().union(*(_edge_terminals(lark, part, 0) for part in STATEMENTS)),

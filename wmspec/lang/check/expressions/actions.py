@@ -89,7 +89,7 @@ def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
         check.fail("WMS302", "which robot acts is a constant", function.value.span, remedy)
     robot = check.scope.names[str(who.expr.value)]
     assert isinstance(robot, s.Block)
-    if robot.model is None or robot.model.id not in ROBOTS:  # which was reported
+    if robot.model is None or robot.model.id not in ROBOTS:  # already reported
         raise Failed
     verbs = ROBOTS[robot.model.id]
     name = function.name.id
@@ -181,7 +181,7 @@ def _relative(check: Expressions, timing: s.Timing) -> Typed:
         check.fail("WMS302", "which action is meant is a constant", timing.value.span)
     begin = ir.Property(owner=other, name="start")
     declared = named(check, str(other.value))
-    start(check, declared)  # to find circles
+    start(check, declared)  # detects cycles
     if timing.kind == "with" or not act(check, declared).verb.lasts:
         return Typed(begin, A_TIME)
     duration = ir.Property(owner=other, name="duration")

@@ -75,7 +75,7 @@ def call(check: Expressions, e: s.Call) -> Typed:
         arguments = (check.subject, *arguments)
     _unlike(check, name, arguments, positional[-1].span if positional else e.span)
     kind = _result(check, name, function, positional, given)
-    if kind == OBJECT and options:  # of equals it gives `neither`
+    if kind == OBJECT and options:  # ties yield `neither`
         kind = LABEL
     if JOINT in function.parameters:
         _moves(check, name, positional[0], given[0])
@@ -165,7 +165,7 @@ def _moves(check: Expressions, name: str, written: s.Argument, joint: Typed) -> 
         if not isinstance(block, s.Block) or block.model is None or block.kind != "joint":
             continue
         kind, (wanted, other) = block.model.id, MOVES[name]
-        if kind not in JOINTS:  # which was reported
+        if kind not in JOINTS:  # already reported
             raise Failed
         if kind != wanted:
             remedy = (

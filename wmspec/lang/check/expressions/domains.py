@@ -63,7 +63,7 @@ def read(check: Expressions, e: s.Expr) -> Written:
         case s.Range(step=None, count=None):
             return _interval(check, e)
         case s.Name(id=name) if isinstance(let := check.scope.names.get(name), s.Let):
-            check.infer(e)  # complains about a circle
+            check.infer(e)  # reports a cycle
             return read(check, let.value)
     return _list(check, e)
 

@@ -40,15 +40,15 @@ class Expressions:
         self.subject: ir.Expr | None = None  # the acting object, inside an action's arguments
         self._unknown = unknown
         self.doubtful: set[str] = set()
-        """Named values that may be wrong themselves: no misfit of theirs is told (again)."""
+        """Named values that may be wrong themselves: their type mismatches are not reported again."""
         self._blamed: set[Span] = set()
-        """Values that were given to a library and do not fit there: of each this is told once."""
-        self.measured = False  # whether measured functions may stand here
+        """Library arguments of a wrong type, each reported once."""
+        self.measured = False  # whether measured functions are allowed
         self._known: dict[tuple[str, str], Typed | None] = {}
         self._open: list[tuple[tuple[str, str], Span]] = []
         self._depth = self._deepest = 0
         self._height: dict[tuple[str, str], int] = {}
-        self.domain_of: Callable[[s.Factor], Type]  # set by who checks domains, which are made of expressions
+        self.domain_of: Callable[[s.Factor], Type]  # set by `Factors`, which checks domains
 
     def value(self, e: s.Expr, wanted: tuple[Type, ...], what: str) -> Typed:
         """Check an expression that must have one of the expected types. `what` names the place in messages."""
@@ -103,7 +103,7 @@ class Expressions:
 
     def unknown(self, e: s.Name, message: str, help: str, code: str = "WMS201") -> NoReturn:
         """Report an undefined name: each once, and none where declarations may be missing."""
-        doubled = self.scope.doubled and "did you mean" not in help  # one of two may have been meant to be called so
+        doubled = self.scope.doubled and "did you mean" not in help  # one of the duplicates may have this name
         if not e.id or not self.scope.whole or doubled or e.id in self._unknown:
             raise Failed
         self._unknown.add(e.id)

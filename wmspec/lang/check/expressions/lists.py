@@ -38,7 +38,7 @@ def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -
     for typed, written in zip(checked, e.items, strict=True):
         common = joined(kind, typed.type) if kind else None
         if kind is not None and common is None:
-            if names.undeclared(check, e.items[0], kind):  # a name may be misspelled where it is declared
+            if names.undeclared(check, e.items[0], kind):  # the declared name may be misspelled
                 check.misfit(e.items[0], kind, (typed.type,), f"this {e.kind}, like its other items,")
             check.misfit(written, typed.type, (kind,), f"this {e.kind}, like its first item,")
         kind = common

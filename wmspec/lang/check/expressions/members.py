@@ -44,7 +44,7 @@ def member(check: Expressions, e: s.Member) -> Typed:
             check.misfit(e.value, whole.type, (OBJECT,), f"`.{e.name.id}`")
         check.fail("WMS203", f"{article(str(whole.type))} has no properties", e.name.span)
     kind = _OWNERS[whole.type]
-    if not isinstance(whole.expr, ir.Value):  # which one depends on a factor
+    if not isinstance(whole.expr, ir.Value):  # depends on a factor
         slot = _row(check, PROPERTIES[kind], e, kind)
         return Typed(ir.Property(owner=whole.expr, name=e.name.id), slot.types[0])
     name = str(whole.expr.value)
@@ -57,7 +57,7 @@ def member(check: Expressions, e: s.Member) -> Typed:
 
 def _of_asset(check: Expressions, name: str, member: s.Name) -> Typed | None:
     """Return a link or joint of an asset, or None."""
-    if name in check.scope.broken:  # nobody knows what is in it
+    if name in check.scope.broken:  # its contents are unknown
         raise Failed
     block = check.scope.assets.get(name, {}).get(member.id)
     if block is None:
@@ -138,7 +138,7 @@ def index(check: Expressions, e: s.Index) -> Typed:
         message = f"only a set of objects or joints has members, and this is {article(str(container.type))}"
         check.fail("WMS302", message, e.value.span, "declare it with `objects NAME[NUMBER] { ... }`")
     members = check.scope.members(declared.name.id)
-    if not members:  # its number is wrong, and that was reported
+    if not members:  # its wrong count was reported
         raise Failed
     number = constant(check.value(e.index, (A_NUMBER,), "`[...]`").expr)
     if number is None:

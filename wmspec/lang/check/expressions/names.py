@@ -43,7 +43,7 @@ BLOCKS: dict[str, Type] = {
 
 def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
     """Resolve a name. Declarations take precedence over words, unless only the word has an expected type."""
-    if not e.id:  # it is missing, and that was reported
+    if not e.id:  # a missing name was reported
         raise Failed
     word = _word(e.id, wanted)
     declared = None if e.closed else check.scope.names.get(e.id)
@@ -104,7 +104,7 @@ def suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
     fit, values = fitting(check, wanted), check.scope.of(s.Factor, s.Let)
     if (other := SYNONYMS.get(name)) in fit:
         return f"did you mean `{other}`?"
-    named = bool(wanted) and all(kind in BLOCKS.values() for kind in wanted)  # what no word of the language is
+    named = bool(wanted) and all(kind in BLOCKS.values() for kind in wanted)  # no word of the language has these types
     groups = [[w for w in group if w != name] for group in (fit, values, [] if named else check.scope.known())]
     return suggestion(name, *groups)
 
@@ -112,7 +112,7 @@ def suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
 def instead(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> str:
     """Return a suggestion for a name whose value has none of the expected types."""
     names = fitting(check, tuple(k for k in wanted if k != TRUTH and not isinstance(k, List)))
-    if e.id in check.scope.names:  # it is not misspelled
+    if e.id in check.scope.names:  # correctly spelled
         return f"known here: {', '.join(sorted(set(names)))}" if 0 < len(names) <= MAX_LISTED_NAMES else ""
     return suggestion(e.id, names)
 

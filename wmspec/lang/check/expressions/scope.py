@@ -24,19 +24,19 @@ class Scope:
     def __init__(self, statements: Iterable[s.Statement], report: Report, alone: bool = False) -> None:
         self.names: dict[str, Declaration] = {}
         self.sets: dict[str, str] = {}
-        """The set of every member of one."""
+        """The set of each member."""
         self.assets: dict[str, dict[str, str]] = {}
-        """Of every asset, its links and joints: what they are called after its name, and the names of their blocks."""
+        """Links and joints of each asset: their names in the spec, and the names of their blocks."""
         self.whole = True
-        """Whether all that could declare a name was read; if not, an unknown name is no mistake of its own."""
+        """Whether all declarations were read; if not, unknown names are not reported."""
         self.doubled = False
-        """Whether two things are called the same."""
+        """Whether two declarations have the same name."""
         self.broken: set[str] = set()
-        """Assets whose file cannot be used, which was reported."""
+        """Assets with an unusable file, which was reported."""
         self.designs: list[s.Design] = []
         self.questions: list[s.Question] = []
         self.alone = alone
-        """Whether no library is used."""
+        """Whether the task uses no library."""
         self._report = report
         self._statements = tuple(statements)
         for statement in self._statements:
@@ -50,7 +50,7 @@ class Scope:
     def declare(self, statement: Declaration, member_of: str = "") -> None:
         """Add a declaration; report a duplicate name."""
         name = statement.name.id
-        if not name:  # it is missing, and that was reported
+        if not name:  # a missing name was reported
             self.whole = False
             return
         if (first := self.names.get(name)) is not None:

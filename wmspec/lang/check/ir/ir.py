@@ -271,7 +271,7 @@ class Margin(Node):
 
 
 class Said(Node):
-    """A value inserted into a text; `sort` is its type (`color`, `object`, `length`, …), which determines the wording."""
+    """A value inserted into a text; its type `sort` (`color`, `object`, `length`, …) determines the wording."""
 
     value: Expr
     sort: str

@@ -14,7 +14,7 @@ from wmspec.lang.check.tables.vocabulary import ASSETS, PROPERTIES
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.files import resolve_display_path
 
-if TYPE_CHECKING:  # most specs have no assets, and checking those should not wait for what reads them
+if TYPE_CHECKING:  # most specs have no assets and do without the importers
     from wmspec.lang.importers.blocks import Blocks
     from wmspec.lang.importers.model import Refused
     from wmspec.lang.importers.tree import Tree

@@ -90,7 +90,7 @@ def _mesh(check: Expressions, text: s.Text, folder: Path, file: str, prim: str) 
 def _linked(path: Path) -> bool:
     try:
         return path.is_file()
-    except (OSError, ValueError):  # a name longer than names can be, a null character
+    except (OSError, ValueError):  # file name too long, null character
         return False
 
 

@@ -83,7 +83,7 @@ class Modules:
         match node:
             case s.Member(value=s.Name(id=prefix), name=s.Name(id=name)) if prefix in prefixes:
                 return self._known(prefix, name, node.span, prefixes)
-            case s.Name(id=dotted) if "." in dotted:  # of a camera or a template
+            case s.Name(id=dotted) if "." in dotted:  # name of a camera or a template
                 prefix, _, name = dotted.partition(".")
                 return self._known(prefix, name, node.span, prefixes) if prefix in prefixes else node
         return _each(node, lambda part: self._joined(part, prefixes))
@@ -97,7 +97,7 @@ class Modules:
     def _brought(self, use: s.Use, outer: str, prefixes: Prefixes) -> list[s.Statement]:
         """Return the renamed statements of a library, or none if they are present already."""
         path = self._program.paths.get(use.name.span)
-        if path is None:  # which was reported
+        if path is None:  # already reported
             return []
         prefix = f"{use.prefix.id}_" if use.prefix is not None else ""
         if (first := self._used.setdefault((path, outer + prefix), use)) is not use:

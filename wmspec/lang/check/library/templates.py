@@ -62,7 +62,7 @@ class Templates:
         self._without_place(p for p in block.properties if p.name.id in parameters)
         own = tuple(p for p in block.properties if p.name.id not in parameters and self._known(p, template))
         values: dict[str, s.Expr] = {}
-        for p in template.parameters:  # a default may be made of the parameters before it
+        for p in template.parameters:  # a default may refer to earlier parameters
             value = given.get(p.name.id)
             values[p.name.id] = self._substitute.expression(p.value, values) if value is None else value
         written = {p.name.id for p in own} | {"at" for p in own if p.at is not None}
@@ -70,7 +70,7 @@ class Templates:
             written |= either if written & either else set()
         kept = (p for p in template.properties if p.name.id not in written)
         common = tuple(self._substitute.property(p, values) for p in kept)
-        if "at" in written:  # the object's own place goes before the template's
+        if "at" in written:  # the object's own place takes precedence
             common = tuple(replace(p, at=None) for p in common)
         parts = tuple(self._substitute.part(p, values) for p in template.parts)
         return replace(block, properties=(*common, *own), parts=(*parts, *block.parts))

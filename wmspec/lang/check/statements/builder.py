@@ -68,7 +68,7 @@ def thing(
 
 
 def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: Any) -> tuple[ir.Thing, ...]:
-    """Return an object made of parts (properties by part name), followed by the parts. Raises WmsError as `thing` does."""
+    """Return an object with parts (properties by part name), followed by the parts. Raises WmsError as `thing` does."""
     whole = _thing(name, thing_type("object", properties, parts=True), properties)
     return whole, *(_part(whole, part, properties_of) for part, properties_of in parts.items())
 

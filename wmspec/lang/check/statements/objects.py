@@ -44,7 +44,7 @@ class Things:
         self._fits_kind(block)
         of = owner(block)
         whole = ir.Thing(
-            kind=cast(ir.ThingKind, block.kind),  # sets have become objects by now
+            kind=cast(ir.ThingKind, block.kind),  # sets are already expanded
             name=of.name,
             model=block.model.id if block.model else "",
             of=block.whole,
@@ -145,7 +145,7 @@ class Things:
         """Return a written property, and its `at` if any."""
         if p.name.id not in of.slots:
             if p.name.id in PROPERTIES[of.type.kind] and not of.said.keys() <= PROPERTIES[of.type.kind].keys():
-                raise Failed  # what it needs may be misspelt
+                raise Failed  # the required property may be misspelled
             self.check.fail(*of.lacks(p.name))
         if p.at is not None and p.name.id not in ("on", "inside"):
             remedy = "write `at: (x, y, z)`"

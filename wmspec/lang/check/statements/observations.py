@@ -20,7 +20,7 @@ class Observations:
     def observe(self, observe: s.Observe) -> ir.Observation:
         """Return the observation of a camera at times."""
         camera = self.check.value(observe.camera, (CAMERA,), "`observe`").expr
-        assert isinstance(camera, ir.Value)  # the grammar takes a name here, and a factor is none
+        assert isinstance(camera, ir.Value)  # the grammar allows names only, and factors are refused
         times = self.check.value(observe.times, (List(A_TIME), A_TIME), "`at`")
         expr = times.expr if isinstance(times.type, List) else ir.Items(items=(times.expr,))
         if expr == ir.Items(items=()):

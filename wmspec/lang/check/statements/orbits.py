@@ -64,7 +64,7 @@ class Orbits:
         factor = self._factor(name, span)
         others = PLANS.keys() - {"groups"}
         if self.plan.kind != "groups" and any(d.kind.id not in others for d in self.check.scope.designs):
-            raise Failed  # what is wrong with the design was told
+            raise Failed  # the design's error was reported
         if self.plan.kind != "groups":
             what = "the options of an orbit are siblings in a group, and this design has no groups"
             remedy = f"write `design groups of 100 {{ cross: {name} }}`"
@@ -81,7 +81,7 @@ class Orbits:
             self.check.fail("WMS508", what, span, "let conditions be about other factors")
         reads = self._reads(name)
         if reads is None and self.check.report.failed:
-            raise Failed  # what was not understood may say it
+            raise Failed  # an erroneous statement may refer to it
         if reads is None:
             what = f"nothing in the scene is said in terms of `{name}`, so siblings that differ in it look alike"
             self.check.fail("WMS508", what, span, "let an object or an action depend on it")
@@ -154,7 +154,7 @@ class Orbits:
         if name not in self.factors:
             declared = self.check.scope.names.get(name)
             if isinstance(declared, s.Factor) and not declared.nuisance:
-                raise Failed  # what is wrong with it was told
+                raise Failed  # its error was reported
             self.check.unknown(s.Name(name, span), f"there is no factor `{name}`", suggestion(name, self.factors))
         return self.factors[name]
 

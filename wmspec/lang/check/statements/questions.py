@@ -168,7 +168,7 @@ class Questions:
                 what = "a closed set has no options but the siblings, and this adds one"
                 self.check.fail("WMS508", what, places[COUNTERFACTUAL], "remove it, or the orbit")
         elif ORBIT in places and answer.type == PICTURE:
-            places[COUNTERFACTUAL] = places[ORBIT]  # the siblings
+            places[COUNTERFACTUAL] = places[ORBIT]  # orbits are counterfactuals too
         kind = question_kind(answer.type, places.keys())
         rules = QUESTION_RULES[kind]
         noun = article(str(answer.type))

@@ -31,7 +31,7 @@ class Sets:
         self.substitute = substitute
 
     def members(self, whole: s.Block) -> tuple[s.Block, ...]:
-        """Return the members of a set as blocks, none if its count is wrong; other blocks are unchanged. Raises Failed."""
+        """Return a set's members as blocks, none if its count is wrong; other blocks are unchanged. Raises Failed."""
         if whole.count is None:
             return (whole,)
         count = self.check.value(whole.count, (A_NUMBER,), "the number of a set").expr

@@ -241,7 +241,7 @@ class _Task:
 
     def _docstring(self) -> str:
         assert self.declaration is not None
-        source = self.declaration.span.source  # the text of a library describes the library
+        source = self.declaration.span.source  # a library's docstring describes the library
         texts = [x.text for x in self.statements if isinstance(x, s.Docstring) and x.span.source is source]
         return texts[-1] if texts else ""
 

@@ -74,7 +74,7 @@ FUNCTIONS: dict[str, Function] = {
     # colours
     "rgb": Function("a colour by its sRGB parts, 0 to 1", (A_NUMBER, A_NUMBER, A_NUMBER), COLOR),
     "shade": Function("a shade of a colour: 0 is the darkest that is still that colour, 1 the lightest", (COLOR, A_NUMBER), COLOR),
-    # sums
+    # arithmetic
     "min": Function("the smallest of quantities of one kind, or of lists of them", (QUANTITY,), QUANTITY, repeated=True),
     "max": Function("the largest of quantities of one kind, or of lists of them", (QUANTITY,), QUANTITY, repeated=True),
     "sum": Function("quantities of one kind, or lists of them, added up", (QUANTITY,), QUANTITY, repeated=True),
@@ -85,7 +85,7 @@ FUNCTIONS: dict[str, Function] = {
     "sqrt": Function("the square root", (A_NUMBER,), A_NUMBER),
     "sin": Function("of an angle", (AN_ANGLE,), A_NUMBER),
     "cos": Function("of an angle", (AN_ANGLE,), A_NUMBER),
-    # what is there
+    # presence and size
     "count": Function("how many of the objects are there, or how many of the truth values are true", (COUNTED,), A_NUMBER),
     "any": Function("whether at least one of them is true", (_TRUTHS,), TRUTH),
     "all": Function("whether all of them are true", (_TRUTHS,), TRUTH),
@@ -96,7 +96,7 @@ FUNCTIONS: dict[str, Function] = {
     "darkest": Function("the one with the darkest colour", (_OBJECTS,), OBJECT, options=_TIE),
     "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, options=_TIE),
     "fits": Function("whether an object fits into the hollow of a compound one, without turning it", (OBJECT, OBJECT), TRUTH),
-    # what happened while observed
+    # motion while observed
     "speed": Function("distance travelled while observed, over that time; or how fast it is at a time", (OBJECT,), Quantity(SPEED), "wmspec.runtime.questions.motion:speed", {**_DURING, **_AT}, moments=2),
     "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:fastest", _TIE, chooses=True, moments=2),
     "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:slowest", _TIE, chooses=True, moments=2),
@@ -109,7 +109,7 @@ FUNCTIONS: dict[str, Function] = {
     "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it; or the way that it moves at a time", (OBJECT,), AN_ANGLE, "wmspec.runtime.questions.motion:heading", _AT, moments=2),
     "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, "wmspec.runtime.questions.motion:heads_to", moments=2),
     "trajectory": Function("the form of its path", (OBJECT,), PATH, "wmspec.runtime.questions.motion:trajectory", moments=3),
-    # how it was and how it ended
+    # states, by default the final one
     "position": Function("where its middle is at the end, or at a time", (OBJECT,), POINT3, "wmspec.runtime.questions.outcome:position", _AT),
     "displacement": Function("how far it is at the end, or at a time, from where it began", (OBJECT,), A_LENGTH, "wmspec.runtime.questions.outcome:displacement", _AT, moments=2),
     "distance": Function("between the middles of two objects, at the end or at a time", (OBJECT, OBJECT), A_LENGTH, "wmspec.runtime.questions.outcome:distance", _AT),
@@ -120,13 +120,13 @@ FUNCTIONS: dict[str, Function] = {
     "contains": Function("whether the first has the second within its upright box at the end, or at a time", (OBJECT, OBJECT), TRUTH, "wmspec.runtime.questions.outcome:contains", _AT),
     "angle": Function("how far a hinge has turned from 0, at the end or at a time", (JOINT,), AN_ANGLE, "wmspec.runtime.questions.joints:angle", _AT),
     "extension": Function("how far a slider has slid from 0, at the end or at a time", (JOINT,), A_LENGTH, "wmspec.runtime.questions.joints:extension", _AT),
-    # what happened when
+    # events and their times
     "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, "wmspec.runtime.questions.events:contact", _DURING, moments=3),
     "contact_time": Function("when the two first touch", (OBJECT, OBJECT), A_TIME, "wmspec.runtime.questions.events:contact_time", _DURING, moments=3),
     "touches_first": Function("which of the others it touches first", (OBJECT, _OBJECTS), OBJECT, "wmspec.runtime.questions.choices:touches_first", {"tie": A_TIME}, chooses=True, moments=3),
     "highest": Function("the greatest height of its middle", (OBJECT,), A_LENGTH, "wmspec.runtime.questions.events:highest", _DURING, moments=3),
     "when_highest": Function("when its middle is highest", (OBJECT,), A_TIME, "wmspec.runtime.questions.events:when_highest", _DURING, moments=3),
-    # what is seen
+    # visibility
     "visible": Function("the share of the picture that shows it, least over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.runtime.questions.visibility:visible"),
     "occluded": Function("the share of it that others hide, most over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.runtime.questions.visibility:occluded"),
     "contrast": Function("how much its colour differs from what is around it (CIEDE2000), least over the looks", (OBJECT, CAMERA), A_NUMBER, "wmspec.runtime.questions.visibility:contrast"),

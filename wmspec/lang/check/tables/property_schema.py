@@ -87,7 +87,7 @@ def _fitted(of: ThingType, name: str, slot: Slot) -> Slot:
     if of.kind == "joint" and AN_ANGLE in slot.types:
         return replace(slot, types=(AN_ANGLE if of.model == "hinge" else A_LENGTH,))
     if of.kind == "joint" and name == "stiffness" and "target" in of.said:
-        return replace(slot, default=None)  # a target without stiffness would do nothing
+        return replace(slot, default=None)  # a target without stiffness has no effect
     if of.kind == "robot" and of.model == "arm" and name == "model":
         return replace(slot, optional=False)
     return slot

@@ -215,11 +215,11 @@ def named(text: str) -> Dimension:
 
 def told(value: float, dimension: Dimension) -> str:
     """Return an SI value with its customary unit, such as `-5 cm` or `30 deg`."""
-    small = 0.1 if dimension == LENGTH else 0.0  # 0 is so many cm
+    small = 0.1 if dimension == LENGTH else 0.0  # zero is shown in cm
     least = abs(value) or small
     unit = next((u for u, from_ in _TOLD.get(dimension, ()) if least >= from_ * (1 - 1e-9)), dimension.symbol)
     number = value / parse_unit(unit)[0] if unit else value
-    return f"{number + 0.0:.6g} {unit}".rstrip()  # -0.0 + 0.0 is 0.0
+    return f"{number + 0.0:.6g} {unit}".rstrip()  # turns -0.0 into 0.0
 
 
 def fitting(dimension: Dimension) -> tuple[str, ...]:
