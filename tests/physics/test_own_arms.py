@@ -9,7 +9,7 @@ import pytest
 import wmspec
 from tests.endtoend.test_commands import wmspec as command
 from tests.engines import installed
-from wmspec.compile.robots.arm_assets import arm_in, make
+from wmspec.compile.robots.arm_assets import arm_in, write_arm
 from wmspec.compile.robots.ik import solve
 from wmspec.core.diagnostics import WmsError
 
@@ -95,7 +95,7 @@ task pick : custom {
 def written(folder: Path, description: str) -> Path:
     """The file of an arm, and a spec that uses it beside it."""
     (folder / "mine.toml").write_text(description)
-    make(folder / "mine.toml", folder / "mine.usdc")
+    write_arm(folder / "mine.toml", folder / "mine.usdc")
     (folder / "pick.wms").write_text(PICK)
     return folder / "mine.usdc"
 

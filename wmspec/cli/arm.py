@@ -11,16 +11,18 @@ from wmspec.cli.common import tell
 
 @click.command("arm")
 @click.argument("description", type=click.Path(path_type=Path))
-@click.option("--output", "-o", type=click.Path(path_type=Path), help="The file.  [default: beside it, as .usdc]")
+@click.option(
+    "--output", "-o", type=click.Path(path_type=Path), help="Output file.  [default: next to DESCRIPTION, as .usdc]"
+)
 def arm_command(description: Path, output: Path | None) -> None:
-    """Make an arm of a DESCRIPTION in TOML: a file (URDF, MJCF or USD) of links and hinges, and a hand.
+    """Convert an arm to USD. DESCRIPTION is a TOML file that names a URDF, MJCF or USD file and a hand.
 
-    What is written is a USD file, which a spec names: `robot arm : arm { model: "FILE.usdc" }`.
+    A spec uses the result as `robot arm : arm { model: "FILE.usdc" }`.
     """
-    from wmspec.compile.robots.arm_assets import make
+    from wmspec.compile.robots.arm_assets import write_arm
 
     target = output or description.with_suffix(".usdc")
-    made = make(description, target)
+    made = write_arm(description, target)
     for what in {d.message: f"{d.place}: {d.message}" for d in reversed(made.ignored)}.values():
         tell(f"left out, since an arm that moves as it is told does not need it: {what}")
     hinges, opens = len(made.arm.low), 100 * made.arm.opening

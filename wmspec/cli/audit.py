@@ -23,13 +23,13 @@ MOST = 3
 
 @click.command("audit")
 @click.argument("dataset", type=click.Path(path_type=Path))
-@click.option("--output", "-o", type=click.Path(path_type=Path), help="The folder for audit.html and audit.json.")
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="Folder for audit.html and audit.json.")
 @click.option(
     "--pictures-of",
     type=click.IntRange(20),
     default=2000,
     show_default=True,
-    help="Look at the pictures of at most so many instances of each task.",
+    help="Maximum number of instances per task whose pictures are examined.",
 )
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @json_option
@@ -37,9 +37,9 @@ MOST = 3
 def audit_command(
     ctx: click.Context, dataset: Path, output: Path | None, pictures_of: int, workers: int | None, as_json: bool
 ) -> None:
-    """Look for what is wrong with a dataset: missing, unbalanced, duplicated, or answered by a shortcut.
+    """Audit a dataset for missing items, imbalance, duplicates and shortcuts.
 
-    Exit code 1 if anything fails.
+    Exits with 1 if a check fails.
     """
     # Before NumPy starts: its matrices are small here, and the same sums must come out on any number of cores.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

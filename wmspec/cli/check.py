@@ -18,20 +18,24 @@ if TYPE_CHECKING:
 @click.command("check")
 @click.argument("specs", nargs=-1, required=True, type=click.Path(path_type=Path, allow_dash=True))
 @click.option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", show_default=True)
-@click.option("--json", "form", flag_value="json", help="The same as --format json.")
+@click.option("--json", "form", flag_value="json", help="Same as --format json.")
 @click.option(
-    "--timeout", type=click.FloatRange(1), default=600.0, show_default=True, help="Seconds that all of it may take."
+    "--timeout",
+    type=click.FloatRange(1),
+    default=600.0,
+    show_default=True,
+    help="Time limit of the whole check, in seconds.",
 )
-@click.option("--no-cache", is_flag=True, help="Check everything anew, and keep nothing.")
+@click.option("--no-cache", is_flag=True, help="Ignore cached results and store none.")
 def check_command(specs: tuple[Path, ...], form: str, timeout: float, no_cache: bool) -> None:
-    """Check specs: names, units, kinds, the design, and a sample of scenes; `-` checks standard input.
+    """Check specs: syntax, names, units, types, the design, and a sample of scenes. `-` reads standard input.
 
-    Exits with 2 if there is a mistake.
+    Exits with 2 if there is an error.
 
     The result of a file is kept in the user's cache (WMSPEC_CACHE_DIR, else ~/.cache/wmspec) and returned again until
     the file, a library or file that it uses, or wmspec changes.
 
-    Text is coloured on a terminal, unless NO_COLOR is set. SARIF is what code hosts show beside the lines.
+    Text is coloured on a terminal unless NO_COLOR is set. Code hosts display SARIF next to the lines.
     """
     from wmspec.api.checking import check_files, check_text
     from wmspec.core.disk_cache import disabled

@@ -26,16 +26,18 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 specs_argument = click.argument("specs", nargs=-1, required=True, type=click.Path(path_type=Path))
 spec_argument = click.argument("spec", type=click.Path(path_type=Path))
-seed_option = click.option("--seed", default=0, show_default=True, help="What all draws depend on.")
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for machines.")
+seed_option = click.option("--seed", default=0, show_default=True, help="Random seed.")
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 dimension_option = click.option(
     "--only-dimension", multiple=True, metavar="PATH", help="Only tasks of this dimension, such as perception.motion."
 )
-task_option = click.option("--task", default="", metavar="NAME", help="Which task, of a file that has several.")
-instance_option = click.option("--instance", "-i", default=0, show_default=True, metavar="I", help="Which instance.")
-size_option = click.option("--size", default="384", show_default=True, help="Pixels of a picture: 384, or 320x240.")
+task_option = click.option("--task", default="", metavar="NAME", help="Task, if the file has several.")
+instance_option = click.option(
+    "--instance", "-i", default=0, show_default=True, metavar="I", help="Index of the instance."
+)
+size_option = click.option("--size", default="384", show_default=True, help="Picture size in pixels: 384, or 320x240.")
 redrawn_option = click.option(
-    "--redrawn", default=0, metavar="N", type=click.IntRange(0), help="With its nuisances drawn anew, for the Nth time."
+    "--redrawn", default=0, metavar="N", type=click.IntRange(0), help="Use the N-th re-sample of the nuisances."
 )
 
 
@@ -82,9 +84,9 @@ def look_options(command: F) -> F:
         type=click.Choice(["parity", "photo"]),
         default="parity",
         show_default=True,
-        help="The same picture from every engine, or a path-traced one by Mitsuba, for people.",
+        help="`parity` is equal in all engines; `photo` is path-traced by Mitsuba.",
     )
-    samples = click.option("--samples", type=click.IntRange(1, 4096), help="Samples a pixel, for the look photo.")
+    samples = click.option("--samples", type=click.IntRange(1, 4096), help="Samples per pixel, for the look photo.")
     return look(samples(command))
 
 
@@ -94,7 +96,7 @@ class _TimeIsUp(BaseException):
 
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
-    """Stop what takes longer. Raises WmsError then, as soon as Python has its turn."""
+    """Raise WmsError when the block exceeds the time limit, at the next Python instruction."""
 
     def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  a handler is called with both
         raise _TimeIsUp

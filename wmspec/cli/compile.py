@@ -21,19 +21,19 @@ from wmspec.core.diagnostics import WmsError
 
 @click.command("compile")
 @spec_argument
-@click.option("--backend", "-b", default="", help="Engines to write native files for: names joined by commas, or all.")
+@click.option("--backend", "-b", default="", help="Engines to write native files for: comma-separated names, or all.")
 @task_option
 @instance_option
 @redrawn_option
 @seed_option
-@click.option("--output", "-o", type=click.Path(path_type=Path), help="The folder to write to.")
-@click.option("--ir", is_flag=True, help="Write no files; print the checked task as JSON (see `wmspec schema`).")
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="Output folder.")
+@click.option("--ir", is_flag=True, help="Print the checked task as JSON (see `wmspec schema`) and write no files.")
 def compile_command(
     spec: Path, backend: str, task: str, instance: int, redrawn: int, seed: int, output: Path | None, ir: bool
 ) -> None:
-    """Write an instance as USD and in an engine's own form.
+    """Write an instance as USD and in the native formats of engines.
 
-    The stage is a base layer for the task with a layer over it for the instance, and one for each counterfactual over
+    The stage is a base layer for the task, an override layer for the instance, and one for each counterfactual on top of
     that. The native files (a model, or a script) run in their engine without wmspec.
     """
     from wmspec.runtime.engines.registry import chosen

@@ -13,9 +13,13 @@ from wmspec.core.diagnostics import WmsError
 
 @click.command("conformance")
 @click.argument("cases", nargs=-1, metavar="[CASE]...")
-@click.option("--backend", "-b", default="all", show_default=True, help="Engines: names joined by commas, or all.")
+@click.option("--backend", "-b", default="all", show_default=True, help="Engines: comma-separated names, or all.")
 @click.option(
-    "--output", "-o", type=click.Path(path_type=Path), metavar="FOLDER", help="Keep the traces there: ENGINE/CASE.npz."
+    "--output",
+    "-o",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Folder for the traces, as ENGINE/CASE.npz.",
 )
 @json_option
 @click.pass_context

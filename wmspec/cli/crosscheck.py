@@ -26,7 +26,7 @@ MOST_TOLD = 20
     "-b",
     default="all",
     show_default=True,
-    help="Two or more engines: names joined by commas, or all.",
+    help="Two or more engines: comma-separated names, or all.",
 )
 @click.option(
     "--sample",
@@ -34,7 +34,7 @@ MOST_TOLD = 20
     type=click.IntRange(1),
     default=20,
     show_default=True,
-    help="How many instances of each task, drawn at random.",
+    help="Number of random instances per task.",
 )
 @seed_option
 @click.option(
@@ -43,14 +43,14 @@ MOST_TOLD = 20
     "settings",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Another tolerance, such as drift=1cm/s; also rest, impact, event, angle. May be given several times.",
+    help="Override a tolerance, such as drift=1cm/s; also rest, impact, event, angle. Repeatable.",
 )
-@click.option("--strict", is_flag=True, help="Fail also where trajectories part, though the answers agree.")
-@click.option("--json", "json_file", metavar="FILE", help="Write everything as JSON; - for standard output.")
-@click.option("--junit", "junit_file", metavar="FILE", help="Write JUnit XML, a test case per instance.")
+@click.option("--strict", is_flag=True, help="Also fail if trajectories diverge although answers agree.")
+@click.option("--json", "json_file", metavar="FILE", help="Write all results as JSON; - for standard output.")
+@click.option("--junit", "junit_file", metavar="FILE", help="Write JUnit XML with a test case per instance.")
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @click.option(
-    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take."
+    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
 )
 def crosscheck_command(
     specs: tuple[Path, ...],
@@ -64,7 +64,7 @@ def crosscheck_command(
     workers: int | None,
     timeout: float,
 ) -> None:
-    """Execute the same instances in several engines and compare trajectories, events and answers; draws nothing.
+    """Execute the same instances in several engines and compare trajectories, events and answers. Draws no pictures.
 
     Exits with 1 if a question that either engine would be asked has another answer in the other, or if an engine cannot
     execute an instance. With --strict, and for tasks without questions, trajectories must be within tolerance too.

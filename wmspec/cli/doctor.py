@@ -8,11 +8,11 @@ from wmspec.cli.common import json_option
 
 
 @click.command("doctor")
-@click.option("--capabilities", is_flag=True, help="Say instead what each engine can do, and why not the rest.")
+@click.option("--capabilities", is_flag=True, help="Print the capability matrix of the engines instead.")
 @json_option
 @click.pass_context
 def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> None:
-    """Say what works on this machine, and the command that mends what does not.
+    """Test the installation and print remedies.
 
     Each engine executes and draws a falling cube. Exit code 0 if at least one engine does both, else 1.
     """

@@ -24,47 +24,60 @@ _PATH = click.Path(path_type=Path)
 @click.command("evaluate")
 @click.argument("dataset", type=_PATH, required=False)
 @click.option("--model", "-m", metavar="MODEL", help="openai:NAME, hf:PATH, random, blind, options-only or oracle.")
+@click.option("--output", "-o", type=_PATH, metavar="FILE", help="Results file (.parquet); an existing one is resumed.")
 @click.option(
-    "--output", "-o", type=_PATH, metavar="FILE", help="The results, a .parquet file; taken up if it is there."
+    "--base-url", metavar="URL", help="URL of an OpenAI-compatible server.  [default: OPENAI_BASE_URL, or OpenAI]"
 )
-@click.option("--base-url", metavar="URL", help="Any OpenAI-compatible server.  [default: OPENAI_BASE_URL, or OpenAI]")
 @click.option(
     "--prompt", default="default", show_default=True, help="default, paper, numbers, montage, clip, or a file."
 )
 @click.option(
-    "--ablate", type=click.Choice(["pictures", "question"]), help="Leave out all pictures; or all but the options."
+    "--ablate", type=click.Choice(["pictures", "question"]), help="Omit all pictures, or everything except the options."
 )
-@click.option("--permute", is_flag=True, help="Ask once for every circular permutation of the options.")
-@click.option("--samples", type=click.IntRange(1), default=1, show_default=True, help="Replies to each request.")
-@click.option("--parameter", "-p", multiple=True, metavar="NAME=VALUE", help="Of the request, such as max_tokens=64.")
+@click.option("--permute", is_flag=True, help="Ask once per cyclic permutation of the options.")
+@click.option("--samples", type=click.IntRange(1), default=1, show_default=True, help="Replies per request.")
+@click.option(
+    "--parameter",
+    "-p",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Request parameter, such as max_tokens=64. Repeatable.",
+)
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
-@click.option("--engine", multiple=True, metavar="NAME", help="Only what this engine executed.")
+@click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
 @click.option(
-    "--limit", type=click.IntRange(1), metavar="N", help="Only so many questions, evenly over tasks and engines."
+    "--limit",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Maximum number of questions, spread evenly over tasks and engines.",
 )
-@click.option("--max-requests", type=click.IntRange(0), metavar="N", help="Send at most so many requests in this call.")
-@click.option("--max-cost", type=click.FloatRange(0), metavar="COST", help="Stop before the results have cost more.")
-@click.option("--price", type=(float, float), metavar="IN OUT", help="What a million tokens cost, sent and received.")
-@click.option("--rate", type=click.FloatRange(0, min_open=True), metavar="N", help="At most so many requests a minute.")
-@click.option("--concurrency", type=click.IntRange(1, 256), default=8, show_default=True, help="Requests at a time.")
+@click.option("--max-requests", type=click.IntRange(0), metavar="N", help="Maximum number of requests in this call.")
+@click.option("--max-cost", type=click.FloatRange(0), metavar="COST", help="Maximum total cost of the results.")
+@click.option("--price", type=(float, float), metavar="IN OUT", help="Price per million input and output tokens.")
+@click.option("--rate", type=click.FloatRange(0, min_open=True), metavar="N", help="Maximum requests per minute.")
+@click.option("--concurrency", type=click.IntRange(1, 256), default=8, show_default=True, help="Concurrent requests.")
 @click.option(
-    "--retries", type=click.IntRange(0), default=5, show_default=True, help="Tries after the first, with pauses."
+    "--retries", type=click.IntRange(0), default=5, show_default=True, help="Retries per request, with backoff."
 )
 @click.option(
-    "--timeout", type=click.FloatRange(0, min_open=True), default=120, show_default=True, help="Seconds a try."
+    "--timeout",
+    type=click.FloatRange(0, min_open=True),
+    default=120,
+    show_default=True,
+    help="Time limit per try, in seconds.",
 )
-@click.option("--cache", type=_PATH, metavar="FILE", help="Keep replies there and take them from there.")
-@click.option("--dry-run", is_flag=True, help="Say what would be asked, and show the first request.")
-@click.option("--rescore", type=_PATH, metavar="FILE", help="Score results again from their texts; asks nothing.")
+@click.option("--cache", type=_PATH, metavar="FILE", help="Folder in which replies are cached.")
+@click.option("--dry-run", is_flag=True, help="Print the plan and the first request; send nothing.")
+@click.option("--rescore", type=_PATH, metavar="FILE", help="Score stored replies again; send nothing.")
 @seed_option
 @json_option
 @click.pass_context
 def evaluate_command(
     ctx: click.Context, /, dataset: Path | None, rescore: Path | None, as_json: bool, **options: Any
 ) -> None:
-    """Ask a model the questions of a dataset, and write down and score what it replies.
+    """Ask a model the questions of a dataset, and store and score its replies.
 
-    Stopped or killed, the same command goes on where it was. The key of a server is read from OPENAI_API_KEY and
+    An interrupted run resumes with the same command. The key of a server is read from OPENAI_API_KEY and
     written nowhere. Exit code 1 if requests have failed; the same command tries them again.
     """
     if rescore is not None:

@@ -12,12 +12,15 @@ _PATH = click.Path(path_type=Path)
 @click.command("export")
 @click.argument("dataset", type=_PATH)
 @click.option("--to", "tool", required=True, type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf"]))
-@click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="The folder that the tool is to run.")
+@click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="Output folder.")
 @click.option("--prompt", default="default", show_default=True, help="default, paper, numbers, montage, or a file.")
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
-@click.option("--engine", multiple=True, metavar="NAME", help="Only what this engine executed.")
+@click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
 @click.option(
-    "--limit", type=click.IntRange(1), metavar="N", help="Only so many questions, evenly over tasks and engines."
+    "--limit",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Maximum number of questions, spread evenly over tasks and engines.",
 )
 def export_command(
     dataset: Path,
@@ -28,10 +31,9 @@ def export_command(
     engine: tuple[str, ...],
     limit: int | None,
 ) -> None:
-    """Write a dataset as a folder that Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets` take as it is.
+    """Export a dataset as a folder for Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets`.
 
-    Requests are those of `wmspec evaluate`, and replies are read by the same parser, which lies in the folder. Its
-    README says how to run it.
+    Requests equal those of `wmspec evaluate`. The folder contains the parser of replies and a README with the commands.
     """
     from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.export.export import Export, export

@@ -21,7 +21,7 @@ from wmspec.core.places import FilePlace
 def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
     """Format specs in place; `-` formats standard input to standard output.
 
-    Spaces, indents and columns become regular. Words, comments and what the spec means stay as they are.
+    Changes whitespace, indentation and alignment only.
     """
     from wmspec.core.diagnostics import SpecError
     from wmspec.lang.parse.files import read_source, spec_files

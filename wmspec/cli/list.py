@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 @click.command("list")
 @click.argument("specs", nargs=-1, type=click.Path(path_type=Path))
 @dimension_option
-@click.option("--sizes", is_flag=True, help="Of each factor and nuisance, from how many groups something is learnt.")
+@click.option("--sizes", is_flag=True, help="Print the number of independent groups per factor and nuisance.")
 @json_option
 def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], sizes: bool, as_json: bool) -> None:
     """List tasks with their dimensions, factors and numbers of instances (× questions), beside the paper's cases.
 
-    A group shares every draw, so the number of groups is a sample size. A factor that takes turns is crossed in some
-    of them: `color (3 in 60)` has three values, which are compared in 60 groups. `--sizes` tells it of nuisances too.
+    Instances of a group share all draws, so the number of groups is a sample size. `color (3 in 60)` is a factor with
+    three levels that is crossed in 60 groups. `--sizes` includes nuisances.
 
-    Without SPECS: the tasks that rebuild the paper's. `wmspec list specs/gallery` lists others that come with wmspec.
+    Without SPECS: the tasks of WM-ABench. `wmspec list specs/gallery` lists further shipped tasks.
     """
     from wmspec.api import load_all
     from wmspec.api.loading import of_dimensions

@@ -22,12 +22,12 @@ def _list(context: click.Context, _: click.Parameter, wanted: bool) -> None:
 
 @click.command("new")
 @click.argument("name")
-@click.option("--template", "-t", default="prediction", show_default=True, help="What it is made from; see --list.")
+@click.option("--template", "-t", default="prediction", show_default=True, help="Template; see --list.")
 @click.option("--list", is_flag=True, is_eager=True, expose_value=False, callback=_list, help="List the templates.")
 def new_command(name: str, template: str) -> None:
     """Write a first spec to NAME.wms, which checks and generates as it is. NAME may have a folder before it.
 
-    A file that is there is never overwritten.
+    An existing file is never overwritten.
     """
     from wmspec.editor.start import SUFFIX, first_spec
 

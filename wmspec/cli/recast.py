@@ -9,22 +9,20 @@ import click
 
 @click.command("recast")
 @click.argument("table", type=click.Path(path_type=Path))
-@click.option(
-    "--images", type=click.Path(path_type=Path), required=True, help="The folder with the pictures and clips."
-)
-@click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="The folder of the dataset.")
+@click.option("--images", type=click.Path(path_type=Path), required=True, help="Folder of the pictures and clips.")
+@click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="Dataset folder.")
 @click.option(
     "--size",
     type=click.IntRange(64, 4096),
     default=768,
     show_default=True,
-    help="The longest side of a picture, in pixels; larger ones are made smaller.",
+    help="Longest side of a picture, in pixels; larger pictures are downscaled.",
 )
 def recast_command(table: Path, images: Path, output: Path, size: int) -> None:
-    """Make a dataset of your own photographs and clips.
+    """Create a dataset from your own photographs and clips.
 
-    TABLE is a CSV with a question a row: question, pictures, options, answer, and more if you like (docs/recast.md).
-    What comes out is read by evaluate, report, audit and view like any other dataset. The pictures lose their metadata.
+    TABLE is a CSV with one question per row: question, pictures, options, answer, and optional columns
+    (docs/recast.md). The result works with evaluate, report, audit and view. Picture metadata is removed.
     """
     from wmspec.eval.image_import.recast import recast
 

@@ -39,9 +39,9 @@ FILMS = (".gif", ".mp4")
     "--backend",
     "-b",
     default="",
-    help="Engines that execute: names joined by commas, or all.  [default: the first there is]",
+    help="Engines that execute: comma-separated names, or all.  [default: first installed]",
 )
-@click.option("--renderer", "-r", default="", help="The engine that draws, if another than the one that executes.")
+@click.option("--renderer", "-r", default="", help="Engine that draws, if different from the executing one.")
 @task_option
 @instance_option
 @redrawn_option
@@ -49,17 +49,17 @@ FILMS = (".gif", ".mp4")
 @duration_option
 @size_option
 @look_options
-@click.option("--camera", default="", help="Only this camera.  [default: those that observe; for a film the first]")
+@click.option("--camera", default="", help="Only this camera.  [default: observing cameras; the first one for a film]")
 @click.option(
-    "--rate", type=click.FloatRange(1, 100), default=25.0, show_default=True, help="Pictures a second of a film."
+    "--rate", type=click.FloatRange(1, 100), default=25.0, show_default=True, help="Frames per second of a film."
 )
-@click.option("--overlay", is_flag=True, help="Draw the names of things and the ways they have come.")
+@click.option("--overlay", is_flag=True, help="Draw object names and paths.")
 @click.option(
     "--output",
     "-o",
     type=click.Path(path_type=Path),
     required=True,
-    help="A folder for one PNG per camera and time; or a file: .png for a sheet of them, .gif or .mp4 for a film.",
+    help="Folder for one PNG per camera and time, or a file: .png for a contact sheet, .gif or .mp4 for a film.",
 )
 def render_command(
     source: Path,
@@ -78,7 +78,7 @@ def render_command(
     overlay: bool,
     output: Path,
 ) -> None:
-    """Draw what the cameras of an instance, of a USD stage, or of a trace that `wmspec run -o` wrote, observe."""
+    """Render the cameras of an instance, of a USD stage, or of a trace written by `wmspec run -o`."""
     from wmspec.api.drawing import renderer_of
 
     drawing: Drawing = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}

@@ -36,15 +36,13 @@ duration_option = click.option(
     "duration",
     default="",
     metavar="TIME",
-    help="How long, such as 2s, to the nearest sample; for stages without an episode.",
+    help="Duration of a stage without an episode, such as 2s.",
 )
 
 
 @click.command("run")
 @click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE")
-@click.option(
-    "--backend", "-b", default="", help="Engines: names joined by commas, or all.  [default: the first there is]"
-)
+@click.option("--backend", "-b", default="", help="Engines: comma-separated names, or all.  [default: first installed]")
 @task_option
 @instance_option
 @redrawn_option
@@ -56,7 +54,7 @@ duration_option = click.option(
     type=click.Path(path_type=Path),
     help="Write the trace to this .npz file; `wmspec render` draws it.",
 )
-@click.option("--strict", is_flag=True, help="Refuse stages of which anything would only be nearly as it is meant.")
+@click.option("--strict", is_flag=True, help="Refuse stages with features that would be approximated or ignored.")
 @json_option
 def run_command(
     source: Path,
@@ -70,9 +68,9 @@ def run_command(
     strict: bool,
     as_json: bool,
 ) -> None:
-    """Execute an instance of a spec, or a USD stage, and print where everything ended and what touched.
+    """Execute an instance of a spec, or a USD stage, and print final positions and contacts.
 
-    Exits with 1 if some of several engines refuse it: the others' results are given all the same.
+    Exits with 1 if some of several engines refuse it; results of the others are printed.
     """
     from wmspec.api import run
     from wmspec.runtime.engines.registry import chosen

@@ -16,29 +16,43 @@ _PATH = click.Path(path_type=Path)
 
 @click.group("study")
 def study_command() -> None:
-    """People answer the questions of a dataset: make a study, serve it, collect the answers.
+    """Run a study with people: make it, serve it, collect the answers.
 
-    docs/study.md goes through it.
+    See docs/study.md.
     """
 
 
 @study_command.command("make")
 @click.argument("dataset", type=_PATH)
-@click.option("--output", "-o", type=_PATH, default=Path("study"), show_default=True, help="The study's folder.")
-@click.option("--per-task", type=click.IntRange(1), default=50, show_default=True, help="Questions of each task.")
-@click.option("--raters", type=click.IntRange(1, 1000), default=3, show_default=True, help="People for each question.")
+@click.option("--output", "-o", type=_PATH, default=Path("study"), show_default=True, help="Study folder.")
+@click.option("--per-task", type=click.IntRange(1), default=50, show_default=True, help="Questions per task.")
+@click.option("--raters", type=click.IntRange(1, 1000), default=3, show_default=True, help="Participants per question.")
 @click.option(
-    "--per-person", type=click.IntRange(1), default=100, show_default=True, help="At most so many questions to one."
+    "--per-person",
+    type=click.IntRange(1),
+    default=100,
+    show_default=True,
+    help="Maximum number of questions per participant.",
 )
-@click.option("--practice", type=click.IntRange(0), default=1, show_default=True, help="With feedback, in each task.")
 @click.option(
-    "--check-every", type=click.IntRange(0), default=20, show_default=True, help="A check of attention; 0: none."
+    "--practice",
+    type=click.IntRange(0),
+    default=1,
+    show_default=True,
+    help="Practice questions with feedback per task.",
+)
+@click.option(
+    "--check-every",
+    type=click.IntRange(0),
+    default=20,
+    show_default=True,
+    help="Interval between attention checks; 0 for none.",
 )
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
-@click.option("--engine", multiple=True, metavar="NAME", help="Only what this engine executed.")
+@click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
 @seed_option
 def make_command(dataset: Path, output: Path, **flags: object) -> None:
-    """Write a study: who is shown which questions in which order, the page, and texts that you may replace."""
+    """Create a study: assignment and order of questions, the page, and texts to edit."""
     from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.study.make import Options, make
     from wmspec.eval.study.page import unfinished
@@ -57,12 +71,16 @@ def make_command(dataset: Path, output: Path, **flags: object) -> None:
 
 @study_command.command("serve")
 @click.argument("study", type=_PATH, default=Path("study"))
-@click.option("--host", default="127.0.0.1", show_default=True, help="Who can reach it: 0.0.0.0 is everybody.")
-@click.option("--port", type=click.IntRange(0, 65535), default=8000, show_default=True, help="0: any that is free.")
+@click.option(
+    "--host", default="127.0.0.1", show_default=True, help="Address to bind; 0.0.0.0 is reachable by everybody."
+)
+@click.option(
+    "--port", type=click.IntRange(0, 65535), default=8000, show_default=True, help="Port; 0 selects a free one."
+)
 def serve_command(study: Path, host: str, port: int) -> None:
-    """Show a study to people and keep their answers, until it is stopped.
+    """Serve a study and store the answers until stopped.
 
-    Stopped or killed, it goes on where it was: an answer is on the disk before the page is told so.
+    Safe to stop at any time: an answer is on disk before the page is notified.
     """
     from wmspec.eval.study.page import unfinished
     from wmspec.eval.study.serve import Server
@@ -84,16 +102,16 @@ def serve_command(study: Path, host: str, port: int) -> None:
 @study_command.command("collect")
 @click.argument("study", type=_PATH)
 @click.argument("answers", nargs=-1, type=_PATH)
-@click.option("--output", "-o", type=_PATH, required=True, metavar="FILE", help="The results, a .parquet file.")
+@click.option("--output", "-o", type=_PATH, required=True, metavar="FILE", help="Results file (.parquet).")
 @click.option(
     "--least-checks", type=click.FloatRange(0, 1), default=0.0, show_default=True, metavar="SHARE",
-    help="Leave out who passed a smaller share of the checks of attention.",
+    help="Exclude participants who passed a smaller share of attention checks.",
 )  # fmt: skip
 @json_option
 def collect_command(study: Path, answers: tuple[Path, ...], output: Path, least_checks: float, as_json: bool) -> None:
-    """Write what people answered as results, for `wmspec report`, and tell how they did and how far they agree.
+    """Write answers as results for `wmspec report`, and print accuracy and agreement.
 
-    ANSWERS are the files that the page gives where there is no server.
+    ANSWERS are files saved by the page without a server.
     """
     from wmspec.eval.study.collect import collect
 

@@ -25,22 +25,22 @@ TOLD = 10
     type=click.IntRange(1),
     default=4,
     show_default=True,
-    help="Make so many instances of each task again, spread over it.",
+    help="Number of instances per task to regenerate, spread evenly.",
 )
-@click.option("--all", "every", is_flag=True, help="Make all of them again.")
+@click.option("--all", "every", is_flag=True, help="Regenerate all instances.")
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @click.option(
-    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take."
+    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
 )
 @json_option
 @click.pass_context
 def verify_command(
     ctx: click.Context, dataset: Path, sample: int, every: bool, workers: int | None, timeout: float, as_json: bool
 ) -> None:
-    """Make instances of a DATASET again, from the specs in its manifest, and compare them with its rows.
+    """Regenerate instances of a DATASET from the specs in its manifest and compare them with its rows.
 
-    Where they are not the same to the byte, texts, options and answers must still be the same, and numbers and pictures
-    nearly so: that is told. Exit code 1 if anything else differs.
+    If bytes differ, texts, options and answers must be equal, and numbers and pictures close; this is reported. Exits
+    with 1 if anything else differs.
     """
     from wmspec.api import progress_bar
     from wmspec.api.verifying import verify

@@ -21,24 +21,24 @@ PER_TASK = {".png": 3, ".html": 20, "": 50}
     type=click.Path(path_type=Path),
     default=Path("gallery.html"),
     show_default=True,
-    help="A page (.html), a folder with a page and its pictures, or a contact sheet (.png).",
+    help="A page (.html), a folder with page and pictures, or a contact sheet (.png).",
 )
 @click.option(
     "--per-task",
     type=click.IntRange(1),
-    help="How many instances of each task.  [default: 20 in a page, 50 in a folder, 3 on a sheet]",
+    help="Instances per task.  [default: 20 in a page, 50 in a folder, 3 on a sheet]",
 )
 @click.option(
     "--results",
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="What models and people answered (evaluate, study collect), shown beside the truth.",
+    help="Results of models and people (evaluate, study collect) to show next to the truth.",
 )
 def view_command(dataset: Path, output: Path, per_task: int | None, results: tuple[Path, ...]) -> None:
-    """Show a dataset: frames, options and answers, engine beside engine.
+    """Show a dataset as a page: frames, options and answers, engines side by side.
 
-    The page opens from the disk in any browser. Truths are hidden until you answer or ask for them.
+    The page opens from disk in any browser. Answers are hidden until you answer or reveal them.
     """
     kind = output.suffix.lower()
     if kind not in PER_TASK:

@@ -1,4 +1,4 @@
-"""Arms in files of their own: `make` writes what a description says as USD, `arm_in` reads the arm of such a file."""
+"""Arms in files of their own: `write_arm` writes what a description says as USD, `arm_in` reads the arm of such a file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics
 
 from wmspec.compile.layout.meshes import load
 from wmspec.compile.robots.arm import Arm, Array, shift
-from wmspec.compile.robots.description import Described, described
+from wmspec.compile.robots.description import ArmModel, read_description
 from wmspec.compile.robots.links import articulate, body, box, finger, material, mesh_prim, pad
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.importers.model import MeshFile, Shape
@@ -25,9 +25,9 @@ KEY = "wms:arm"
 """Where the layer of a file has the numbers of its arm, as JSON."""
 
 
-def make(path: Path, target: Path) -> Described:
+def write_arm(path: Path, target: Path) -> ArmModel:
     """Write the arm that a TOML file describes as a USD file. Raises WmsError with what is wrong."""
-    made = described(path)
+    made = read_description(path)
     arm = made.arm
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
@@ -56,7 +56,7 @@ def make(path: Path, target: Path) -> Described:
     return made
 
 
-def _drawn(stage: Usd.Stage, link: str, made: Described, number: int, into: Array) -> None:
+def _drawn(stage: Usd.Stage, link: str, made: ArmModel, number: int, into: Array) -> None:
     """What is seen of a link, `into` the frame of its prim."""
     for i, (shape, pose) in enumerate(made.shapes[number]):
         points, faces = _triangles(shape, made.folder)
@@ -87,7 +87,7 @@ def _hand(stage: Usd.Stage, arm: Arm, hand: Array) -> None:
 
 
 def arm_in(path: Path) -> Arm:
-    """The arm of a file that `make` wrote. Raises ImpossibleValue if it is none."""
+    """The arm of a file that `write_arm` wrote. Raises ImpossibleValue if it is none."""
     try:
         status = path.stat()
     except OSError as error:

@@ -12,26 +12,26 @@ from wmspec.compile.layout.geometry import pieces, touchable
 from wmspec.compile.layout.values import Values
 from wmspec.compile.robots.arm import Arm, Array, about, shift
 from wmspec.compile.robots.boxes import Box, between, boxes, ends
-from wmspec.compile.robots.grasps import CLOSED, FIRM
-from wmspec.compile.robots.link_points import limbs
+from wmspec.compile.robots.grasps import CLOSED_SHARE, FIRM_POINTS
+from wmspec.compile.robots.link_points import link_points
 from wmspec.compile.robots.manipuland import Manipuland, joined_objects
-from wmspec.compile.robots.planning import OPENS, PUSHES, TAKES, Plan, Reach, State, matrix, moving
+from wmspec.compile.robots.planning import OPEN_SPAN, PUSH_SPAN, TAKING_VERBS, Plan, Reach, ArmState, matrix, other_motions
 from wmspec.compile.robots.supported_objects import rigid_group, supported_objects
 from wmspec.lang.check.ir.ir import Thing
 from wmspec.sim.shapes.shape import Shape
 
-SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
-ROUND = 0.006  # m: the same of two hands, whose corners are round
-HAND = 0.25  # m: no part of a hand is further from its frame
-ASIDE = "let the hand take it elsewhere (`at:`), or move that out of its way"
-AROUND = "raise it higher before, or let it go another way, or move that out of its way"
-HELPS = {
+BOX_SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
+HAND_SLACK = 0.006  # m: the same of two hands, whose corners are round
+HAND_RADIUS = 0.25  # m: no part of a hand is further from its frame
+DEFAULT_REMEDY = "let the hand take it elsewhere (`at:`), or move that out of its way"
+CARRY_REMEDY = "raise it higher before, or let it go another way, or move that out of its way"
+REMEDIES = {
     "push": "push it less far or another way, or move that out of its way",
     "open": "open it less far, or move that out of its way",
     "close": "close it less far, or move that out of its way",
-    **dict.fromkeys(("carry", "place", "rotate", "tilt"), AROUND),
+    **dict.fromkeys(("carry", "place", "rotate", "tilt"), CARRY_REMEDY),
 }
-LEADS = {"pick": CLOSED, "grasp": CLOSED, "lift": CLOSED, "push": PUSHES[0], "open": OPENS[0], "close": OPENS[0]}
+MOTION_START = {"pick": CLOSED_SHARE, "grasp": CLOSED_SHARE, "lift": CLOSED_SHARE, "push": PUSH_SPAN[0], "open": OPEN_SPAN[0], "close": OPEN_SPAN[0]}
 """From which share of its time a verb leads what it is done to."""
 
 
@@ -44,58 +44,58 @@ def collision(made: Plan, action: Thing, before: Manipuland) -> tuple[str, str] 
     links = np.array([arm.arm.links(q, arm.base) for q in reach.values[:, : len(arm.q)]])
     hand = list(_hand(arm.arm, links[:, -1], reach.values[:, -1]))
     return (
-        _with_things(made, action, before, links, hand)
-        or _with_what_it_takes(made, action, before, links[:, -1])
-        or _with_other_hands(made, action, hand)
+        _object_collision(made, action, before, links, hand)
+        or _grasp_collision(made, action, before, links[:, -1])
+        or _hand_collision(made, action, hand)
     )
 
 
-def _with_things(made: Plan, action: Thing, before: Manipuland, links: Array, hand: list[Box]) -> tuple[str, str] | None:
+def _object_collision(made: Plan, action: Thing, before: Manipuland, links: Array, hand: list[Box]) -> tuple[str, str] | None:
     """What the hand, a link or what is held or pushed goes through, of all that the arm does not handle."""
     reach, arm, frames = made.reaches[action.name], made.arms[action.of].arm, links[:, -1]
-    led, carried = _led(made, action, before, frames), supported_objects(made, rigid_group(made, action))
-    leads = LEADS.get(action.verb, 0.0) * made.lasts(action)  # what lies on it or in it comes along from then on
+    led, carried = _moved_pieces(made, action, before, frames), supported_objects(made, rigid_group(made, action))
+    leads = MOTION_START.get(action.verb, 0.0) * made.lasts(action)  # what lies on it or in it comes along from then on
     for name, box in _obstacles(made, action, carried):
-        when = _first(hand, [box], reach, SLACK) if _near(frames, box) else None
+        when = _first_overlap(hand, [box], reach, BOX_SLACK) if _is_near(frames, box) else None
         what = "its hand"
         if when is None:
-            when, what = _through(arm, links, box, reach), "a link of it"
+            when, what = _link_contact(arm, links, box, reach), "a link of it"
         if name in carried:
             when = when if when is not None and when < leads else None
         elif when is None and (made.values.flag(name, "fixed") or action.verb == "place"):
-            when, what = _meets(led, box, reach), f"`{before.name}`"
+            when, what = _first_contact(led, box, reach), f"`{before.name}`"
         if when is not None:
-            return f"{what} would go through `{name}`, {when:.2f} s after it starts", HELPS.get(action.verb, ASIDE)
+            return f"{what} would go through `{name}`, {when:.2f} s after it starts", REMEDIES.get(action.verb, DEFAULT_REMEDY)
     return None
 
 
-def _with_what_it_takes(made: Plan, action: Thing, before: Manipuland, frames: Array) -> tuple[str, str] | None:
+def _grasp_collision(made: Plan, action: Thing, before: Manipuland, frames: Array) -> tuple[str, str] | None:
     """Whether a finger comes down on what it is to take, or the two close on an edge of it."""
     reach, arm = made.reaches[action.name], made.arms[action.of].arm
-    if action.verb not in TAKES or made.values.parts(before.name):
+    if action.verb not in TAKING_VERBS or made.values.parts(before.name):
         return None
     lowest = int(frames[:, 2, 3].argmin())
     hits = before.has((frames[lowest] @ shift(0.0, 0.0, arm.reach))[:3, 3])
     box = Box(before.middle[None], before.frame[None, :3, :3], np.array(before.half))
     touching = arm.tip[1] * (1, 0, 1) + (0, arm.pad, 0)  # of a finger the pad alone
-    closes = np.array(reach.times) <= CLOSED * made.lasts(action)
+    closes = np.array(reach.times) <= CLOSED_SHARE * made.lasts(action)
     for when, what in (
         (np.arange(len(frames)) <= lowest, f"a finger would come down on `{before.name}`"),
         (closes & (not hits), f"its fingers would close on an edge of `{before.name}` and squeeze it out"),
     ):
         fingers = _fingers(frames[when], reach.values[when, -1], arm, np.array([arm.tip[0], touching]))
-        if when.any() and any(finger.meets(box, SLACK).any() for finger in fingers):
+        if when.any() and any(finger.meets(box, BOX_SLACK).any() for finger in fingers):
             return what, "take it nearer to its middle, or wholly beside it"
     return None
 
 
-def _with_other_hands(made: Plan, action: Thing, hand: list[Box]) -> tuple[str, str] | None:
+def _hand_collision(made: Plan, action: Thing, hand: list[Box]) -> tuple[str, str] | None:
     """Whether a hand meets that of another arm."""
     reach, start = made.reaches[action.name], made.number(action, "start")
     for robot, other in made.arms.items():
         if robot != action.of:
             theirs = list(_other_hand(made, robot, other, start + np.array(reach.times)))
-            if (when := _first(hand, theirs, reach, ROUND)) is not None:
+            if (when := _first_overlap(hand, theirs, reach, HAND_SLACK)) is not None:
                 what = f"its hand would meet that of `{robot}`, {when:.2f} s after it starts"
                 return what, "let one go after the other"
     return None
@@ -104,15 +104,15 @@ def _with_other_hands(made: Plan, action: Thing, hand: list[Box]) -> tuple[str, 
 # ---------------------------------------------------------------- links, and what is led
 
 
-def _near(frames: Array, box: Box) -> bool:
+def _is_near(frames: Array, box: Box) -> bool:
     """Whether a hand (n, 4, 4) comes near a box at any time."""
-    return bool(np.linalg.norm(frames[:, :3, 3] - box.center, axis=1).min() < HAND + float(np.linalg.norm(box.half)))
+    return bool(np.linalg.norm(frames[:, :3, 3] - box.center, axis=1).min() < HAND_RADIUS + float(np.linalg.norm(box.half)))
 
 
-def _through(arm: Arm, links: Array, box: Box, reach: Reach) -> float | None:
+def _link_contact(arm: Arm, links: Array, box: Box, reach: Reach) -> float | None:
     """When (s) a link behind the hand, of all their frames (n, k, 4, 4), is first in a box that stands still."""
     first = len(links)
-    for number, points in limbs(arm):
+    for number, points in link_points(arm):
         middle = points.mean(axis=0)
         round_ = float(np.linalg.norm(points - middle, axis=1).max())
         frames = links[:first, number]
@@ -120,14 +120,14 @@ def _through(arm: Arm, links: Array, box: Box, reach: Reach) -> float | None:
         outside = np.maximum(np.abs((centers - box.center) @ box.axes[0]) - box.half, 0.0)
         for i in np.flatnonzero(np.linalg.norm(outside, axis=1) < round_).tolist():
             seen = (points @ frames[i, :3, :3].T + frames[i, :3, 3] - box.center) @ box.axes[0]
-            if (np.abs(seen) < box.half - SLACK).all(axis=1).any():
+            if (np.abs(seen) < box.half - BOX_SLACK).all(axis=1).any():
                 first = i
                 break
     return reach.times[first] if first < len(links) else None
 
 
 @dataclass(frozen=True, eq=False)
-class _Led:
+class _MovedPiece:
     """A piece of what an arm leads: its solid, at these of the times of a reach in these frames (n, 4, 4)."""
 
     solid: Shape
@@ -136,15 +136,15 @@ class _Led:
     box: Box
 
 
-def _led(made: Plan, action: Thing, before: Manipuland, frames: Array) -> list[_Led]:
+def _moved_pieces(made: Plan, action: Thing, before: Manipuland, frames: Array) -> list[_MovedPiece]:
     """The pieces of what the hand (n, 4, 4) holds fast or pushes during an action, as they go with it."""
     reach = made.reaches[action.name]
     when = made.number(action, "start") + np.array(reach.times)
     holds = [r.hold for r in made.reaches.values() if r.robot == action.of and r.hold]
-    spans = [(h.start, h.stop) for h in holds if h.object == before.name and len(h.points) == len(FIRM)]
+    spans = [(h.start, h.stop) for h in holds if h.object == before.name and len(h.points) == len(FIRM_POINTS)]
     if action.verb == "push":
         start, lasts = made.number(action, "start"), made.lasts(action)
-        spans = [(start + PUSHES[0] * lasts, start + PUSHES[1] * lasts)]
+        spans = [(start + PUSH_SPAN[0] * lasts, start + PUSH_SPAN[1] * lasts)]
     during = np.array([(start <= when) & (when <= stop) for start, stop in spans]).reshape(len(spans), len(when))
     times = np.flatnonzero(during.any(axis=0))
     if not len(times):
@@ -156,29 +156,29 @@ def _led(made: Plan, action: Thing, before: Manipuland, frames: Array) -> list[_
         placed = rigid @ matrix(piece.pose)
         low, high = ends(piece)
         middle = placed[:, :3, :3] @ ((low + high) / 2) + placed[:, :3, 3]
-        found.append(_Led(piece.solid, times, placed, Box(middle, placed[:, :3, :3], (high - low) / 2)))
+        found.append(_MovedPiece(piece.solid, times, placed, Box(middle, placed[:, :3, :3], (high - low) / 2)))
     return found
 
 
-def _meets(led: Sequence[_Led], box: Box, reach: Reach) -> float | None:
+def _first_contact(led: Sequence[_MovedPiece], box: Box, reach: Reach) -> float | None:
     """When (s) what is led is first in a box that stands still: no axis of either separates them."""
     first = None
     for piece in led:
-        for i in np.flatnonzero(piece.box.meets(box, SLACK)).tolist():
-            if not _parted(piece.solid, piece.frames[i], box):
+        for i in np.flatnonzero(piece.box.meets(box, BOX_SLACK)).tolist():
+            if not _is_separated(piece.solid, piece.frames[i], box):
                 first = min(first or np.inf, reach.times[piece.times[i]])
                 break
     return first
 
 
-def _parted(solid: Shape, frame: Array, box: Box) -> bool:
+def _is_separated(solid: Shape, frame: Array, box: Box) -> bool:
     """Whether a side of a box, or of that around a solid, has all of the other beyond it, but for the slack."""
     for axis in (*box.axes[0].T, *frame[:3, :3].T):
         own = frame[:3, :3].T @ axis
         ahead, back = solid.reach(tuple(own.tolist())), solid.reach(tuple((-own).tolist()))
         way = float((box.center[0] - frame[:3, 3]) @ axis)
         half = float(np.abs(box.axes[0].T @ axis) @ box.half)
-        if way - half > ahead - 2 * SLACK or -way - half > back - 2 * SLACK:
+        if way - half > ahead - 2 * BOX_SLACK or -way - half > back - 2 * BOX_SLACK:
             return True
     return False
 
@@ -186,7 +186,7 @@ def _parted(solid: Shape, frame: Array, box: Box) -> bool:
 # ---------------------------------------------------------------- hands
 
 
-def _first(hand: list[Box], others: list[Box], reach: Reach, slack: float) -> float | None:
+def _first_overlap(hand: list[Box], others: list[Box], reach: Reach, slack: float) -> float | None:
     """When (s) any two of these first overlap."""
     hits = np.any([mine.meets(box, slack) for mine in hand for box in others], axis=0)
     return reach.times[int(hits.argmax())] if hits.any() else None
@@ -205,7 +205,7 @@ def _fingers(frames: Array, slides: Array, arm: Arm, corners: Array) -> Iterator
         yield between(frames @ fingers, corners)
 
 
-def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Box]:
+def _other_hand(made: Plan, robot: str, arm: ArmState, times: Array) -> Iterator[Box]:
     """The hand of another arm at these times (n,) s: on its ways so far, and between them where they end."""
     rows = np.tile([*arm.arm.rest, arm.arm.opening / 2], (len(times), 1))
     starts = sorted((made.values.number(name, "start"), name) for name, r in made.reaches.items() if r.robot == robot)
@@ -220,12 +220,12 @@ def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Bo
 def _obstacles(made: Plan, action: Thing, carried: set[str]) -> Iterator[tuple[str, Box]]:
     """All that an arm does not handle; what it pushes may push what can move, but for what is `carried` along."""
     values, handled = made.values, joined_objects(made.values, made.values.reference(action.name, "object"))
-    others = {values.reference(t.name, "object") for t in moving(values)}
+    others = {values.reference(t.name, "object") for t in other_motions(values)}
     for thing in values.spec.things:
         name = thing.name
         if thing.kind != "object" or name in handled or name in others or not values.there(name):
             continue
-        if not _solid(values, name) or (
+        if not _is_solid(values, name) or (
             action.verb == "push" and name not in carried and not values.flag(name, "fixed")
         ):
             continue
@@ -233,6 +233,6 @@ def _obstacles(made: Plan, action: Thing, carried: set[str]) -> Iterator[tuple[s
             yield name, box
 
 
-def _solid(values: Values, name: str) -> bool:
+def _is_solid(values: Values, name: str) -> bool:
     parts = values.parts(name)
     return any(touchable(values, part) for part in parts) if parts else touchable(values, name)

@@ -22,8 +22,8 @@ from wmspec.sim.scene.model.transform import compose, inverse, quaternion, rotat
 
 Triple = tuple[float, float, float]
 Above0 = Annotated[float, Field(gt=0)]
-MOST = 12  # hinges of an arm
-PAD = 0.019  # m: so much of the end of a finger presses, at most
+MAX_HINGES = 12  # hinges of an arm
+MAX_PAD_LENGTH = 0.019  # m: so much of the end of a finger presses, at most
 
 
 class Hand(BaseModel):
@@ -62,7 +62,7 @@ class Description(BaseModel):
 
 
 @dataclass(frozen=True, eq=False)
-class Described:
+class ArmModel:
     """An arm, and what is drawn of each link, the base first, in its own frame; meshes are files below `folder`.
 
     What is `ignored` of its file does not matter to what moves as it is told.
@@ -74,15 +74,15 @@ class Described:
     ignored: tuple[Diagnostic, ...]
 
 
-def described(path: Path) -> Described:
+def read_description(path: Path) -> ArmModel:
     """The arm that a TOML file describes. Raises WmsError with what is wrong."""
-    said = _said(path)
-    folder = path.parent if not said.package else _package(said.package, path)
+    said = _read_toml(path)
+    folder = path.parent if not said.package else _package_folder(said.package, path)
     asset, ignored = structure(folder, said.file)
     places, chain = _chain(asset, said.hand.on, path)
-    if not 0 < len(chain) <= MOST:
+    if not 0 < len(chain) <= MAX_HINGES:
         raise WmsError(
-            f"{len(chain)} hinges lead to `{said.hand.on}`", FilePlace(str(path)), f"name a link behind 1 to {MOST}"
+            f"{len(chain)} hinges lead to `{said.hand.on}`", FilePlace(str(path)), f"name a link behind 1 to {MAX_HINGES}"
         )
     for name, given in (("rest", said.rest), ("home", said.home or said.rest), ("speed", said.speed)):
         if len(given) != len(chain) and not (name == "speed" and len(given) == 1):
@@ -91,14 +91,14 @@ def described(path: Path) -> Described:
     frames = [np.eye(4), *(_hinge(places, joint) for joint in chain)]
     shapes: list[list[tuple[Shape, Pose]]] = [[] for _ in frames]
     for name, link in asset.links.items():
-        owner = _owner(asset, chain, name)
+        owner = _moving_link(asset, chain, name)
         if owner is not None:
             own = inverse(_pose(frames[owner]))
             shapes[owner] += [(s, compose(own, compose(places[name], s.pose))) for s in link.shapes if s.drawn]
-    return Described(_arm(said, chain, frames, places[said.hand.on]), tuple(map(tuple, shapes)), folder, ignored)
+    return ArmModel(_arm(said, chain, frames, places[said.hand.on]), tuple(map(tuple, shapes)), folder, ignored)
 
 
-def _said(path: Path) -> Description:
+def _read_toml(path: Path) -> Description:
     try:
         return Description.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
     except (OSError, UnicodeDecodeError) as error:
@@ -111,7 +111,7 @@ def _said(path: Path) -> Description:
         raise WmsError(f"`{where}`: {first['msg']}", FilePlace(str(path)), "see docs/robots.md") from None
 
 
-def _package(name: str, path: Path) -> Path:
+def _package_folder(name: str, path: Path) -> Path:
     """The folder of an installed package, which is not imported."""
     known = find_spec(name) if name.isidentifier() else None
     if known is None or not known.submodule_search_locations:
@@ -157,7 +157,7 @@ def _hinge(places: dict[str, Pose], joint: Joint) -> Array:
     return np.asarray(here @ own)
 
 
-def _owner(asset: Asset, chain: list[Joint], name: str) -> int | None:
+def _moving_link(asset: Asset, chain: list[Joint], name: str) -> int | None:
     """The number of the moving link that a link is part of, 0 is the base; None if it moves besides."""
     held = {joint.child: joint for joint in asset.joints.values()}
     numbers = {joint.name: i for i, joint in enumerate(chain, 1)}
@@ -176,7 +176,7 @@ def _arm(said: Description, chain: list[Joint], frames: list[Array], on: Pose) -
     (width, broad, deep), (thick_x, thick_y, long) = hand.palm, hand.fingers
     roll, pitch, yaw = np.radians(hand.turn)
     mount = shift(*hand.at) @ about(2, yaw) @ about(1, pitch) @ about(0, roll)
-    reach = deep + long - min(PAD, long) / 2
+    reach = deep + long - min(MAX_PAD_LENGTH, long) / 2
     degrees = [np.array(numbers) for numbers in (said.rest, said.home or said.rest)]
     return Arm(
         frames=np.array([np.linalg.inv(a) @ b for a, b in pairwise(frames)]),

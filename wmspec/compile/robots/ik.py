@@ -7,9 +7,9 @@ import numpy as np
 from wmspec.compile.robots.arm import Arm, Array
 
 TOLERANCE = 1e-6  # m and rad together
-MOST = 100  # steps
+MAX_STEPS = 100  # steps
 DAMPING, PULL, STRIDE = 0.02, 0.05, 0.3
-SPARE = 0.005  # rad: between knots a spline swings beyond them, by .0012 at most in 60 plans of each task
+LIMIT_MARGIN = 0.005  # rad: between knots a spline swings beyond them, by .0012 at most in 60 plans of each task
 
 
 def solve(arm: Arm, target: Array, base: Array, near: Array) -> Array | None:
@@ -18,9 +18,9 @@ def solve(arm: Arm, target: Array, base: Array, near: Array) -> Array | None:
     S. R. Buss and J.-S. Kim, Selectively damped least squares for inverse kinematics, 2005, section 3: damped least
     squares; the damping vanishes with the error, so that the last steps are Newton's.
     """
-    low, high = np.minimum(arm.low + SPARE, arm.rest), np.maximum(arm.high - SPARE, arm.rest)
+    low, high = np.minimum(arm.low + LIMIT_MARGIN, arm.rest), np.maximum(arm.high - LIMIT_MARGIN, arm.rest)
     q = near.copy()
-    for _ in range(MOST):
+    for _ in range(MAX_STEPS):
         jacobian, tip = arm.jacobian(q, base)
         error = np.concatenate([target[:3, 3] - tip[:3, 3], rotation_vector(target[:3, :3] @ tip[:3, :3].T)])
         size = float(np.linalg.norm(error))

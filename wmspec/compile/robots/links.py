@@ -10,7 +10,7 @@ from wmspec.compile.robots.arm import Arm, Array, about, shift
 from wmspec.sim.scene.model.transform import quaternion
 from wmspec.sim.shapes.facets import smooth
 
-PAD = 0.019  # m: so much of the end of a finger presses
+MAX_PAD_LENGTH = 0.019  # m: so much of the end of a finger presses
 
 
 def body(stage: Usd.Stage, path: str, frame: Array, *, moves: bool) -> str:
@@ -47,7 +47,7 @@ def pad(stage: Usd.Stage, path: str, arm: Arm, look: UsdShade.Material) -> None:
     box.CreateSizeAttr(1.0)
     box.CreateExtentAttr([(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)])
     box.AddTranslateOp().Set(Gf.Vec3d(0.0, arm.pad / 2, arm.reach - arm.finger))
-    box.AddScaleOp().Set(Gf.Vec3f(arm.width, arm.pad, min(PAD, arm.tip[1, 2])))
+    box.AddScaleOp().Set(Gf.Vec3f(arm.width, arm.pad, min(MAX_PAD_LENGTH, arm.tip[1, 2])))
     box.CreateVisibilityAttr(UsdGeom.Tokens.invisible)
     UsdPhysics.CollisionAPI.Apply(box.GetPrim())
     UsdShade.MaterialBindingAPI.Apply(box.GetPrim()).Bind(look)

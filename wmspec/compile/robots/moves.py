@@ -9,10 +9,10 @@ import numpy as np
 
 from wmspec.compile.layout.motion import angle as heading
 from wmspec.compile.robots.arm import Array, down, shift
-from wmspec.compile.robots.grasps import FIRM, LEEWAY, PALM, sides_of, taken
-from wmspec.compile.robots.legs import Leg, smooth, spun, stay, straight
+from wmspec.compile.robots.grasps import FIRM_POINTS, FINGER_CLEARANCE, PALM_CLEARANCE, end_actions, grasp_pose
+from wmspec.compile.robots.legs import ToolSegment, smooth, rotation_matrix, stay, straight
 from wmspec.compile.robots.manipuland import Manipuland, joined_objects
-from wmspec.compile.robots.planning import ABOVE, OPENS, PUSHES, Plan, Unable, only
+from wmspec.compile.robots.planning import APPROACH_HEIGHT, OPEN_SPAN, PUSH_SPAN, Plan, PlanningError, require_single
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Thing
 
@@ -48,33 +48,33 @@ def push(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
 
 def carry(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Move the hand level, and what it holds with it."""
-    action = only(acts)
+    action = require_single(acts)
     made.wields(action)
     arm = made.arms[action.of]
     way = made.number(action, "distance") * level(made.values.direction(action.name))
-    made.go(action, [Leg(made.lasts(action), straight(arm.tool, shift(*way) @ arm.tool), arm.width)])
+    made.go(action, [ToolSegment(made.lasts(action), straight(arm.tool, shift(*way) @ arm.tool), arm.width)])
     return thing.moved(way) if arm.held == thing.name else thing
 
 
 def rotate(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Turn the hand, and what it holds with it, about the upright through the tool."""
-    return _turn_hand(made, only(acts), thing, UP)
+    return _turn_hand(made, require_single(acts), thing, UP)
 
 
 def tilt(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Tip the hand over, and what it holds with it, as one pours."""
-    action = only(acts)
+    action = require_single(acts)
     return _turn_hand(made, action, thing, np.cross(UP, level(made.values.direction(action.name))))
 
 
 def open_(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Take a handle, move it as its joint lets it, let go and draw back."""
-    return _along_joint(made, only(acts), thing, 1.0)
+    return _along_joint(made, require_single(acts), thing, 1.0)
 
 
 def close(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """The same, the other way."""
-    return _along_joint(made, only(acts), thing, -1.0)
+    return _along_joint(made, require_single(acts), thing, -1.0)
 
 
 # ---------------------------------------------------------------- by which means
@@ -89,7 +89,7 @@ def level(direction: Any) -> Array:
 def around(point: Array, axis: Array, angle: float) -> Array:
     """A turn (4, 4) about an axis through a point."""
     turn = np.eye(4)
-    turn[:3, :3] = spun(angle * axis)
+    turn[:3, :3] = rotation_matrix(angle * axis)
     return np.asarray(shift(*point) @ turn @ shift(*(-point)))
 
 
@@ -99,7 +99,7 @@ def _pushed(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: Arr
     made.free(action)
     ahead = way / np.linalg.norm(way)
     face = made.nearest(action.of, (float(np.arctan2(ahead[1], ahead[0])),))
-    z = max(thing.middle[2], thing.top - arm.arm.palm + PALM)
+    z = max(thing.middle[2], thing.top - arm.arm.palm + PALM_CLEARANCE)
     gap = thing.reach(ahead) + arm.arm.width / 2
     apart = NARROW if 2 * thing.reach(np.cross(UP, ahead)) > SLIM else 0.0
 
@@ -110,17 +110,17 @@ def _pushed(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: Arr
     first, near, touch = beside(BESIDE), beside(0.001), beside(0.0)
     there = move(1.0) @ touch
     back = shift(*(-BESIDE * (move(1.0)[:3, :3] @ ahead))) @ there
-    above = shift(0.0, 0.0, ABOVE)
+    above = shift(0.0, 0.0, APPROACH_HEIGHT)
     legs = [
-        Leg(0.28 * lasts, straight(arm.tool, above @ first), apart),
-        Leg(0.36 * lasts, straight(above @ first, first), apart),
-        Leg(0.41 * lasts, straight(first, near), apart),
-        Leg(PUSHES[0] * lasts, straight(near, touch), apart),
-        Leg(PUSHES[1] * lasts, lambda s: np.asarray(move(s) @ touch), apart),
-        Leg(0.65 * lasts, stay(there), apart),  # or the spline would swing .1 mm beyond it
-        Leg(0.695 * lasts, straight(there, back), apart),
-        Leg(0.762 * lasts, straight(back, above @ back), apart),
-        Leg(lasts, straight(above @ back, arm.drawn_back(back)), arm.arm.opening),
+        ToolSegment(0.28 * lasts, straight(arm.tool, above @ first), apart),
+        ToolSegment(0.36 * lasts, straight(above @ first, first), apart),
+        ToolSegment(0.41 * lasts, straight(first, near), apart),
+        ToolSegment(PUSH_SPAN[0] * lasts, straight(near, touch), apart),
+        ToolSegment(PUSH_SPAN[1] * lasts, lambda s: np.asarray(move(s) @ touch), apart),
+        ToolSegment(0.65 * lasts, stay(there), apart),  # or the spline would swing .1 mm beyond it
+        ToolSegment(0.695 * lasts, straight(there, back), apart),
+        ToolSegment(0.762 * lasts, straight(back, above @ back), apart),
+        ToolSegment(lasts, straight(above @ back, arm.drawn_back(back)), arm.arm.opening),
     ]
     made.go(action, legs)
 
@@ -134,7 +134,7 @@ def _by_the_ends(
     made: Plan, acts: Sequence[Thing], thing: Manipuland, ways: dict[str, Array]
 ) -> tuple[dict[str, Array], Array, float]:
     """Where on its side each hand pushes, how far the thing goes then, and by which angle (rad) it turns."""
-    sides, along = sides_of(made, acts, thing), thing.frame[:3, 0]
+    sides, along = end_actions(made, acts, thing), thing.frame[:3, 0]
     across = np.cross(UP, along)
     arm = thing.half[0] - TIP
     if abs(ways[acts[0].name] @ along) > 1e-6:
@@ -163,13 +163,13 @@ def _turn_hand(made: Plan, action: Thing, thing: Manipuland, axis: Array) -> Man
     way = lambda s: np.asarray(around(point, axis, s * angle) @ here)  # noqa: E731
     made.wields(action)
     try:
-        made.go(action, [Leg(made.lasts(action), way, arm.width)])
-    except Unable as unable:
+        made.go(action, [ToolSegment(made.lasts(action), way, arm.width)])
+    except PlanningError as unable:
         if unable.after is None:
             raise
         turned = abs(np.degrees(angle)) * smooth(unable.after / made.lasts(action))
         reason = f"its joints stop after some {turned:.0f} of {abs(np.degrees(angle)):.0f} deg"
-        raise Unable(action, reason, f"{action.verb} it less far, or the other way", unable.after) from None
+        raise PlanningError(action, reason, f"{action.verb} it less far, or the other way", unable.after) from None
     return thing.put(around(point, axis, angle)) if arm.held == thing.name else thing
 
 
@@ -179,22 +179,22 @@ def _along_joint(made: Plan, action: Thing, handle: Manipuland, sign: float) -> 
     made.free(action)
     by = sign * made.number(action, "far")
     _lets(made, action, handle.name, joint, by)
-    at, move = taken(made, action, handle), _joint_way(made, action, joint, by)
-    above, opened, closed = shift(0.0, 0.0, ABOVE), arm.arm.opening, handle.across(at) + LEEWAY
+    at, move = grasp_pose(made, action, handle), _joint_way(made, action, joint, by)
+    above, opened, closed = shift(0.0, 0.0, APPROACH_HEIGHT), arm.arm.opening, handle.across(at) + FINGER_CLEARANCE
     there = move(1.0) @ at
     legs = [
-        Leg(0.24 * lasts, straight(arm.tool, above @ at), opened),
-        Leg(0.32 * lasts, straight(above @ at, at), opened),
-        Leg(OPENS[0] * lasts, stay(at), closed),
-        Leg(OPENS[1] * lasts, lambda s: np.asarray(move(s) @ at), closed),
-        Leg(0.70 * lasts, stay(there), opened),
-        Leg(0.77 * lasts, straight(there, above @ there), opened),
-        Leg(lasts, straight(above @ there, arm.drawn_back(there)), opened),
+        ToolSegment(0.24 * lasts, straight(arm.tool, above @ at), opened),
+        ToolSegment(0.32 * lasts, straight(above @ at, at), opened),
+        ToolSegment(OPEN_SPAN[0] * lasts, stay(at), closed),
+        ToolSegment(OPEN_SPAN[1] * lasts, lambda s: np.asarray(move(s) @ at), closed),
+        ToolSegment(0.70 * lasts, stay(there), opened),
+        ToolSegment(0.77 * lasts, straight(there, above @ there), opened),
+        ToolSegment(lasts, straight(above @ there, arm.drawn_back(there)), opened),
     ]
     made.go(action, legs)
     start = made.number(action, "start")
-    made.hold(action, handle.name, start + OPENS[0] * lasts, FIRM)
-    made.let_go(action, start + OPENS[1] * lasts)
+    made.hold(action, handle.name, start + OPEN_SPAN[0] * lasts, FIRM_POINTS)
+    made.let_go(action, start + OPEN_SPAN[1] * lasts)
     made.opened[joint] = made.opened.get(joint, 0.0) + by
     return handle.put(move(1.0))
 

@@ -17,8 +17,8 @@ from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.collision import collision
 from wmspec.compile.robots.franka import PANDA
 from wmspec.compile.robots.manipuland import Manipuland
-from wmspec.compile.robots.planning import Blocked, Plan, Reach, State, Unable, matrix
-from wmspec.compile.robots.schedule import in_turn
+from wmspec.compile.robots.planning import PathBlockedError, Plan, Reach, ArmState, PlanningError, matrix
+from wmspec.compile.robots.schedule import actions_in_order
 from wmspec.compile.robots.supported_objects import record_motion
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Thing
@@ -68,26 +68,26 @@ def plan(values: Values) -> dict[str, Reach]:
 
 def _plan(values: Values) -> dict[str, Reach]:
     """The first plan that succeeds: a hand can take a thing in several ways."""
-    problems: list[Unable] = []
+    problems: list[PlanningError] = []
     for choice in range(4):
         try:
             return _tried(values, choice)
-        except Unable as unable:
+        except PlanningError as unable:
             problems.append(unable)
     # that something is in the way tells more than that another hand's turn would be out of reach
-    told = min(problems, key=lambda unable: not isinstance(unable, Blocked))
+    told = min(problems, key=lambda unable: not isinstance(unable, PathBlockedError))
     action = told.action
     raise ImpossibleValue(f"`{action.of}` cannot {action.verb} so: {told.reason}", action.place, told.help)
 
 
 def _tried(values: Values, choice: int) -> dict[str, Reach]:
     arms = {
-        t.name: State(arm := arm_of(values, t.name), matrix(base(values, t.name)), arm.rest, arm.opening)
+        t.name: ArmState(arm := arm_of(values, t.name), matrix(base(values, t.name)), arm.rest, arm.opening)
         for t in values.spec.things
         if t.kind == "robot" and t.model in ARMS
     }
     made = Plan(values, choice, arms)
-    acts = in_turn(values, ARMS)
+    acts = actions_in_order(values, ARMS)
     for _, together in groupby(
         acts, key=lambda a: (a.verb, made.number(a, "start"), values.reference(a.name, "object"))
     ):
@@ -96,7 +96,7 @@ def _tried(values: Values, choice: int) -> dict[str, Reach]:
         after = _VERBS[every[0].verb](made, every, thing)
         for action in every:
             if touched := collision(made, action, thing):
-                raise Blocked(action, *touched)
+                raise PathBlockedError(action, *touched)
         made.things[thing.name] = after
         if after.frame is not thing.frame:
             record_motion(made, every[0], after.frame @ np.linalg.inv(thing.frame))

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmspec.compile.robots.arm import Arm, Array
-from wmspec.compile.robots.legs import Leg, OutOfReachError, joints, times
+from wmspec.compile.robots.legs import ToolSegment, OutOfReachError, joint_knots, knot_times
 from wmspec.compile.robots.manipuland import Manipuland, manipuland_of
-from wmspec.compile.robots.schedule import lasts
+from wmspec.compile.robots.schedule import action_duration
 from wmspec.core.diagnostics import Diagnostic, ImpossibleValue, Note
 from wmspec.core.space import Pose
 from wmspec.lang.check.ir.ir import Thing
@@ -19,12 +19,12 @@ from wmspec.lang.check.ir.ir import Thing
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-ABOVE = 0.12  # m: so high above where it takes or touches something the hand comes and goes
-STILL = np.eye(4)
-TAKES = ("pick", "grasp", "lift", "open", "close")
+APPROACH_HEIGHT = 0.12  # m: so high above where it takes or touches something the hand comes and goes
+NO_MOTION = np.eye(4)
+TAKING_VERBS = ("pick", "grasp", "lift", "open", "close")
 """The verbs that take a thing."""
-PUSHES = (0.43, 0.63)
-OPENS = (0.37, 0.66)
+PUSH_SPAN = (0.43, 0.63)
+OPEN_SPAN = (0.37, 0.66)
 """From when to when a hand that pushes, or opens, moves what it does so to, in shares of the time that it takes."""
 
 
@@ -43,13 +43,13 @@ class Reach:
     """The way of an arm during an action: its joints' `values` (n, k) at `times` (n,), s after the action starts."""
 
     robot: str
-    times: tuple[float, ...]
+    knot_times: tuple[float, ...]
     values: Array
     hold: Hold | None
 
 
 @dataclass
-class State:
+class ArmState:
     """How an arm is while a plan is made: its joints, how wide it is open, and what it holds since which action.
 
     `wanted` is what it took last, or tried to take, and has not let go since.
@@ -75,14 +75,14 @@ class State:
         return rest
 
 
-class Unable(Exception):
+class PlanningError(Exception):
     """One try at a plan fails at an action, if known after so much (s) of it."""
 
     def __init__(self, action: Thing, reason: str, help: str = "", after: float | None = None) -> None:
         self.action, self.reason, self.help, self.after = action, reason, help, after
 
 
-class Blocked(Unable):
+class PathBlockedError(PlanningError):
     """Something is in the way."""
 
 
@@ -96,7 +96,7 @@ class Plan:
 
     values: Values
     choice: int
-    arms: dict[str, State]
+    arms: dict[str, ArmState]
     things: dict[str, Manipuland] = field(default_factory=dict)
     reaches: dict[str, Reach] = field(default_factory=dict)
     opened: dict[str, float] = field(default_factory=dict)
@@ -110,12 +110,12 @@ class Plan:
             try:
                 self.things[name] = manipuland_of(self.values, name).put(self.motion(name))
             except ImpossibleValue as error:
-                raise ImpossibleValue.of(_used(d, action) for d in error.diagnostics) from None
+                raise ImpossibleValue.of(_at_action(d, action) for d in error.diagnostics) from None
         return self.things[name]
 
     def motion(self, name: str) -> Array:
         """How a thing has moved since the start (4, 4)."""
-        return self.moved.get(name, STILL)
+        return self.moved.get(name, NO_MOTION)
 
     def frame(self, name: str) -> Array:
         """Where a thing is by then (4, 4)."""
@@ -124,7 +124,7 @@ class Plan:
     def _stays(self, action: Thing, name: str) -> None:
         """Complain if something else than a robot moves a thing before an arm has done with it."""
         ends = self.number(action, "start") + self.lasts(action)
-        for other in moving(self.values):
+        for other in other_motions(self.values):
             if self.values.reference(other.name, "object") == name and self.number(other, "start") < ends:
                 raise ImpossibleValue(
                     f"`{other.name}` moves `{name}`, and a plan does not know where to",
@@ -137,18 +137,18 @@ class Plan:
         """An argument of an action."""
         return self.values.number(action.name, name)
 
-    def lasts(self, action: Thing) -> float:
+    def action_duration(self, action: Thing) -> float:
         """How long (s) an action takes."""
-        return lasts(self.values, action)
+        return action_duration(self.values, action)
 
-    def go(self, action: Thing, legs: Sequence[Leg]) -> None:
+    def go(self, action: Thing, legs: Sequence[ToolSegment]) -> None:
         """Note the way of the arm, which is then where it ends."""
         arm = self.arms[action.of]
         try:
-            angles = joints(arm.arm, arm.base, arm.q, arm.width, legs)
+            angles = joint_knots(arm.arm, arm.base, arm.q, arm.width, legs)
         except OutOfReachError as error:
-            raise Unable(action, str(error), error.help, error.after) from None
-        self.reaches[action.name] = Reach(action.of, times(legs[-1].until), angles, None)
+            raise PlanningError(action, str(error), error.help, error.after) from None
+        self.reaches[action.name] = Reach(action.of, knot_times(legs[-1].until), angles, None)
         arm.q, arm.width = angles[-1, : len(arm.q)], legs[-1].width
 
     def hold(self, action: Thing, name: str, start: float, points: Sequence[tuple[float, float, float]]) -> None:
@@ -180,7 +180,7 @@ class Plan:
         """Complain if the arm never took the thing that it is to move with its hand, or another one holds it, too."""
         name, arm = self.values.reference(action.name, "object"), self.arms[action.of]
         left_out = (t for t in self.values.spec.things if t.of == action.of and not self.values.there(t.name))
-        if arm.wanted != name and not any(t.verb in TAKES for t in left_out):
+        if arm.wanted != name and not any(t.verb in TAKING_VERBS for t in left_out):
             raise ImpossibleValue(
                 f"`{action.of}` does not hold `{name}`, so it cannot {action.verb} it",
                 action.place,
@@ -198,12 +198,12 @@ class Plan:
         """The heading for a tool, of these or their opposites, that it has to turn least for; or another `choice`."""
         tool = self.arms[robot].tool
         fore = float(np.arctan2(tool[1, 0], tool[0, 0]))
-        turns = (_wrapped(yaw + flip - fore) for yaw in yaws for flip in (0.0, np.pi))
+        turns = (_wrap_angle(yaw + flip - fore) for yaw in yaws for flip in (0.0, np.pi))
         ways = sorted(turns, key=lambda way: (round(abs(way), 6), way))
         return fore + ways[self.choice % len(ways)]
 
 
-def only(acts: Sequence[Thing]) -> Thing:
+def require_single(acts: Sequence[Thing]) -> Thing:
     """The only action, or a complaint that several do one thing together."""
     if len(acts) > 1:
         raise ImpossibleValue(
@@ -212,20 +212,20 @@ def only(acts: Sequence[Thing]) -> Thing:
     return acts[0]
 
 
-def moving(values: Values) -> Iterator[Thing]:
+def other_motions(values: Values) -> Iterator[Thing]:
     """The actions of no robot that move an object."""
     acts = (t for t in values.spec.things if t.kind == "action" and not t.of and t.verb != "paint")
     return (t for t in acts if "object" in t.properties and values.there(t.name))
 
 
-def _used(diagnostic: Diagnostic, action: Thing) -> Diagnostic:
+def _at_action(diagnostic: Diagnostic, action: Thing) -> Diagnostic:
     """The same, told where something is done to what cannot be handled."""
     if diagnostic.place is None:
         return replace(diagnostic, place=action.place)
     return replace(diagnostic, place=action.place, notes=(Note("this one", diagnostic.place), *diagnostic.notes))
 
 
-def _wrapped(angle: float) -> float:
+def _wrap_angle(angle: float) -> float:
     """The angle within half a turn."""
     return float((angle + np.pi) % (2 * np.pi) - np.pi)
 

@@ -15,11 +15,11 @@ from wmspec.core.space import IDENTITY, rotate
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-LONG, WIDE = 4.2, 1.8  # m: a car
-TIGHTEST = 4.5  # m: before and behind the corner of two lanes a car turns at least so wide
-BEYOND = 2.0  # m: a turn ends so far behind the crossing, in its lane
-SWERVES = 6.0  # how many times further than aside a car goes as it changes lanes
-ALIGNED = math.radians(1)
+CAR_LENGTH, CAR_WIDTH = 4.2, 1.8  # m: a car
+MIN_CORNER_DISTANCE = 4.5  # m: before and behind the corner of two lanes a car turns at least so wide
+EXIT_LENGTH = 2.0  # m: a turn ends so far behind the crossing, in its lane
+LANE_CHANGE_RATIO = 6.0  # how many times further than aside a car goes as it changes lanes
+MAX_HEADING_ERROR = math.radians(1)
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Traffic:
         for road in self.roads:
             far, left = road.seen(spot.x, spot.y)
             turned = math.remainder(spot.heading - road.middle.heading, math.pi)
-            if abs(far) > road.half_length or abs(left) > road.half_width or abs(turned) > ALIGNED:
+            if abs(far) > road.half_length or abs(left) > road.half_width or abs(turned) > MAX_HEADING_ERROR:
                 continue
             way = 1 if math.cos(spot.heading - road.middle.heading) > 0 else -1
             if left * way * self.side < 0:
@@ -103,8 +103,8 @@ class Traffic:
                 f"make the road wider, or the lanes narrower: `lane:` is {self.lane:g} m",
             )
         aside = ((lane + 0.5) * self.lane - offset) * self.side
-        self._long_enough(spot, SWERVES * abs(aside))
-        return [Swerve(spot, SWERVES * abs(aside), aside)]
+        self._long_enough(spot, LANE_CHANGE_RATIO * abs(aside))
+        return [Swerve(spot, LANE_CHANGE_RATIO * abs(aside), aside)]
 
     def turn(self, spot: Pose2D, to: int) -> list[PathSegment]:
         """Into the next road to the left (`to` 1) or right (-1): from its lane into one of that, and on beyond it."""
@@ -113,7 +113,7 @@ class Traffic:
             there = "left" if to > 0 else "right"
             raise OffRoadError(
                 f"no road that it can turn into goes off to the {there} ahead of it",
-                f"let it start {TIGHTEST:g} m or more before a crossing, and name that road in its `roads:`",
+                f"let it start {MIN_CORNER_DISTANCE:g} m or more before a crossing, and name that road in its `roads:`",
             )
         straight, bend, on = min(ahead, key=lambda legs: legs[0].length)
         return [straight, bend, on]
@@ -121,7 +121,7 @@ class Traffic:
     def go_to(self, spot: Pose2D, place: tuple[float, float]) -> list[PathSegment]:
         """The shortest way to where the road that passes nearest to a place does so (E. W. Dijkstra, 1959)."""
         goal = min(self.roads, key=lambda road: road.away(*place))
-        most = goal.half_length - LONG / 2
+        most = goal.half_length - CAR_LENGTH / 2
         far = min(most, max(-most, goal.seen(*place)[0]))
         waiting: list[tuple[float, int, list[PathSegment], Pose2D | None]] = [(0.0, 0, [], spot)]
         known, count = set[tuple[float, ...]](), 0
@@ -157,7 +157,7 @@ class Traffic:
 
     def _long_enough(self, spot: Pose2D, distance: float) -> None:
         road, _ = self.under(spot)
-        end = spot.ahead(distance + LONG / 2)
+        end = spot.ahead(distance + CAR_LENGTH / 2)
         over = abs(road.seen(end.x, end.y)[0]) - road.half_length
         if over > 1e-9:
             raise OffRoadError(
@@ -168,20 +168,20 @@ class Traffic:
     def _crossing(self, road: Road, spot: Pose2D, other: Road, to: int) -> tuple[Straight, Bend, Straight] | None:
         """The way into another road; None if that does not go off ahead, to that side."""
         across = math.sin(other.middle.heading - spot.heading)
-        if abs(across) < math.sin(2 * ALIGNED):
+        if abs(across) < math.sin(2 * MAX_HEADING_ERROR):
             return None
         onward = other.middle.heading if across * to > 0 else other.middle.heading + math.pi
         angle = math.remainder(onward - spot.heading, 2 * math.pi)
         axes = Pose2D(road.middle.x, road.middle.y, spot.heading), Pose2D(other.middle.x, other.middle.y, onward)
-        middle = _at(axes[0], _meeting(*axes))  # of the crossing
+        middle = _point_ahead(axes[0], _distance_to_line(*axes))  # of the crossing
         way = math.cos(onward - other.middle.heading)
-        end = other.seen(*middle)[0] * way + road.half_width / abs(math.sin(angle)) + BEYOND
-        if abs(road.seen(*middle)[0]) > road.half_length or end + LONG / 2 > other.half_length:
+        end = other.seen(*middle)[0] * way + road.half_width / abs(math.sin(angle)) + EXIT_LENGTH
+        if abs(road.seen(*middle)[0]) > road.half_length or end + CAR_LENGTH / 2 > other.half_length:
             return None
         lane = (self.lanes(other) - 0.5) * self.lane if to == self.side else 0.5 * self.lane
-        corner = _meeting(spot, axes[1].ahead(0.0, self.side * lane))
-        edge = _meeting(spot, axes[1]) - other.half_width / abs(math.sin(angle))
-        sharp = max(corner - edge, TIGHTEST)
+        corner = _distance_to_line(spot, axes[1].ahead(0.0, self.side * lane))
+        edge = _distance_to_line(spot, axes[1]) - other.half_width / abs(math.sin(angle))
+        sharp = max(corner - edge, MIN_CORNER_DISTANCE)
         if corner < sharp:
             return None
         bend = Bend(spot.ahead(corner - sharp), sharp / math.tan(abs(angle) / 2), angle)
@@ -191,12 +191,12 @@ class Traffic:
         return Straight(spot, corner - sharp), bend, on
 
 
-def _at(spot: Pose2D, far: float) -> tuple[float, float]:
+def _point_ahead(spot: Pose2D, far: float) -> tuple[float, float]:
     there = spot.ahead(far)
     return (there.x, there.y)
 
 
-def _meeting(spot: Pose2D, line: Pose2D) -> float:
+def _distance_to_line(spot: Pose2D, line: Pose2D) -> float:
     """How far (m) ahead of a spot its line meets another."""
     cos, sin = math.cos(line.heading), math.sin(line.heading)
     away = (line.x - spot.x) * sin - (line.y - spot.y) * cos

@@ -11,15 +11,15 @@ from wmspec.lang.check.ir.ir import Thing
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-OPENS = 0.4  # s: how long a hand takes to open
+HAND_OPENING_TIME = 0.4  # s: how long a hand takes to open
 
 
-def lasts(values: Values, action: Thing) -> float:
+def action_duration(values: Values, action: Thing) -> float:
     """How long (s) an action takes."""
-    return values.number(action.name, "duration") if "duration" in action.properties else OPENS
+    return values.number(action.name, "duration") if "duration" in action.properties else HAND_OPENING_TIME
 
 
-def in_turn(values: Values, models: Sequence[str]) -> list[Thing]:
+def actions_in_order(values: Values, models: Sequence[str]) -> list[Thing]:
     """What robots of these models do, in order of time.
 
     Raises WmsError with its place if one begins while its robot is busy.
@@ -33,5 +33,5 @@ def in_turn(values: Values, models: Sequence[str]) -> list[Thing]:
         if start < free.get(action.of, 0.0) - 1e-9:
             what = f"`{action.of}` is still busy when `{action.name}` starts"
             raise ImpossibleValue(what, action.place, f"let it start at {free[action.of]:g} s or later")
-        free[action.of] = start + lasts(values, action)
+        free[action.of] = start + action_duration(values, action)
     return acts

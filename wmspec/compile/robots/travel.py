@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.obstacles import Outline, around, hull, obstacles
-from wmspec.compile.robots.roads import LONG, WIDE, OffRoadError, Traffic, road
-from wmspec.compile.robots.schedule import in_turn, lasts
+from wmspec.compile.robots.roads import CAR_LENGTH, CAR_WIDTH, OffRoadError, Traffic, road
+from wmspec.compile.robots.schedule import actions_in_order, action_duration
 from wmspec.compile.robots.wayfinding import legs_to
 from wmspec.compile.robots.ways import PathSegment, Pose2D, Straight, pose_along, arc_length_at
 from wmspec.core.diagnostics import ImpossibleValue
@@ -56,7 +56,7 @@ class _Segment:
 
     action: Thing
     start: float
-    lasts: float
+    action_duration: float
     length: float
     at: Callable[[float], tuple[Pose2D, float]]
     flows: bool = False
@@ -77,7 +77,7 @@ def travels(values: Values) -> dict[str, Travel]:
 
 def _travels(values: Values) -> dict[str, Travel]:
     found: dict[str, Travel] = {}
-    every = in_turn(values, tuple(_PLANS))
+    every = actions_in_order(values, tuple(_PLANS))
     for robot in dict.fromkeys(action.of for action in every):
         stands = base(values, robot)
         first = Pose2D(stands.position[0], stands.position[1], values.number(robot, "yaw"))
@@ -94,9 +94,9 @@ def _segment(
     values: Values, action: Thing, length: float, at: Callable[[float], tuple[Pose2D, float]], flows: bool = False
 ) -> _Segment:
     start = values.number(action.name, "start")
-    if lasts(values, action) <= 0:
+    if action_duration(values, action) <= 0:
         raise ImpossibleValue(f"`{action.name}` takes no time", action.place, "give it a time above 0: `for 2 s`")
-    return _Segment(action, start, lasts(values, action), length, at, flows)
+    return _Segment(action, start, action_duration(values, action), length, at, flows)
 
 
 def _check_speed(model: str, stretch: _Segment, enters: float, leaves: float) -> None:
@@ -174,7 +174,7 @@ def _car_path(values: Values, traffic: Traffic, spot: Pose2D, action: Thing, bef
         start = values.number(action.name, "start")
         if before is None or before.action.verb == "stop" or abs(before.start + before.lasts - start) > 1e-6:
             raise OffRoadError("it stands still by then", "let it stop while it drives: `after` what it does before")
-        return traffic.forward(spot, before.pace * lasts(values, action) / 2)
+        return traffic.forward(spot, before.pace * action_duration(values, action) / 2)
     if action.verb == "go_to":
         place = values.pose(_goal(values, action)).position
         return traffic.go_to(spot, (place[0], place[1]))
@@ -207,10 +207,10 @@ def _check_clearance(stretch: _Segment, standing: Sequence[Outline]) -> None:
     robot = stretch.action.of
     for i in range(math.ceil(stretch.length / CHECK_INTERVAL) + 1):
         spot, _ = stretch.at(min(i * CHECK_INTERVAL, stretch.length))
-        corners = (spot.ahead(x * LONG / 2, y * WIDE / 2) for x in (-1, 1) for y in (-1, 1))
+        corners = (spot.ahead(x * CAR_LENGTH / 2, y * CAR_WIDTH / 2) for x in (-1, 1) for y in (-1, 1))
         car = Outline(robot, hull([(corner.x, corner.y) for corner in corners]))
         for other in standing:
-            if math.dist(other.middle, (spot.x, spot.y)) < other.radius + LONG and car.meets(other):
+            if math.dist(other.middle, (spot.x, spot.y)) < other.radius + CAR_LENGTH and car.meets(other):
                 where = f"{i * CHECK_INTERVAL:.1f} m after `{stretch.action.name}` begins" if i else "where it starts"
                 raise ImpossibleValue(
                     f"`{robot}` would drive into `{other.name}`, {where}",
