@@ -33,7 +33,7 @@ def compile_command(
 ) -> None:
     """Write an instance as USD and in the native formats of engines.
 
-    The stage is a base layer for the task, an override layer for the instance, and one for each counterfactual on top of
+    The stage is a base layer for the task, an override layer for the instance, and one for each counterfactual over
     that. The native files (a model, or a script) run in their engine without wmspec.
     """
     from wmspec.runtime.engines.registry import chosen

@@ -1,4 +1,4 @@
-"""Arms in files of their own: `write_arm` writes what a description says as USD, `arm_in` reads the arm of such a file."""
+"""Arms in files of their own: `write_arm` writes what a description says as USD, `read_arm` reads the arm of such a file."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ def write_arm(path: Path, target: Path) -> ArmModel:
     stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, ROOT).GetPrim())
     *frames, hand = arm.links(arm.rest, np.eye(4))
     for i, frame in enumerate(frames[:-1]):
-        _drawn(stage, body(stage, f"{ROOT}/link{i}", frame, moves=i > 0), made, i, np.eye(4))
-    _drawn(
+        _add_visuals(stage, body(stage, f"{ROOT}/link{i}", frame, moves=i > 0), made, i, np.eye(4))
+    _add_visuals(
         stage,
         body(stage, f"{ROOT}/hand", hand, moves=True),
         made,
         len(frames) - 1,
         np.asarray(np.linalg.inv(arm.hand), np.float64),
     )
-    _hand(stage, arm, hand)
+    _add_hand(stage, arm, hand)
     articulate(stage, ROOT, arm)
     for prim in stage.Traverse():
         if prim.HasAPI(UsdPhysics.RigidBodyAPI):
@@ -51,12 +51,12 @@ def write_arm(path: Path, target: Path) -> ArmModel:
         elif prim.IsA(UsdPhysics.Joint):
             UsdPhysics.Joint(prim).CreateJointEnabledAttr(False)
     layer = stage.GetRootLayer()
-    layer.customLayerData = {KEY: json.dumps({f.name: _plain(getattr(arm, f.name)) for f in fields(Arm)})}
+    layer.customLayerData = {KEY: json.dumps({f.name: _to_json(getattr(arm, f.name)) for f in fields(Arm)})}
     layer.Export(str(target))
     return made
 
 
-def _drawn(stage: Usd.Stage, link: str, made: ArmModel, number: int, into: Array) -> None:
+def _add_visuals(stage: Usd.Stage, link: str, made: ArmModel, number: int, into: Array) -> None:
     """What is seen of a link, `into` the frame of its prim."""
     for i, (shape, pose) in enumerate(made.shapes[number]):
         points, faces = _triangles(shape, made.folder)
@@ -75,7 +75,7 @@ def _triangles(shape: Shape, folder: Path) -> tuple[Array, Any]:
     return facets.points, facets.faces
 
 
-def _hand(stage: Usd.Stage, arm: Arm, hand: Array) -> None:
+def _add_hand(stage: Usd.Stage, arm: Arm, hand: Array) -> None:
     """The palm, which can be touched, and two fingers with pads."""
     rubber, dark = material(stage, ROOT, "rubber", DARK, arm.rubber), material(stage, ROOT, "finger", DARK)
     UsdPhysics.CollisionAPI.Apply(box(stage, f"{ROOT}/hand/palm", arm.hull, rubber).GetPrim())
@@ -86,21 +86,21 @@ def _hand(stage: Usd.Stage, arm: Arm, hand: Array) -> None:
         pad(stage, f"{link}/pad", arm, rubber)
 
 
-def arm_in(path: Path) -> Arm:
+def read_arm(path: Path) -> Arm:
     """The arm of a file that `write_arm` wrote. Raises ImpossibleValue if it is none."""
     try:
         status = path.stat()
     except OSError as error:
         raise ImpossibleValue(f"{path} cannot be read: {error.strerror}") from None
-    return _arm_in(path, status.st_mtime_ns, status.st_size)
+    return _read_arm(path, status.st_mtime_ns, status.st_size)
 
 
 @lru_cache(maxsize=16)
-def _arm_in(path: Path, _changed: int, _size: int) -> Arm:
+def _read_arm(path: Path, _changed: int, _size: int) -> Arm:
     try:
         layer = Sdf.Layer.OpenAsAnonymous(str(path))
         said = json.loads(layer.customLayerData[KEY])
-        arrays = {f.name: _read(said[f.name]) for f in fields(Arm)}
+        arrays = {f.name: _from_json(said[f.name]) for f in fields(Arm)}
         arm = Arm(**{**arrays, "asset": str(path.resolve())})
         arm.tool(arm.rest, np.eye(4))
     except (Tf.ErrorException, AttributeError, KeyError, TypeError, ValueError, IndexError):
@@ -108,11 +108,11 @@ def _arm_in(path: Path, _changed: int, _size: int) -> Arm:
     return arm
 
 
-def _plain(value: Any) -> Any:
+def _to_json(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
 
 
-def _read(value: Any) -> Any:
+def _from_json(value: Any) -> Any:
     """A number, a text, a list of texts as a tuple, or a list of numbers as an array."""
     if isinstance(value, list):
         return tuple(value) if value and isinstance(value[0], str) else np.array(value, np.float64)

@@ -44,21 +44,21 @@ class Box:
         return meets
 
 
-def between(frames: Array, corners: Array) -> Box:
+def box_between(frames: Array, corners: Array) -> Box:
     """The box between two corners (2, 3) in these frames."""
     middle = frames[:, :3, :3] @ corners.mean(axis=0) + frames[:, :3, 3]
     return Box(middle, frames[:, :3, :3], (corners[1] - corners[0]) / 2)
 
 
-def boxes(values: Values, name: str, frame: Array) -> Iterator[Box]:
+def part_boxes(values: Values, name: str, frame: Array) -> Iterator[Box]:
     """The boxes around the solids of an object whose frame is there (4, 4)."""
     for piece in pieces(values, name):
-        placed, (low, high) = frame @ matrix(piece.pose), ends(piece)
+        placed, (low, high) = frame @ matrix(piece.pose), local_corners(piece)
         middle = placed[:3, :3] @ ((low + high) / 2) + placed[:3, 3]
         yield Box(middle[None], placed[None, :3, :3], (high - low) / 2)
 
 
-def ends(piece: Piece) -> tuple[Array, Array]:
+def local_corners(piece: Piece) -> tuple[Array, Array]:
     """The corners (3,) m of the box around a solid, in its own frame."""
     axes = np.eye(3)
     low, high = (np.array([sign * piece.solid.reach(tuple(sign * axis)) for axis in axes]) for sign in (-1.0, 1.0))

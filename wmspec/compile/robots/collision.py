@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wmspec.compile.layout.geometry import pieces, touchable
 from wmspec.compile.layout.values import Values
 from wmspec.compile.robots.arm import Arm, Array, about, shift
-from wmspec.compile.robots.boxes import Box, between, boxes, ends
+from wmspec.compile.robots.boxes import Box, box_between, part_boxes, local_corners
 from wmspec.compile.robots.grasps import CLOSED_SHARE, FIRM_POINTS
 from wmspec.compile.robots.link_points import link_points
 from wmspec.compile.robots.manipuland import Manipuland, joined_objects
@@ -154,7 +154,7 @@ def _moved_pieces(made: Plan, action: Thing, before: Manipuland, frames: Array) 
     found = []
     for piece in pieces(values, before.name):
         placed = rigid @ matrix(piece.pose)
-        low, high = ends(piece)
+        low, high = local_corners(piece)
         middle = placed[:, :3, :3] @ ((low + high) / 2) + placed[:, :3, 3]
         found.append(_MovedPiece(piece.solid, times, placed, Box(middle, placed[:, :3, :3], (high - low) / 2)))
     return found
@@ -194,7 +194,7 @@ def _first_overlap(hand: list[Box], others: list[Box], reach: Reach, slack: floa
 
 def _hand(arm: Arm, frames: Array, slides: Array) -> Iterator[Box]:
     """The hull of the hand and its fingers, for its frames (n, 4, 4) and how far (n,) each finger has slid."""
-    yield between(frames, arm.hull)
+    yield box_between(frames, arm.hull)
     yield from _fingers(frames, slides, arm, arm.tip)
 
 
@@ -202,7 +202,7 @@ def _fingers(frames: Array, slides: Array, arm: Arm, corners: Array) -> Iterator
     """The part of both fingers that is between two corners (2, 3) of their own frames."""
     for side in (0.0, np.pi):
         fingers = np.array([about(2, side) @ shift(0.0, float(slide), arm.finger) for slide in slides])
-        yield between(frames @ fingers, corners)
+        yield box_between(frames @ fingers, corners)
 
 
 def _other_hand(made: Plan, robot: str, arm: ArmState, times: Array) -> Iterator[Box]:
@@ -229,7 +229,7 @@ def _obstacles(made: Plan, action: Thing, carried: set[str]) -> Iterator[tuple[s
             action.verb == "push" and name not in carried and not values.flag(name, "fixed")
         ):
             continue
-        for box in boxes(values, name, made.frame(name)):
+        for box in part_boxes(values, name, made.frame(name)):
             yield name, box
 
 

@@ -16,12 +16,12 @@ from wmspec.compile.robots.planning import APPROACH_HEIGHT, OPEN_SPAN, PUSH_SPAN
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Thing
 
-NARROW = 0.036  # m: how far apart the fingers are that push
-SLIM = 0.046  # m: what is less wide is pushed by fingers that are closed
-BESIDE = 0.04  # m: how far from what it pushes the hand comes down
-CORNER = 0.05  # m: how far from the middle of its side each of two hands pushes that meet at a corner
-TIP = 0.035  # m: how far from its end a thing is pushed that is turned
-NEAR = 1e-6  # rad or m: so far beyond its limit a joint is at it
+PUSH_OPENING = 0.036  # m: how far apart the fingers are that push
+MIN_OPEN_PUSH_WIDTH = 0.046  # m: what is less wide is pushed by fingers that are closed
+APPROACH_DISTANCE = 0.04  # m: how far from what it pushes the hand comes down
+CORNER_OFFSET = 0.05  # m: how far from the middle of its side each of two hands pushes that meet at a corner
+END_PUSH_DISTANCE = 0.035  # m: how far from its end a thing is pushed that is turned
+LIMIT_TOLERANCE = 1e-6  # rad or m: so far beyond its limit a joint is at it
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -31,18 +31,18 @@ def push(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     Two hands that push one way, or against each other, each push their end of it so far; two that push across each
     other move it by the sum.
     """
-    ways = {a.name: made.number(a, "distance") * level(made.values.direction(a.name)) for a in acts}
+    ways = {a.name: made.number(a, "distance") * heading_vector(made.values.direction(a.name)) for a in acts}
     asides = {a.name: np.zeros(3) for a in acts}
     total, turned = np.sum(list(ways.values()), axis=0), 0.0
     if len(acts) == 2:
         first, second = (way / np.linalg.norm(way) for way in ways.values())
         if abs(first @ second) > 0.99:
-            asides, total, turned = _by_the_ends(made, acts, thing, ways)
+            asides, total, turned = _end_pushes(made, acts, thing, ways)
         else:
-            asides = dict(zip(ways, (_beside(thing, first, second), _beside(thing, second, first)), strict=True))
-    rigid = shift(*total) @ around(thing.middle, UP, turned)
+            asides = dict(zip(ways, (_corner_offset(thing, first, second), _corner_offset(thing, second, first)), strict=True))
+    rigid = shift(*total) @ rotation_about(thing.middle, UP, turned)
     for action in acts:
-        _pushed(made, action, thing, ways[action.name], asides[action.name], _turning(thing, total, turned))
+        _plan_push(made, action, thing, ways[action.name], asides[action.name], _push_motion(thing, total, turned))
     return thing.put(rigid)
 
 
@@ -51,7 +51,7 @@ def carry(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     action = require_single(acts)
     made.wields(action)
     arm = made.arms[action.of]
-    way = made.number(action, "distance") * level(made.values.direction(action.name))
+    way = made.number(action, "distance") * heading_vector(made.values.direction(action.name))
     made.go(action, [ToolSegment(made.lasts(action), straight(arm.tool, shift(*way) @ arm.tool), arm.width)])
     return thing.moved(way) if arm.held == thing.name else thing
 
@@ -64,7 +64,7 @@ def rotate(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
 def tilt(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     """Tip the hand over, and what it holds with it, as one pours."""
     action = require_single(acts)
-    return _turn_hand(made, action, thing, np.cross(UP, level(made.values.direction(action.name))))
+    return _turn_hand(made, action, thing, np.cross(UP, heading_vector(made.values.direction(action.name))))
 
 
 def open_(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
@@ -80,20 +80,20 @@ def close(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
 # ---------------------------------------------------------------- by which means
 
 
-def level(direction: Any) -> Array:
+def heading_vector(direction: Any) -> Array:
     """The unit vector (3,) of a direction word or an angle."""
     angle = heading(direction)
     return np.array([np.cos(angle), np.sin(angle), 0.0])
 
 
-def around(point: Array, axis: Array, angle: float) -> Array:
+def rotation_about(point: Array, axis: Array, angle: float) -> Array:
     """A turn (4, 4) about an axis through a point."""
     turn = np.eye(4)
     turn[:3, :3] = rotation_matrix(angle * axis)
     return np.asarray(shift(*point) @ turn @ shift(*(-point)))
 
 
-def _pushed(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: Array, move: Callable[[float], Array]) -> None:
+def _plan_push(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: Array, move: Callable[[float], Array]) -> None:
     """One hand that pushes: it comes down beside the thing, goes with it as it moves, and draws back."""
     arm, lasts = made.arms[action.of], made.lasts(action)
     made.free(action)
@@ -101,15 +101,15 @@ def _pushed(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: Arr
     face = made.nearest(action.of, (float(np.arctan2(ahead[1], ahead[0])),))
     z = max(thing.middle[2], thing.top - arm.arm.palm + PALM_CLEARANCE)
     gap = thing.reach(ahead) + arm.arm.width / 2
-    apart = NARROW if 2 * thing.reach(np.cross(UP, ahead)) > SLIM else 0.0
+    apart = PUSH_OPENING if 2 * thing.reach(np.cross(UP, ahead)) > MIN_OPEN_PUSH_WIDTH else 0.0
 
     def beside(away: float) -> Array:
         x, y = thing.middle[:2] - ahead[:2] * (gap + away) + aside[:2]
         return down(x, y, z, face)
 
-    first, near, touch = beside(BESIDE), beside(0.001), beside(0.0)
+    first, near, touch = beside(APPROACH_DISTANCE), beside(0.001), beside(0.0)
     there = move(1.0) @ touch
-    back = shift(*(-BESIDE * (move(1.0)[:3, :3] @ ahead))) @ there
+    back = shift(*(-APPROACH_DISTANCE * (move(1.0)[:3, :3] @ ahead))) @ there
     above = shift(0.0, 0.0, APPROACH_HEIGHT)
     legs = [
         ToolSegment(0.28 * lasts, straight(arm.tool, above @ first), apart),
@@ -125,18 +125,18 @@ def _pushed(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: Arr
     made.go(action, legs)
 
 
-def _turning(thing: Manipuland, total: Array, angle: float) -> Callable[[float], Array]:
+def _push_motion(thing: Manipuland, total: Array, angle: float) -> Callable[[float], Array]:
     """How a thing that is pushed moves (4, 4), for 0..1 of its way."""
-    return lambda s: np.asarray(shift(*(s * total)) @ around(thing.middle, UP, s * angle))
+    return lambda s: np.asarray(shift(*(s * total)) @ rotation_about(thing.middle, UP, s * angle))
 
 
-def _by_the_ends(
+def _end_pushes(
     made: Plan, acts: Sequence[Thing], thing: Manipuland, ways: dict[str, Array]
 ) -> tuple[dict[str, Array], Array, float]:
     """Where on its side each hand pushes, how far the thing goes then, and by which angle (rad) it turns."""
     sides, along = end_actions(made, acts, thing), thing.frame[:3, 0]
     across = np.cross(UP, along)
-    arm = thing.half[0] - TIP
+    arm = thing.half[0] - END_PUSH_DISTANCE
     if abs(ways[acts[0].name] @ along) > 1e-6:
         raise ImpossibleValue(
             f"two hands cannot push `{thing.name}` along its length", acts[1].place, "push it across, or round a corner"
@@ -149,10 +149,10 @@ def _by_the_ends(
     return asides, (gone[1] + gone[-1]) / 2 * across, turned
 
 
-def _beside(thing: Manipuland, ahead: Array, other: Array) -> Array:
+def _corner_offset(thing: Manipuland, ahead: Array, other: Array) -> Array:
     """How far beside the middle of its side a hand pushes, away from another one round the corner."""
     across = other - (other @ ahead) * ahead
-    return np.asarray(across * max(0.0, min(CORNER, thing.reach(other) - NARROW / 2)))
+    return np.asarray(across * max(0.0, min(CORNER_OFFSET, thing.reach(other) - PUSH_OPENING / 2)))
 
 
 def _turn_hand(made: Plan, action: Thing, thing: Manipuland, axis: Array) -> Manipuland:
@@ -160,7 +160,7 @@ def _turn_hand(made: Plan, action: Thing, thing: Manipuland, axis: Array) -> Man
     arm, angle = made.arms[action.of], made.number(action, "angle")
     here = arm.tool
     point = here[:3, 3]
-    way = lambda s: np.asarray(around(point, axis, s * angle) @ here)  # noqa: E731
+    way = lambda s: np.asarray(rotation_about(point, axis, s * angle) @ here)  # noqa: E731
     made.wields(action)
     try:
         made.go(action, [ToolSegment(made.lasts(action), way, arm.width)])
@@ -170,7 +170,7 @@ def _turn_hand(made: Plan, action: Thing, thing: Manipuland, axis: Array) -> Man
         turned = abs(np.degrees(angle)) * smooth(unable.after / made.lasts(action))
         reason = f"its joints stop after some {turned:.0f} of {abs(np.degrees(angle)):.0f} deg"
         raise PlanningError(action, reason, f"{action.verb} it less far, or the other way", unable.after) from None
-    return thing.put(around(point, axis, angle)) if arm.held == thing.name else thing
+    return thing.put(rotation_about(point, axis, angle)) if arm.held == thing.name else thing
 
 
 def _along_joint(made: Plan, action: Thing, handle: Manipuland, sign: float) -> Manipuland:
@@ -178,8 +178,8 @@ def _along_joint(made: Plan, action: Thing, handle: Manipuland, sign: float) -> 
     arm, lasts, joint = made.arms[action.of], made.lasts(action), made.values.reference(action.name, "joint")
     made.free(action)
     by = sign * made.number(action, "far")
-    _lets(made, action, handle.name, joint, by)
-    at, move = grasp_pose(made, action, handle), _joint_way(made, action, joint, by)
+    _require_range(made, action, handle.name, joint, by)
+    at, move = grasp_pose(made, action, handle), _joint_motion(made, action, joint, by)
     above, opened, closed = shift(0.0, 0.0, APPROACH_HEIGHT), arm.arm.opening, handle.across(at) + FINGER_CLEARANCE
     there = move(1.0) @ at
     legs = [
@@ -199,7 +199,7 @@ def _along_joint(made: Plan, action: Thing, handle: Manipuland, sign: float) -> 
     return handle.put(move(1.0))
 
 
-def _lets(made: Plan, action: Thing, handle: str, joint: str, by: float) -> None:
+def _require_range(made: Plan, action: Thing, handle: str, joint: str, by: float) -> None:
     """Complain unless a joint holds the handle, or what that is joined to, and lets it be moved so far (rad or m)."""
     values = made.values
     if values.reference(joint, "of") not in joined_objects(values, handle):
@@ -211,7 +211,7 @@ def _lets(made: Plan, action: Thing, handle: str, joint: str, by: float) -> None
         for end, most in (("low", -np.inf), ("high", np.inf))
     )
     reached, turns = made.opened.get(joint, 0.0) + by, values.spec.thing(joint).model == "hinge"
-    if not low - NEAR <= reached <= high + NEAR:
+    if not low - LIMIT_TOLERANCE <= reached <= high + LIMIT_TOLERANCE:
         to, stop = (
             f"{np.degrees(x):.3g} deg" if turns else f"{100 * x:.3g} cm" for x in (reached, np.clip(reached, low, high))
         )
@@ -220,7 +220,7 @@ def _lets(made: Plan, action: Thing, handle: str, joint: str, by: float) -> None
         )
 
 
-def _joint_way(made: Plan, action: Thing, joint: str, by: float) -> Callable[[float], Array]:
+def _joint_motion(made: Plan, action: Thing, joint: str, by: float) -> Callable[[float], Array]:
     """How what a hinge or slider holds moves (4, 4), for 0..1 of `by` (rad or m)."""
     model = made.values.spec.thing(joint).model
     if model not in ("hinge", "slider"):
@@ -232,4 +232,4 @@ def _joint_way(made: Plan, action: Thing, joint: str, by: float) -> Callable[[fl
     point = np.array(made.values.vector(joint, "at"), float)
     if model == "slider":
         return lambda s: shift(*(s * by * axis))
-    return lambda s: around(point, axis, s * by)
+    return lambda s: rotation_about(point, axis, s * by)

@@ -46,18 +46,18 @@ class Outline:
 
     def meets(self, other: Outline) -> bool:
         """Whether the two overlap: no side of either separates them."""
-        return not (_parted(self, other) or _parted(other, self))
+        return not (_is_separated(self, other) or _is_separated(other, self))
 
 
 def obstacles(values: Values, low: float, high: float) -> tuple[Outline, ...]:
     """The outlines of all that is seen or touched between two heights (m) and is not carried, as it is at the start."""
     carried = carriers(values)
     names = (t.name for t in values.spec.things if t.kind == "object" and t.name not in carried)
-    kept = (name for name in names if values.there(name) and _is(values, name, ("drawn", "solid")))
+    kept = (name for name in names if values.there(name) and _has_any(values, name, ("drawn", "solid")))
     return tuple(outline for name in kept for outline in _outlines(values, name, low, high))
 
 
-def around(values: Values, name: str) -> tuple[Outline, ...]:
+def object_outlines(values: Values, name: str) -> tuple[Outline, ...]:
     """The outlines of the parts of one object, however high."""
     return tuple(_outlines(values, name, -math.inf, math.inf))
 
@@ -72,7 +72,7 @@ def _outlines(values: Values, name: str, low: float, high: float) -> list[Outlin
     return outlines
 
 
-def _is(values: Values, name: str, properties: Sequence[str]) -> bool:
+def _has_any(values: Values, name: str, properties: Sequence[str]) -> bool:
     return any(not values.has(name, p) or values.flag(name, p) for p in properties)
 
 
@@ -108,7 +108,7 @@ def _from_side(a: Point, b: Point, point: Point) -> float:
     return math.dist(point, (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
 
 
-def _parted(one: Outline, other: Outline) -> bool:
+def _is_separated(one: Outline, other: Outline) -> bool:
     """Whether a side of one has all of the other to its right."""
     sides = zip(one.corners, (*one.corners[1:], one.corners[0]), strict=True)
     return any(all(_left(a, b, corner) <= 0 for corner in other.corners) for a, b in sides)

@@ -50,10 +50,10 @@ def arm_of(values: Values, robot: str) -> Arm:
     """The arm that a robot is. Raises WmsError with its place if its file has none."""
     if values.spec.thing(robot).model == "panda":
         return PANDA
-    from wmspec.compile.robots.arm_assets import arm_in
+    from wmspec.compile.robots.arm_assets import read_arm
 
     try:
-        return arm_in(resolve_display_path(values.text(robot, "model")))
+        return read_arm(resolve_display_path(values.text(robot, "model")))
     except ImpossibleValue as error:
         raise error.at(values.place(robot, "model")) from None
 

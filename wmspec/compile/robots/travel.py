@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from wmspec.compile.robots.base_pose import base
-from wmspec.compile.robots.obstacles import Outline, around, hull, obstacles
+from wmspec.compile.robots.obstacles import Outline, object_outlines, hull, obstacles
 from wmspec.compile.robots.roads import CAR_LENGTH, CAR_WIDTH, OffRoadError, Traffic, road
 from wmspec.compile.robots.schedule import actions_in_order, action_duration
 from wmspec.compile.robots.wayfinding import legs_to
@@ -237,7 +237,7 @@ def _plan_walker(values: Values, level: float, spot: Pose2D, acts: Sequence[Thin
             stretch = _segment(values, action, way.length, partial(_at_straight, way, pitch))
         elif action.verb == "go_to":
             goal = _goal(values, action)
-            legs = legs_to(spot, around(values, goal), standing, WALKER_RADIUS + STOP_DISTANCE)
+            legs = legs_to(spot, object_outlines(values, goal), standing, WALKER_RADIUS + STOP_DISTANCE)
             if legs is None:
                 problem = f"no way leads `{action.of}` to within reach of `{goal}`"
                 raise ImpossibleValue(problem, action.place, "make room, or name something that can be reached")

@@ -93,7 +93,7 @@ def find_library(name: str, folder: Path) -> Path | None:
 
 
 def spec_files(paths: Iterable[Path]) -> list[Path]:
-    """Return the spec files of the paths; a folder stands for every .wms file below it. Raises WmsError if none exist."""
+    """Return the spec files of the paths; a folder stands for every .wms file below it. Raises WmsError if none."""
     files: list[Path] = []
     for path in paths:
         if path.is_dir():
