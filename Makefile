@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: dist sbom help setup browser inspect demo quick lowest installed test test-all check format docs oracles agreement clean
+.PHONY: dist sbom constraints help setup browser inspect demo quick lowest installed test test-all check format docs oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -18,7 +18,8 @@ help:
 	@echo "make test-all  the same with the slow tests"
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
 	@echo "make format    rewrite the sources in the house style"
-	@echo "make sbom      a bill of materials of what is installed (CycloneDX), in out/sbom.json"
+	@echo "make sbom      a bill of materials of .venv (CycloneDX), in out/sbom.json"
+	@echo "make constraints  the versions that CI installs, in constraints.txt; pins that still fit stay"
 	@echo "make dist      wheels and source archives of the distributions, in dist"
 	@echo "make docs      the documentation as a site, in out/site"
 	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
@@ -54,11 +55,14 @@ QUICK := -n auto --one-engine -m "not (slow or pixels or browser or build)" test
 quick: setup
 	$(BIN)/pytest $(QUICK)
 
+# Every extra that users may have, but the models on this machine: PyTorch is gigabytes, and no quick test needs it.
+EXTRAS := audit,engines,evaluate,lsp,meshes,photo,ray,report,video
+LOWEST := $(BIN)/uv pip install --quiet --python build/lowest/bin/python
+
 lowest: setup
-	$(BIN)/python -m venv --clear build/lowest
-	$(BIN)/python -m tools.supply lowest > build/lowest/lowest.txt
-	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
-	build/lowest/bin/pip install --quiet --no-deps -e .
+	$(BIN)/uv venv --quiet --clear --python $(BIN)/python build/lowest
+	$(LOWEST) --resolution lowest-direct -e '.[$(EXTRAS)]'
+	$(LOWEST) hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
 	build/lowest/bin/pytest $(QUICK)
 
 # The tests of the checkout, run on an installed wheel: what only a checkout can do fails here.
@@ -79,8 +83,12 @@ format: setup
 
 sbom: setup
 	@mkdir -p out
-	$(BIN)/python -m tools.supply sbom > out/sbom.json
+	$(BIN)/cyclonedx-py environment $(BIN)/python --pyproject pyproject.toml --output-reproducible -o out/sbom.json
 	@echo "The bill of materials: $(CURDIR)/out/sbom.json"
+
+constraints: setup
+	$(BIN)/uv pip compile pyproject.toml --extra $(EXTRAS) --extra dev --quiet --no-annotate \
+		--custom-compile-command 'make constraints' -o constraints.txt
 
 dist: setup
 	rm -rf dist
