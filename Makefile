@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: dist sbom constraints help setup browser inspect demo quick lowest installed test test-all check format docs oracles agreement clean
+.PHONY: dist sbom constraints help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs conformance oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -17,11 +17,14 @@ help:
 	@echo "make test      that and all tests but the slow ones, on an installed wheel"
 	@echo "make test-all  the same with the slow tests"
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
+	@echo "make coverage  the lines and branches that the tests of make test run, in out/coverage"
+	@echo "make generate  everything that is made from the code: tables, grammars, schema"
 	@echo "make format    rewrite the sources in the house style"
 	@echo "make sbom      a bill of materials of .venv (CycloneDX), in out/sbom.json"
 	@echo "make constraints  the versions that CI installs, in constraints.txt; pins that still fit stay"
 	@echo "make dist      wheels and source archives of the distributions, in dist"
 	@echo "make docs      the documentation as a site, in out/site"
+	@echo "make conformance every engine on the cases of usdphysics-conformance, into docs/benchmarks/conformance.md"
 	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
 	@echo "make agreement 200 instances of every task in every engine, into docs/crosscheck.md"
 	@echo "make clean     remove what was made, except .venv"
@@ -49,8 +52,9 @@ check: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
+	cd conformance && ../$(BIN)/deptry .
 
-QUICK := -n auto --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
+QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 
 quick: setup
 	$(BIN)/pytest $(QUICK)
@@ -61,12 +65,12 @@ LOWEST := $(BIN)/uv pip install --quiet --python build/lowest/bin/python
 
 lowest: setup
 	$(BIN)/uv venv --quiet --clear --python $(BIN)/python build/lowest
-	$(LOWEST) --resolution lowest-direct -e '.[$(EXTRAS)]'
-	$(LOWEST) hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
+	$(LOWEST) --resolution lowest-direct -e '.[$(EXTRAS)]' -e ./conformance
+	$(LOWEST) filelock hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
 	build/lowest/bin/pytest $(QUICK)
 
 # The tests of the checkout, run on an installed wheel: what only a checkout can do fails here.
-TEST := PYTHONSAFEPATH=1 build/installed/bin/python -m pytest --installed -n auto
+TEST := PYTHONSAFEPATH=1 build/installed/bin/python -m pytest --installed -n auto --dist loadgroup --durations=50
 
 installed: setup
 	$(BIN)/python -m tools.installed
@@ -75,7 +79,20 @@ test: check browser installed
 	$(TEST)
 
 test-all: check browser inspect installed
-	$(TEST) -m ""
+	$(TEST) -m "" --hypothesis-profile long
+
+# Tracing more than doubles the time of Python code, so it is no part of `make test`.
+coverage: browser
+	@mkdir -p out
+	$(BIN)/pytest -n auto --dist loadgroup --cov --cov-report=html --cov-report=term:skip-covered
+
+generate: setup
+	$(BIN)/python tools/reference.py
+	$(BIN)/python tools/grammars.py
+	$(BIN)/python tools/capabilities.py
+	$(BIN)/python tools/looks.py
+	@mkdir -p out
+	$(BIN)/wmspec schema > out/generated && mv out/generated docs/schema.json
 
 format: setup
 	$(BIN)/ruff check --fix .
@@ -98,6 +115,12 @@ dist: setup
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "The site: $(CURDIR)/out/site/index.html"
+
+# OTHERS: scores of engines that are no backends, and their versions: OTHERS='out/newton.json newton=1.8.0'.
+conformance: setup
+	@mkdir -p out
+	-$(BIN)/wmspec conformance --json > out/conformance.json
+	$(BIN)/python -m tools.conformance out/conformance.json $(OTHERS)
 
 oracles: setup
 	$(BIN)/python -m tools.oracles
