@@ -3,6 +3,7 @@
 import re
 import shlex
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -38,7 +39,7 @@ def test_the_first_dataset_of_the_readme(tmp_path: Path, monkeypatch: pytest.Mon
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("HF_HOME", str(tmp_path / "cache"))
-    names: dict[str, object] = {}
+    names: dict[str, Any] = {}
     exec(block("First dataset", "python"), names)
     assert names["run"]["ball"].position.shape[1] == 3
     assert names["rows"]
