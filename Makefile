@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: dist sbom help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs oracles agreement clean
+.PHONY: dist sbom help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs conformance oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -23,6 +23,7 @@ help:
 	@echo "make sbom      a bill of materials of what is installed (CycloneDX), in out/sbom.json"
 	@echo "make dist      wheels and source archives of the distributions, in dist"
 	@echo "make docs      the documentation as a site, in out/site"
+	@echo "make conformance every engine on the cases of usdphysics-conformance, into docs/benchmarks/conformance.md"
 	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
 	@echo "make agreement 200 instances of every task in every engine, into docs/crosscheck.md"
 	@echo "make clean     remove what was made, except .venv"
@@ -50,6 +51,7 @@ check: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
+	cd conformance && ../$(BIN)/deptry .
 
 QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 
@@ -60,7 +62,7 @@ lowest: setup
 	$(BIN)/python -m venv --clear build/lowest
 	$(BIN)/python -m tools.supply lowest > build/lowest/lowest.txt
 	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt filelock hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
-	build/lowest/bin/pip install --quiet --no-deps -e .
+	build/lowest/bin/pip install --quiet --no-deps -e . -e ./conformance
 	build/lowest/bin/pytest $(QUICK)
 
 # The tests of the checkout, run on an installed wheel: what only a checkout can do fails here.
@@ -106,6 +108,11 @@ dist: setup
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "The site: $(CURDIR)/out/site/index.html"
+
+conformance: setup
+	@mkdir -p out
+	-$(BIN)/wmspec conformance --json > out/conformance.json
+	$(BIN)/python -m tools.conformance out/conformance.json
 
 oracles: setup
 	$(BIN)/python -m tools.oracles

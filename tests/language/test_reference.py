@@ -18,8 +18,9 @@ from wmspec.lang.check.ir.record import plain
 from wmspec.lang.check.statements.dimensions import DIMENSIONS
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.check.tables.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHTED, Form, Plan
+from wmspec.lang.parse.files import read_source
 from wmspec.lang.parse.format import format_spec
-from wmspec.lang.parse.load import load_source, read_source
+from wmspec.lang.parse.load import load_source
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import Task
 
