@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from backends.mujoco.backdrop import Backdrop, Backdrops, Layer, key
 from backends.mujoco.cast import Cast
+from wmspec.crash import in_our_code
 from wmspec.diagnostics import GraphicsError
 from wmspec.scene.boxes import Edges
 from wmspec.scene.camera import find, seeing
@@ -221,6 +222,8 @@ def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
         with silence():
             context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
     except Exception as error:  # every back end has its own
+        if in_our_code(error):
+            raise
         raise GraphicsError(
             f"MuJoCo can't draw: no OpenGL ({error}); set MUJOCO_GL=egl and install Mesa's EGL "
             "(Debian: libegl1 libgl1-mesa-dri), see 'wmspec doctor'"

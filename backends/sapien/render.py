@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.crash import in_our_code
 from wmspec.diagnostics import GraphicsError
 from wmspec.scene.camera import seeing
 from wmspec.scene.color import texture, to_bytes, to_linear, to_srgb
@@ -134,6 +135,8 @@ def _sentinel() -> Any:
             for one in eyes:
                 one.take_picture()
     except Exception as error:  # SAPIEN raises RuntimeError, whatever is wrong
+        if in_our_code(error):
+            raise
         raise GraphicsError(
             f"SAPIEN can't draw: no Vulkan device that it can use ({error}); without a GPU it needs Mesa 24.3 or newer "
             "(Debian: mesa-vulkan-drivers, from backports on Debian 12), see 'wmspec doctor'"

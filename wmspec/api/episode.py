@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from os import PathLike
@@ -51,7 +52,7 @@ class Track:
 
 @dataclass(frozen=True, repr=False)
 class Episode:
-    """What happened on a `stage` in one engine: `episode["ball"]` is the way of a body."""
+    """What happened on a `stage` in one engine: `episode["ball"]` is the way of a body; iterating gives names."""
 
     stage: Usd.Stage
     scene: Scene
@@ -108,6 +109,16 @@ class Episode:
             middle=middle(self.scene.bodies[i], frames),
         )
 
+    def __iter__(self) -> Iterator[str]:
+        """The names of all bodies."""
+        return iter(self.bodies)
+
+    def __len__(self) -> int:
+        return len(self.bodies)
+
+    def __contains__(self, body: object) -> bool:
+        return body in self.bodies
+
     def views(self, camera: str = "") -> list[tuple[str, float]]:
         """The cameras and times (s) of the pictures that the stage asks for; of one camera, if it is named.
 
@@ -145,7 +156,8 @@ class Episode:
 
     def sheet(self, camera: str = "", *, overlay: bool = False, **drawing: Unpack[Drawing]) -> Image.Image:
         """All views on a sheet, a row for each camera, with both told above each; a single one as it is."""
-        views = self.views(camera)
+        if not (views := self.views(camera)):
+            raise WmsError("the stage has no camera, so there is nothing to draw")
         if len(views) == 1:
             return self.picture(*views[0], overlay=overlay, **drawing)
         rows = []
@@ -174,7 +186,9 @@ class Episode:
         path = Path(path)
         if path.suffix.lower() not in film.WRITERS:
             raise WmsError(f"a film is a file that ends in {' or '.join(film.WRITERS)}", FilePlace(str(path)))
-        camera = camera or self.views()[0][0]
+        if not (views := self.views(camera)):
+            raise WmsError("the stage has no camera, so there is nothing to draw")
+        camera = views[0][0]
         moments = (i / rate for i in range(int(self.time[-1] * rate + 1e-9) + 1))
         pictures = (self.picture(camera, moment, overlay=overlay, **drawing) for moment in moments)
         try:

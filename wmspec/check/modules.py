@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 
 from wmspec.check.vocabulary import WORDS
 from wmspec.diagnostics import Note, Report, suggestion
+from wmspec.limits import LIBRARIES, TooLarge
 from wmspec.node import Node
 from wmspec.parse import syntax as s
 from wmspec.parse.load import Program
@@ -100,6 +101,8 @@ class Modules:
         if (first := self._used.setdefault((path, outer + prefix), use)) is not use:
             self._again(use, first)
             return []
+        if len(self._used) > LIBRARIES.most:
+            raise TooLarge(f"the spec {LIBRARIES.sentence}", use.span, LIBRARIES.help)
         items = self._program.libraries[path].items
         values = self._given(use, [item for item in items if isinstance(item, s.Parameter)])
         statements = self._level([_replaced(item, values) for item in items], outer + prefix, {})

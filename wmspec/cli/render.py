@@ -18,12 +18,14 @@ from wmspec.cli.common import (
     parse_size,
     redrawn_option,
     seed_option,
+    settle,
     size_option,
     task_option,
 )
 from wmspec.cli.run import duration_option, seconds_of, tell_notes
 from wmspec.diagnostics import WmsError
 from wmspec.places import FilePlace
+from wmspec.tally import Tally
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -78,18 +80,24 @@ def render_command(
     overlay: bool,
     output: Path,
 ) -> None:
-    """Draw what the cameras of an instance, of a USD stage, or of a trace that `wmspec run -o` wrote, observe."""
+    """Draw what the cameras of an instance, of a USD stage, or of a trace that `wmspec run -o` wrote, observe.
+
+    Exit code 1 if no picture was drawn, since nothing is observed and there is no camera.
+    """
     from wmspec.api.drawing import renderer_of
 
     drawing: Drawing = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
     many = "," in backend or backend == "all"
     seconds = seconds_of(duration) if duration else None
+    drawn = 0
     for episode in _episodes(source, backend, task, instance, seed, redrawn, seconds):
         renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
         name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
         pictures = _Pictures(episode, camera, overlay, drawing)
         for path in _written(pictures, output, name, rate, many):
             click.echo(path)
+            drawn += 1
+    settle(Tally("picture was drawn: there is no camera", drawn))
 
 
 @dataclass(frozen=True)
@@ -125,6 +133,8 @@ def _episodes(
 def _written(pictures: _Pictures, output: Path, name: str, rate: float, many: bool) -> Iterator[Path]:
     """Write what the suffix of the output asks for; with many engines, each to a file of its own."""
     episode, camera = pictures.episode, pictures.camera
+    if not episode.views(camera):
+        return
     suffix = output.suffix.lower()
     if suffix not in (*FILMS, ".png"):
         if suffix and not output.is_dir():

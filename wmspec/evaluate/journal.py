@@ -18,6 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from wmspec.diagnostics import WmsError
 from wmspec.evaluate.model import Reply
+from wmspec.foreign import make_folders
 from wmspec.places import FilePlace
 from wmspec.write.files import explained
 
@@ -37,7 +38,7 @@ class Journal:
         """
         self.path = path
         with explained(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folders(path.parent)
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
             try:
                 self._lock()

@@ -21,7 +21,7 @@ from wmspec.evaluate.journal import Key, Replies
 from wmspec.evaluate.model import Outcome, Reply
 from wmspec.evaluate.question import Question
 from wmspec.evaluate.request import Ask
-from wmspec.foreign import is_name, plain, read_plain
+from wmspec.foreign import is_name, make_folders, plain, read_plain
 from wmspec.places import FilePlace
 from wmspec.write.files import explained
 
@@ -192,7 +192,7 @@ def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
 def _whole(path: Path, content: bytes) -> None:
     part = path.with_name(f"{path.name}.part")
     with explained(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(path.parent)
         with part.open("wb") as file:
             file.write(content)
             file.flush()

@@ -9,7 +9,6 @@ from __future__ import annotations
 import ctypes
 import json
 import re
-import sys
 from ctypes import POINTER, byref, c_char, c_char_p, c_uint8, c_uint32, c_void_p
 from dataclasses import asdict, dataclass
 
@@ -124,6 +123,6 @@ def _device(vulkan: ctypes.CDLL, handle: int | None) -> Device:
 
 if __name__ == "__main__":
     try:
-        print(json.dumps([asdict(d) for d in devices()]))
+        print(json.dumps({"devices": [asdict(d) for d in devices()], "missing": ""}))
     except OSError as failure:
-        sys.exit(str(failure))
+        print(json.dumps({"devices": [], "missing": str(failure)}))

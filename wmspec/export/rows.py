@@ -13,6 +13,7 @@ from wmspec.diagnostics import WmsError
 from wmspec.evaluate.prompt import Prompt
 from wmspec.evaluate.question import Question, questions
 from wmspec.evaluate.request import Ask, Clip, Picture, Text
+from wmspec.foreign import make_folders
 from wmspec.write.reader import DatasetReader
 
 Row = dict[str, Any]
@@ -89,7 +90,7 @@ def _row(question: Question, prompt: Prompt) -> Row:
 
 def write(path: Path, rows: Iterable[Row]) -> int:
     """Write rows as Parquet; returns their number. Raises OSError if that fails."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folders(path.parent)
     count = 0
     with pq.ParquetWriter(path, SCHEMA, compression="zstd") as file:
         batch: list[Row] = []

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from wmspec.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
 from wmspec.foreign import inside, plain, read_plain
-from wmspec.limits import MARKUP
+from wmspec.limits import LIBRARIES, LIBRARY_DEPTH, MARKUP, TooLarge
 from wmspec.parse.parser import parse
 from wmspec.parse.syntax import File, Name, Statement, Task, Use, Variant
 from wmspec.places import FilePlace, Location, Place, Source, Span
@@ -163,6 +163,9 @@ def _collect(file: File, folder: Path, report: Report, program: Program, trail: 
             report.add("WMS208", f"`{use.name.id}` uses itself in a circle", use.span, help, notes)
             continue
         program.paths[use.name.span] = path
+        for limit, count in ((LIBRARY_DEPTH, len(trail)), (LIBRARIES, len(program.libraries))):
+            if count >= limit.most:
+                raise TooLarge(f"the spec {limit.sentence}", use.span, limit.help)
         if path not in program.libraries:
             library, mistakes = _library(read_source(path))
             report.include(mistakes)

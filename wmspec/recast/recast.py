@@ -10,7 +10,7 @@ from typing import Any
 
 from wmspec import __version__
 from wmspec.diagnostics import WmsError
-from wmspec.foreign import read_plain
+from wmspec.foreign import make_folders, read_plain
 from wmspec.places import FilePlace
 from wmspec.recast.pictures import Pictures
 from wmspec.recast.rows import CAMERA, rows, schema
@@ -50,7 +50,7 @@ def recast(path: Path, folder: Path, output: Path, size: int) -> Recast:
     _clear(output)
     shards = {_path(name): _shard(of_one, pictures) for name, of_one in tasks.items()}
     with files.explained(output):
-        (output / files.PROGRESS).mkdir(parents=True, exist_ok=True)
+        make_folders(output / files.PROGRESS)
     for name, content in shards.items():
         files.write(output, name, content)
     files.write(output, files.CARD, _card(path, tasks).encode())

@@ -10,7 +10,7 @@ from pathlib import Path
 from wmspec.diagnostics import WmsError
 from wmspec.draws import bits
 from wmspec.evaluate.question import Question, questions
-from wmspec.foreign import picture
+from wmspec.foreign import make_folders, picture
 from wmspec.study import page, store
 from wmspec.study.assign import slots
 from wmspec.study.model import FILE, PAGE, Item, Kind, Study, load, save
@@ -49,7 +49,7 @@ def make(dataset: DatasetReader, options: Options, folder: Path) -> Study:
     if "question" not in chosen.values():
         raise WmsError("the dataset has no questions for a study; `wmspec view` shows what it has")
     with explained(folder):
-        pictures.mkdir(parents=True, exist_ok=True)
+        make_folders(pictures)
         items = [_item(question, chosen[question.id], pictures) for question in questions(dataset, chosen)]
     items += _checks(options)
     study = Study(

@@ -14,7 +14,7 @@ from typing import Any
 
 from wmspec.ask.model import Rejected
 from wmspec.diagnostics import WmsError
-from wmspec.foreign import read_plain
+from wmspec.foreign import make_folders, read_plain
 from wmspec.write import checkpoint, files
 from wmspec.write.baselines import Baselines, baselines
 from wmspec.write.card import bibtex, card
@@ -58,7 +58,7 @@ class Dataset:
         _today()  # if it cannot be told, better now than when all is made
         scratch = folder / files.PROGRESS
         with files.explained(folder):
-            scratch.mkdir(parents=True, exist_ok=True)
+            make_folders(scratch)
         dataset = cls(folder, plan, files.lock(scratch / "lock"))
         try:
             with files.explained(folder):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter
 
-from wmspec.ask.model import Rejected
+from wmspec.ask.model import FAILED, Rejected
+from wmspec.crash import Crash
 from wmspec.execute.pool import Effort, Lost, in_order
 from wmspec.write.generate import job_of, nothing
 from wmspec.write.manifest import by_reason
@@ -31,7 +32,8 @@ class Cost:
     `seconds` are what one worker needs for an instance, known to within `error` (one standard error, by how units
     differ; None of a single one of several); `size` is the bytes of an instance's questions in Parquet; `rejected` of
     the `asked` questions were rejected, so many for each of the `reasons`, with an example. `balance` is what the
-    balance of answers cost, if there is one.
+    balance of answers cost, if there is one. `failed` of those tried ended as internal errors, crashes or timeouts;
+    `crash` is the first unexpected error.
     """
 
     task: str
@@ -45,6 +47,8 @@ class Cost:
     reasons: dict[str, int]
     examples: dict[str, Rejected]
     balance: Balance | None = None
+    failed: int = 0
+    crash: Crash | None = field(default=None, repr=False)
 
     def hours(self, workers: int) -> float:
         """How long so many workers need for the whole task, in hours."""
@@ -161,6 +165,8 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
         reasons=reasons,
         examples=examples,
         balance=sum((trial.balance for trial in whole), Balance()) if task.spec.plan.balance else None,
+        failed=len({r.index for r in rejected if r.reason in FAILED}),
+        crash=next((trial.crash for _, trial in trials if isinstance(trial, Lost) and trial.crash), None),
     )
 
 
