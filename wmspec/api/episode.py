@@ -156,8 +156,7 @@ class Episode:
 
     def sheet(self, camera: str = "", *, overlay: bool = False, **drawing: Unpack[Drawing]) -> Image.Image:
         """All views on a sheet, a row for each camera, with both told above each; a single one as it is."""
-        if not (views := self.views(camera)):
-            raise WmsError("the stage has no camera, so there is nothing to draw")
+        views = self.views(camera)
         if len(views) == 1:
             return self.picture(*views[0], overlay=overlay, **drawing)
         rows = []
@@ -186,9 +185,7 @@ class Episode:
         path = Path(path)
         if path.suffix.lower() not in film.WRITERS:
             raise WmsError(f"a film is a file that ends in {' or '.join(film.WRITERS)}", FilePlace(str(path)))
-        if not (views := self.views(camera)):
-            raise WmsError("the stage has no camera, so there is nothing to draw")
-        camera = views[0][0]
+        camera = camera or self.views()[0][0]
         moments = (i / rate for i in range(int(self.time[-1] * rate + 1e-9) + 1))
         pictures = (self.picture(camera, moment, overlay=overlay, **drawing) for moment in moments)
         try:
