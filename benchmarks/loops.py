@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 import pybullet
 import sapien
+
 from wmspec.backends.mujoco import physics as in_mujoco
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.world import World as MuJoCo
@@ -24,7 +25,6 @@ from wmspec.backends.pybullet.world import World as PyBullet
 from wmspec.backends.sapien import physics as in_sapien
 from wmspec.backends.sapien.render import bodies, eye
 from wmspec.backends.sapien.world import World as Sapien
-
 from wmspec.scene.camera import projection_matrix, view_matrix
 from wmspec.scene.episode import play, told
 from wmspec.scene.model import Scene

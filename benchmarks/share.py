@@ -20,11 +20,11 @@ os.environ.setdefault("MUJOCO_GL", "egl")
 
 import mujoco
 import numpy as np
-from wmspec.backends.mujoco.mjcf import mjcf
-from wmspec.backends.mujoco.physics import prepare
 
 from wmspec.ask.robustness import NUDGE
 from wmspec.ask.runs import EnginePair, Run, execute, nudged
+from wmspec.backends.mujoco.mjcf import mjcf
+from wmspec.backends.mujoco.physics import prepare
 from wmspec.check.record import to_json
 from wmspec.check.task import check_program
 from wmspec.design.design import Design

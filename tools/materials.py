@@ -29,7 +29,7 @@ SIDE = 190
 ROWS: tuple[tuple[str, str, Look], ...] = (
     ("parity", "", "parity"),
     ("parity, blue", "color: blue", "parity"),
-    ("beauty", "", "beauty"),
+    ("photo", "", "photo"),
 )
 SPEC = """
 use floor

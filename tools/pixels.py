@@ -8,7 +8,6 @@ from __future__ import annotations
 import sys
 import tempfile
 from pathlib import Path
-from typing import get_args
 
 from PIL import Image
 
@@ -36,10 +35,8 @@ PLACES = {
 }
 """The environments, and what things stand on in each."""
 
-LOOKS: tuple[tuple[str, Look], ...] = tuple(
-    (name, look) for look in get_args(Look) for name in names() if look in info(name).looks
-)
-CAMERA, SIDE, SAMPLES = "oblique", 256, 16
+LOOKS: tuple[tuple[str, Look], ...] = (*((name, "parity") for name in names() if info(name).draws), ("mujoco", "photo"))
+CAMERA, SIDE = "oblique", 256
 
 STILL = """
 use {place}
@@ -73,7 +70,7 @@ def still(place: str) -> Scene:
 
 def picture(scene: Scene, engine: str, look: Look) -> Image.Image:
     """The scene as it begins."""
-    studio = RenderCache(engine, SIDE, SIDE, look, SAMPLES if look == "beauty" else None)
+    studio = RenderCache(engine, SIDE, SIDE, look)
     frame = studio.draw(scene, Shot(CAMERA, tuple(body.pose for body in scene.bodies)))
     studio.close()
     return Image.fromarray(frame.rgb)

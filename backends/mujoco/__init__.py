@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.scene.backend import must_draw
-from wmspec.scene.model import Look, Renderer, Scene, Trace
+from wmspec.scene.model import Renderer, Scene, Trace
 
 from .about import INFO as info
 
@@ -20,16 +19,8 @@ def execute(scene: Scene) -> Trace:
     return physics.execute(scene)
 
 
-def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:
-    """Make a renderer of the scene's bodies and cameras.
-
-    Raises WmsError for the look photo, which is Mitsuba's, and where the graphics that a look needs are missing.
-    """
-    must_draw(info, look, samples)
-    if look == "beauty":
-        from . import beauty
-
-        return beauty.Renderer(scene, width, height, samples or beauty.SAMPLES)
+def renderer(scene: Scene, width: int, height: int) -> Renderer:
+    """Make a renderer of the scene's bodies and cameras. Raises GraphicsError where graphics libraries are missing."""
     from . import render
 
     return render.Renderer(scene, width, height)

@@ -26,7 +26,6 @@ INFO = Info(
     distribution="mujoco",
     requirement="wmspec[mujoco]",
     steps_per_second=STEPS_PER_SECOND,
-    looks=("parity", "beauty"),
     lacks=(
         Lack(BALL_LIMITS, "MuJoCo has no such limits; remove the cone angles, or use hinges"),
         Lack(

@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backends.mujoco.backdrop import Backdrop, Backdrops, Layer, key
-from backends.mujoco.cast import Cast
 from wmspec.crash import in_our_code
 from wmspec.diagnostics import GraphicsError
 from wmspec.scene.boxes import Edges
@@ -25,6 +23,9 @@ from wmspec.scene.silence import silence
 from wmspec.scene.texcoords import texcoords
 from wmspec.scene.window import Moving, Window, full
 from wmspec.shapes import Shape
+
+from .backdrop import Backdrop, Backdrops, Layer, key
+from .cast import Cast
 
 with silence():
     import mujoco

@@ -33,7 +33,6 @@ INFO = Info(
     distribution="pybullet",
     requirement="wmspec[pybullet]",
     steps_per_second=STEPS_PER_SECOND,
-    looks=("parity",),
     lacks=(
         Lack(BALL_LIMITS, "PyBullet has no such limits; remove the cone angles, or use hinges"),
         Lack(stiff_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),

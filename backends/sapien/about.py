@@ -24,7 +24,6 @@ INFO = Info(
     distribution="sapien",
     requirement="wmspec[sapien]",
     steps_per_second=1920,
-    looks=("parity", "beauty"),
     lacks=(
         # Measured: SAPIEN's drives take cone limits, and let joints pass them.
         Lack(BALL_LIMITS, "SAPIEN lets joints pass such limits; remove the cone angles, or use hinges"),

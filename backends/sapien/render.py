@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from wmspec.crash import in_our_code
 from wmspec.diagnostics import GraphicsError
 from wmspec.scene.camera import seeing
-from wmspec.scene.color import texture, to_bytes, to_linear, to_srgb
+from wmspec.scene.color import texture, to_bytes
 from wmspec.scene.contact_shadow import ContactShadows
 from wmspec.scene.model import Body, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.scene.near_plane import NearPlane
@@ -55,7 +55,7 @@ class Renderer:
         self._scene, self._casters, self._contact = scene, Casters(scene), ContactShadows(scene)
         self._near = NearPlane(scene, width / height)
         self._world: Any = _world()
-        self._bodies = bodies(self._world, scene)
+        self._bodies = [_body(self._world, merged(body)) for body in scene.bodies]
         self._owner = np.full(max((body.per_scene_id for body in self._bodies), default=0) + 1, -1, np.int16)
         self._owner[[body.per_scene_id for body in self._bodies]] = np.arange(len(self._bodies))
         self._sun = _lights(self._world, scene)
@@ -152,14 +152,6 @@ def _pose(pose: Pose) -> Any:
     return sapien.Pose(pose.position, pose.orientation)
 
 
-def bodies(world: Any, scene: Scene, linear: bool = False) -> list[Any]:
-    """An entity for each body of the scene; colours are as they are, for our shaders, or `linear`, for SAPIEN's own."""
-    return [
-        _body(world, [[geom] for geom in body.geoms if geom.visible] if linear else merged(body), linear)
-        for body in scene.bodies
-    ]
-
-
 def merged(body: Body) -> list[list[Geom]]:
     """What is visible of a body, in as many shapes as it must be drawn in: to draw one costs as much as many triangles.
 
@@ -217,17 +209,17 @@ def _lights(world: Any, scene: Scene) -> Any:
     return world.add_directional_light(direction, [light.diffuse * SHADE] * 3, shadow=True, shadow_map_size=SHADOW_MAP)
 
 
-def _body(world: Any, parts: list[list[Geom]], linear: bool) -> Any:
+def _body(world: Any, parts: list[list[Geom]]) -> Any:
     component = sapien.render.RenderBodyComponent()
     for geoms in parts:
-        component.attach(_shape(geoms, linear))
+        component.attach(_shape(geoms))
     entity = sapien.Entity()
     entity.add_component(component)
     world.add_entity(entity)
     return entity
 
 
-def _shape(geoms: list[Geom], linear: bool) -> Any:
+def _shape(geoms: list[Geom]) -> Any:
     parts = [_placed(geom) for geom in geoms]
     whole = join(parts)
     if _has_palette(geoms):
@@ -238,7 +230,7 @@ def _shape(geoms: list[Geom], linear: bool) -> Any:
         material.base_color, material.base_color_texture = [1.0] * 4, _palette(geoms)
     else:
         st = whole.st * [1, -1] + [0, 1]
-        material = _material(geoms[0], linear)
+        material = _material(geoms[0])
     return sapien.render.RenderShapeTriangleMesh(
         whole.points.astype(np.float32),
         whole.faces.astype(np.uint32),
@@ -265,18 +257,16 @@ def _palette(geoms: list[Geom]) -> Any:
     return sapien.render.RenderTexture2D(to_bytes(colors)[None], "R8G8B8A8Unorm", mipmap_levels=1, srgb=False)
 
 
-def _material(geom: Geom, linear: bool) -> Any:
-    """A material; unless `linear`, colours are passed as they are: our shaders add up light in sRGB."""
+def _material(geom: Geom) -> Any:
+    """A material. Colours stay in sRGB, since our shaders add up light there."""
     look = geom.surface
     material = sapien.render.RenderMaterial()
-    material.base_color = [*(to_linear(look.color).tolist() if linear else look.color), 1.0]
+    material.base_color = [*look.color, 1.0]
     material.roughness, material.metallic, material.specular = max(look.roughness, 0.05), look.metallic, 0.4
     if look.texture is not None:
         image = texture(look.texture)
-        if linear:  # SAPIEN's own shaders take an image instead of the colour
-            image = to_bytes(to_srgb(to_linear(image / 255) * to_linear(look.color)))
         opaque = np.dstack([image, np.full(image.shape[:2], 255, np.uint8)])
         material.base_color_texture = sapien.render.RenderTexture2D(
-            opaque, "R8G8B8A8Unorm", mipmap_levels=max(image.shape[:2]).bit_length(), srgb=linear
+            opaque, "R8G8B8A8Unorm", mipmap_levels=max(image.shape[:2]).bit_length(), srgb=False
         )
     return material

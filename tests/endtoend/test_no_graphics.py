@@ -19,10 +19,6 @@ RENDER, GENERATE = ["render", COLLIDE, "--size", "32"], ["generate", COLLIDE, "-
         (NO_EGL, [*GENERATE, "-b", "mujoco"], "libegl1"),
         (NO_VULKAN, [*RENDER, "-b", "sapien"], "Mesa 24.3 or newer"),
         pytest.param(NO_VULKAN, [*GENERATE, "-b", "sapien"], "Mesa 24.3 or newer", marks=pytest.mark.slow),
-        (NO_VULKAN, [*RENDER, "-b", "mujoco", "--look", "beauty"], "mujoco-studio"),
-        pytest.param(
-            NO_VULKAN, [*RENDER, "-b", "sapien", "--look", "beauty"], "Mesa 24.3 or newer", marks=pytest.mark.slow
-        ),
     ],
     ids=lambda value: " ".join(map(str, value)) if isinstance(value, list) else "",
 )

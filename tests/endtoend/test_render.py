@@ -104,8 +104,8 @@ main()
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--look", "beauty", "-o", "x"], "mujoco, sapien"),
-        (["--samples", "4", "-o", "x"], "--look beauty"),
+        (["--look", "beauty", "-o", "x"], "'photo'"),
+        (["--samples", "4", "-o", "x"], "--look photo"),
         (["--camera", "nowhere", "-o", "x"], "no camera `nowhere`"),
         (["-o", "x.bmp"], ".png, .gif or .mp4"),
     ],

@@ -1,13 +1,17 @@
-"""Importing wmspec changes nothing that others in the process share."""
+"""Imports work when installed, and importing wmspec changes nothing that others in the process share."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from importlib.util import find_spec
+from pathlib import Path
 
 from tests.engines import ENGINES
 from wmspec.execute.backends import info
+
+ROOT = Path(__file__).parents[2]
 
 STATE = """
 import atexit, gc, importlib, locale, os, pkgutil, signal, sys
@@ -46,3 +50,11 @@ def test_importing_all_of_it_changes_nothing_shared() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip().endswith("[]")
+
+
+def test_backends_are_imported_by_the_name_that_they_have_when_installed() -> None:
+    """Only a checkout has `backends`. Inside it siblings are imported with a dot, elsewhere from `wmspec.backends`."""
+    absolute = re.compile(r"^\s*(?:from|import) backends\b.*", re.MULTILINE)
+    folders = ("wmspec", "backends", "tests", "tools", "benchmarks", "conformance", "docs")
+    files = [path for folder in folders for kind in ("*.py", "*.md") for path in (ROOT / folder).rglob(kind)]
+    assert not {str(path): found for path in files if (found := absolute.findall(path.read_text("utf-8")))}

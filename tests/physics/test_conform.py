@@ -72,7 +72,7 @@ def test_what_falls_on_what_rests_stays_there_in_sapien() -> None:
 
 def test_cylinders_as_long_as_thick_are_balls_inside_in_sapien_unless_they_stand() -> None:
     installed("sapien")
-    from backends.sapien.physics import prepare
+    from wmspec.backends.sapien.physics import prepare
 
     def kinds(axis: str, length: float) -> list[str]:
         text = stage(floor(), body("can", cylinder(0.1, length, axis), (0, 0, 0.1)))

@@ -76,6 +76,7 @@ TWO = """<mujoco><asset><mesh name="wedge" vertex="0 0 0  .3 0 0  0 .2 0  0 0 .4
 def test_what_is_clear_of_something_does_not_touch_it(told: str, other: str) -> None:
     installed("mujoco")
     import mujoco
+
     from wmspec.backends.mujoco.beside import beside
 
     rng, clear, steps = np.random.default_rng(0), 0, 200

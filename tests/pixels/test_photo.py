@@ -21,6 +21,7 @@ from wmspec.api.making import planned
 from wmspec.api.verifying import verify
 from wmspec.cli import main
 from wmspec.diagnostics import WmsError
+from wmspec.execute.backends import drawing
 from wmspec.execute.render_cache import RenderCache
 from wmspec.materials import TEXTURES
 from wmspec.photo import library
@@ -208,3 +209,10 @@ def test_a_dataset_says_what_drew_it_and_is_drawn_again(tmp_path: Path) -> None:
     parity = planned(SPEED, **{**how, "look": "parity", "samples": None})
     assert planned(SPEED, **how).fingerprint != parity.fingerprint
     assert "mitsuba" not in parity.versions
+
+
+def test_an_unknown_look_is_an_error_that_names_the_looks() -> None:
+    installed("mujoco")
+    unknown: Any = "beauty"
+    with pytest.raises(WmsError, match=r"no look `beauty`; choose `parity`, .* or `photo`, for people"):
+        drawing(("mujoco",), unknown)

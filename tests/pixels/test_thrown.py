@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import wmspec
-from backends.mujoco import render
-from backends.mujoco.render import Renderer
+from wmspec.backends.mujoco import render
+from wmspec.backends.mujoco.render import Renderer
 from wmspec.resources import resource
 from wmspec.scene.boxes import edges
 from wmspec.scene.camera import look_at, seeing

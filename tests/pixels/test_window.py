@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import wmspec
-from backends.mujoco import render
-from backends.mujoco.backdrop import Backdrops
-from backends.mujoco.cast import Cast
-from backends.mujoco.render import Renderer
+from wmspec.backends.mujoco import render
+from wmspec.backends.mujoco.backdrop import Backdrops
+from wmspec.backends.mujoco.cast import Cast
+from wmspec.backends.mujoco.render import Renderer
 from wmspec.resources import resource
 from wmspec.scene.camera import project
 from wmspec.scene.model import Pose, Scene, Shot, Surface

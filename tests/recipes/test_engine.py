@@ -89,9 +89,8 @@ def test_it_makes_a_dataset(wmspec: Wmspec, tmp_path: Path) -> None:
     [
         (("run", MEETING), "Toy knows free flight only, and /World/Objects/floor and /World/Objects/far meet at"),
         (("compile", FLIGHT, "-o", "OUT"), "Toy has no form of its own for flight"),
-        (("render", FLIGHT, "-o", "OUT", "--look", "beauty"), "toy cannot draw the look `beauty`; choose among"),
     ],
-    ids=["meeting", "native", "look"],
+    ids=["meeting", "native"],
 )
 def test_what_it_lacks_is_said_in_a_sentence(
     wmspec: Wmspec, tmp_path: Path, arguments: tuple[Any, ...], message: str

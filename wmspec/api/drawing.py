@@ -20,8 +20,8 @@ class Drawing(TypedDict, total=False):
     """How pictures are drawn.
 
     `size`: the side of a square, or (width, height), px; 384. `renderer`: the engine that draws, if not the one that
-    executed. `look`: the same picture from every engine ("parity"), the best of each ("beauty"), or paths of light
-    whatever the engine ("photo"); the latter two with so many `samples` a pixel.
+    executed. `look`: the same picture from every engine ("parity"), or a path-traced one by Mitsuba ("photo"), with so
+    many `samples` a pixel.
     """
 
     size: int | tuple[int, int]
@@ -55,9 +55,7 @@ def pixels(size: int | tuple[int, int]) -> tuple[int, int]:
 def samples_of(look: Look, samples: int | None) -> int | None:
     """The samples a pixel, if the look has any. Raises WmsError if not."""
     if look == "parity" and samples is not None:
-        raise WmsError(
-            "the look `parity` has no samples to choose; leave them out, or draw with `--look beauty` or `photo`"
-        )
+        raise WmsError("the look `parity` has no samples to choose; leave them out, or draw with `--look photo`")
     return samples
 
 

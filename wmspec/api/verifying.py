@@ -12,7 +12,7 @@ from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import chosen, versions
+from wmspec.execute.backends import chosen, drawing, versions
 from wmspec.foreign import is_name
 from wmspec.scene.model import Look
 from wmspec.write import files
@@ -78,9 +78,9 @@ def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
 
 def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan:
     """The dataset's plan, with some of its instances."""
-    manifest, drawing = dataset.manifest, drawn_in(dataset)
+    manifest, plan = dataset.manifest, drawn_in(dataset)
     engines = chosen(",".join(manifest["engines"]))
-    drawn = {*engines, *([drawing.renderer] if drawing.renderer else [])}
+    drawers = drawing([plan.renderer] if plan.renderer else engines, plan.look)
     return Plan(
         texts={},
         tasks=tuple(PlannedTask(task.spec, _spread(_indices(dataset, task), sample)) for task in tasks),
@@ -88,10 +88,10 @@ def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan
         size=(manifest["size"][0], manifest["size"][1]),
         seed=manifest["seed"],
         consensus=manifest["consensus"],
-        look=drawing.look,
-        samples=drawing.samples,
-        renderer=drawing.renderer,
-        versions=versions(drawn, drawing.look),
+        look=plan.look,
+        samples=plan.samples,
+        renderer=plan.renderer,
+        versions=versions({*engines, *drawers}, plan.look),
     )
 
 

@@ -81,14 +81,12 @@ def look_options(command: F) -> F:
     """The options `--look` and `--samples`."""
     look = click.option(
         "--look",
-        type=click.Choice(["parity", "beauty", "photo"]),
+        type=click.Choice(["parity", "photo"]),
         default="parity",
         show_default=True,
-        help="The same picture from every engine, the best that an engine can draw, or paths of light (Mitsuba).",
+        help="The same picture from every engine, or a path-traced one by Mitsuba, for people.",
     )
-    samples = click.option(
-        "--samples", type=click.IntRange(1, 4096), help="Samples a pixel, for the looks beauty and photo."
-    )
+    samples = click.option("--samples", type=click.IntRange(1, 4096), help="Samples a pixel, for the look photo.")
     return look(samples(command))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points, version
-from typing import cast
+from typing import cast, get_args
 
 from wmspec import __version__
 from wmspec.diagnostics import WmsError, suggestion
@@ -115,16 +115,17 @@ def chosen(choice: str) -> tuple[str, ...]:
 def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
     """The engines, if all of them can draw the look. Raises WmsError with those that can.
 
-    The look "photo" is drawn for them; what an engine draws of it, masks and distances, are those of its look "parity".
+    Mitsuba draws the look "photo"; its masks and distances are those of the engine's parity look.
     """
+    if look not in get_args(Look):
+        raise WmsError(f"no look `{look}`; choose `parity`, the same picture from every engine, or `photo`, for people")
     if look == "photo":
         photo.mitsuba()
-    own: Look = "parity" if look == "photo" else look
     for name in engines:
-        if own not in info(name).looks:
-            able = ", ".join(other for other in names() if _works(other) and own in info(other).looks)
+        if not info(name).draws:
+            able = ", ".join(other for other in names() if _works(other) and info(other).draws)
             raise WmsError(
-                f"{name} cannot draw the look `{look}`; choose among {able or 'engines yet to be installed'} with "
+                f"{name} cannot draw; choose among {able or 'engines yet to be installed'} with "
                 "--backend, or in `wmspec render` with --renderer"
             )
     return tuple(engines)

@@ -6,8 +6,6 @@ it.
 
 from __future__ import annotations
 
-import ctypes
-import json
 import os
 import re
 import shlex
@@ -23,7 +21,7 @@ from itertools import chain
 
 from wmspec.crash import Crash, how_to_report
 from wmspec.diagnostics import WmsError
-from wmspec.execute import probe, remedy, vulkan
+from wmspec.execute import probe, remedy
 from wmspec.execute.backends import engine_version, info, names
 from wmspec.execute.probe import Failure
 from wmspec.execute.remedy import Cause, System
@@ -33,7 +31,7 @@ from wmspec.scene.backend import Info
 PATIENCE = 300.0  # seconds: an engine may compile its shaders anew in every process, minutes on a busy machine
 OLDEST_PYTHON = (3, 11)
 #: What draws the look "photo", as engines describe themselves.
-_PHOTO = Info("photo", "Mitsuba", "mitsuba", "mitsuba", library.REQUIREMENT, 0, ("photo",))
+_PHOTO = Info("photo", "Mitsuba", "mitsuba", "mitsuba", library.REQUIREMENT, 0)
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ class Finding:
 
 
 def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
-    """Look at everything: Python, packages, graphics, and each engine by letting it execute and draw a cube.
+    """Look at everything: Python, packages, and each engine by letting it execute and draw a cube.
 
     No trial takes longer than `patience` (s). Never raises for what it finds.
     """
@@ -62,7 +60,6 @@ def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
         lambda: [_python()],
         lambda: [_packages()],
         lambda: [finding for finding in known.values() if isinstance(finding, Finding)],
-        *(partial(_graphics, api, engines, system, patience) for api in ("EGL", "Vulkan")),
         *(partial(_engine, engine, system, patience) for engine in engines),
         partial(_photo, system, patience),
     ]
@@ -127,37 +124,6 @@ def _numbers(text: str) -> tuple[int, ...]:
     return tuple(int(n) for n in re.findall(r"\d+", text)[:3])
 
 
-# ---------------------------------------------------------------- graphics
-
-
-def _graphics(api: str, engines: Sequence[Info], system: System, patience: float) -> list[Finding]:
-    """Whether there is what engines draw with; nothing, if none does."""
-    users = [engine for engine in engines if engine.graphics and engine.graphics.api == api]
-    return [{"EGL": _egl, "Vulkan": _vulkan}[api](users[0], system, patience)] if users else []
-
-
-def _egl(user: Info, system: System, _patience: float) -> Finding:
-    try:
-        ctypes.CDLL("libEGL.so.1")
-    except OSError as error:
-        assert user.graphics
-        return Finding("EGL", False, str(error), remedy.graphics(system, user.graphics.mesa))
-    return Finding("EGL", True, "libEGL.so.1")
-
-
-def _vulkan(user: Info, system: System, patience: float) -> Finding:
-    assert user.graphics
-    tried = _try("wmspec.execute.vulkan", patience=patience)
-    if isinstance(tried, Failure):
-        return _failed(Finding("Vulkan", False, ""), tried, None)
-    answer = json.loads(tried)
-    devices = [vulkan.Device(**d) for d in answer["devices"]]
-    if any(d.draws(user.graphics.mesa) for d in devices):
-        return Finding("Vulkan", True, "; ".join(map(str, devices)))
-    old = f"too old for {user.title}: " + "; ".join(map(str, devices)) if devices else ""
-    return Finding("Vulkan", False, old or answer["missing"] or "no device", remedy.drawing(user, system))
-
-
 # ---------------------------------------------------------------- engines
 
 
@@ -167,7 +133,7 @@ def _engine(engine: Info, system: System, patience: float) -> list[Finding]:
         installed = Finding(name, True, engine_version(name))
     except PackageNotFoundError:
         return [Finding(name, False, "not installed", remedy.engine_package(engine, system))]
-    trials = ("execute", "render") if engine.looks else ("execute",)
+    trials = ("execute", "render") if engine.draws else ("execute",)
     return [installed, *(_trial(engine, trial, system, patience) for trial in trials)]
 
 

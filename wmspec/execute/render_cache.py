@@ -72,12 +72,12 @@ class RenderCache:
         return renderer
 
     def _made(self, scene: Scene) -> Renderer:
-        engine = backend(self.engine)
-        if self._look != "photo":
-            return engine.renderer(scene, *self.size, self._look, self._samples)
+        parity = backend(self.engine).renderer(scene, *self.size)
+        if self._look == "parity":
+            return parity
         from wmspec.photo.renderer import Renderer as Photo
 
-        return Photo(scene, engine.renderer(scene, *self.size), self.size, self._samples)
+        return Photo(scene, parity, self.size, self._samples)
 
 
 def _bytes(frame: Frame) -> int:

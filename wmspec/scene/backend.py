@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from wmspec.diagnostics import WmsError
 from wmspec.scene.capability import Lack
-from wmspec.scene.model import Look, Renderer, Scene, Trace
+from wmspec.scene.model import Renderer, Scene, Trace
 
 
 @dataclass(frozen=True)
@@ -51,25 +50,12 @@ class Info:
     requirement: str
     #: At least so many steps are computed a second: a multiple of the scene's rate.
     steps_per_second: int
-    #: What it can draw; nothing, if it only executes.
-    looks: tuple[Look, ...]
     #: What scenes may ask for and it can't do.
     lacks: tuple[Lack, ...] = ()
+    #: Whether it draws; False if it only executes.
+    draws: bool = True
     graphics: Graphics | None = None
     compiled: Compiled | None = None
-
-
-def must_draw(info: Info, look: Look, samples: int | None) -> None:
-    """Raises WmsError unless the engine draws the look itself, with so many samples a pixel if any are asked for."""
-    if look == "photo":
-        raise WmsError(
-            f"{info.title} doesn't draw the look 'photo', Mitsuba does for any engine; ask for it with `--look photo`, "
-            'or in Python with `look="photo"` where pictures are drawn or a `RenderCache` is made'
-        )
-    if look not in info.looks:
-        raise WmsError(f"{info.title} can't draw the look '{look}'; let another engine draw, with `--renderer`")
-    if look == "parity" and samples is not None:
-        raise WmsError("the look 'parity' has no samples to choose; leave them out, or draw the look 'beauty'")
 
 
 class Backend(Protocol):
@@ -87,12 +73,10 @@ class Backend(Protocol):
         """Run the episode. Raises WmsError for a scene that it can't honour, EngineError when it loses track of it."""
         ...
 
-    def renderer(
-        self, scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None
-    ) -> Renderer:
-        """Make a renderer of the scene's bodies and cameras; `samples` a pixel are for the look "beauty".
+    def renderer(self, scene: Scene, width: int, height: int) -> Renderer:
+        """Make a renderer of the scene's bodies and cameras.
 
-        Raises WmsError if the engine does not have the look, or the machine not the graphics.
+        Raises WmsError if the engine does not draw, GraphicsError if the machine lacks graphics libraries.
         """
         ...
 

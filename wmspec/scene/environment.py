@@ -1,4 +1,4 @@
-"""What surrounds a scene in the beauty look: a bright room without colour, which lights things and is mirrored by them.
+"""What surrounds a scene in the photo look: a bright room without colour, which lights things and is mirrored by them.
 
 The light comes from a pale ceiling, two large windows and their reflections on the floor, so that metal and gloss have
 something to mirror. Directions are the world's, z up; radiance is linear, its mean over the upper half about 1.
@@ -12,16 +12,6 @@ from wmspec.scene.model import Array
 
 PEAK = 4.0
 """No radiance is more than this."""
-
-FACES = (
-    ((0, 0, -1), (0, -1, 0), (1, 0, 0)),
-    ((0, 0, 1), (0, -1, 0), (-1, 0, 0)),
-    ((1, 0, 0), (0, 0, 1), (0, 1, 0)),
-    ((1, 0, 0), (0, 0, -1), (0, -1, 0)),
-    ((1, 0, 0), (0, -1, 0), (0, 0, 1)),
-    ((-1, 0, 0), (0, -1, 0), (0, 0, -1)),
-)
-"""The directions of a cube map's columns, rows and middle, in OpenGL's order +x -x +y -y +z -z."""
 
 _WINDOWS = ((-2.5, 0.62, 0.48, 0.30, 3.4), (0.35, 0.75, 0.30, 0.34, 2.6))
 """Azimuth and elevation of their middles, half their width and height (radians), and how bright they are."""
@@ -39,18 +29,6 @@ def radiance(directions: Array) -> Array:
     tint = np.where(z[..., None] > 0, np.array([0.985, 1.0, 1.02]), np.array([1.03, 1.0, 0.96]))
     light: Array = np.clip(grey[..., None] * tint, 0, PEAK)
     return light
-
-
-def cube(side: int) -> Array:
-    """Directions (6, side, side, 3) of the texels of a cube map in the axes that `FACES` are given in."""
-    at = (np.arange(side) + 0.5) / side * 2 - 1
-    rays = [
-        at[None, :, None] * np.array(right) + at[:, None, None] * np.array(down) + np.array(middle)
-        for right, down, middle in FACES
-    ]
-    directions = np.stack(rays).astype(np.float64)
-    unit: Array = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
-    return unit
 
 
 def _step(value: Array, low: float, high: float) -> Array:

@@ -1,4 +1,4 @@
-"""From light to a picture: one curve for all engines of the beauty look.
+"""From light to a picture: the curve of the photo look.
 
 Of Khronos' "PBR Neutral" tone mapper (2024) this is the part that rolls off what is bright; what is darker than 0.76 of
 white keeps its colour exactly.
@@ -23,10 +23,3 @@ def tonemap(light: Array) -> NDArray[np.uint8]:
     white = 1 - 1 / (DESATURATION * (beyond + START - rolled) + 1)
     bright = light * rolled / np.maximum(peak, START)
     return to_bytes(to_srgb(np.where(peak < START, light, bright + white * (rolled - bright))))
-
-
-def shrink(light: Array, side: int) -> Array:
-    """The mean of every `side` x `side` pixels: (side h, side w, 3) to (h, w, 3)."""
-    height, width, _ = light.shape
-    mean: Array = light.reshape(height // side, side, width // side, side, 3).mean(axis=(1, 3))
-    return mean

@@ -7,8 +7,8 @@ from typing import Literal, Protocol
 from wmspec.scene.model.cameras import Frame, Shot
 from wmspec.scene.model.episode import Scene
 
-Look = Literal["parity", "beauty", "photo"]
-"""The same picture from every engine, the best that each can draw, or paths of light by a renderer of its own."""
+Look = Literal["parity", "photo"]
+"""The same picture from every engine, or a path-traced one by Mitsuba, for people."""
 
 
 class Renderer(Protocol):

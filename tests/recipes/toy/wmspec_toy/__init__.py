@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from wmspec.diagnostics import WmsError
-from wmspec.scene.backend import Info, must_draw
+from wmspec.scene.backend import Info
 from wmspec.scene.capability import JOINTS, Lack, require
-from wmspec.scene.model import Look, Renderer, Scene, Trace
+from wmspec.scene.model import Renderer, Scene, Trace
 
 info = Info(
     name="toy",
@@ -14,7 +14,6 @@ info = Info(
     distribution="wmspec-toy",
     requirement="wmspec-toy",
     steps_per_second=1920,
-    looks=("parity",),
     lacks=(Lack(JOINTS, "Toy knows free bodies only; remove the joint"),),
 )
 
@@ -34,9 +33,8 @@ def execute(scene: Scene) -> Trace:
     return trace(info.name, scene, timeline, play(World(scene, timeline.step), timeline))
 
 
-def renderer(scene: Scene, width: int, height: int, look: Look = "parity", samples: int | None = None) -> Renderer:
-    """Make a renderer. Raises WmsError for another look than parity."""
-    must_draw(info, look, samples)
+def renderer(scene: Scene, width: int, height: int) -> Renderer:
+    """Make a renderer."""
     from .render import Painter
 
     return Painter(scene, width, height)
