@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 
-from wmspec.diagnostics import visible
+from wmspec.core.diagnostics import visible
 
 #: The exit code of a command that met one: EX_SOFTWARE of sysexits.h.
 EXIT_CODE = 70

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.scene.digest import digest
-from wmspec.scene.kept import kept
-from wmspec.scene.model import Body, Camera, Scene, Shot
-from wmspec.scene.window import Lit, Window
+from wmspec.sim.scene.model import Body, Camera, Scene, Shot
+from wmspec.sim.scene.model.digest import digest
+from wmspec.sim.scene.model.memoize import kept
+from wmspec.sim.scene.render.window import Lit, Window
 
 REMEMBERED = 24
 """Each takes 12 bytes a pixel: 0.8 MB at 256 by 256."""

@@ -168,7 +168,7 @@ def test_the_help_has_the_exit_codes(shell: Shell, name: str) -> None:
 
 def doctor(shell: Shell, engine: str) -> dict[str, dict[str, str]]:
     code = (
-        f"from wmspec.execute import doctor; doctor.names, doctor._photo = lambda: ('{engine}',), lambda *_: []\n"
+        f"from wmspec.runtime import doctor; doctor.names, doctor._photo = lambda: ('{engine}',), lambda *_: []\n"
         "from wmspec.cli import main; main(['doctor', '--json'])"
     )
     done = shell.python("-c", code)
@@ -207,7 +207,7 @@ def test_mistakes_in_our_code_are_told_from_what_is_missing() -> None:
             exec(compile(code, "x.py", "exec"), {"__name__": module})
         return caught.value
 
-    assert in_our_code(raised("from wmspec.scene import nowhere", "x"))
+    assert in_our_code(raised("from wmspec.sim.scene import nowhere", "x"))
     assert in_our_code(raised("import backends.nowhere", "x"))
     assert in_our_code(raised("None.step", "backends.mujoco.render"))
     assert not in_our_code(raised("None.step", "mujoco.egl"))

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.check.vocabulary import STAGES
 from wmspec.cli.common import (
     instance_of,
     instance_option,
@@ -25,9 +24,10 @@ from wmspec.cli.common import (
     task_option,
 )
 from wmspec.cli.run import duration_option, seconds_of, tell_notes
+from wmspec.core.diagnostics import EngineError, GraphicsError, StageError, WmsError
+from wmspec.core.places import FilePlace
 from wmspec.crash import Crash
-from wmspec.diagnostics import EngineError, GraphicsError, StageError, WmsError
-from wmspec.places import FilePlace
+from wmspec.lang.check.tables.vocabulary import STAGES
 from wmspec.tally import Tally
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def _executions(
     """What gives the episodes: one of each engine that executes it, or the one that was written to disk."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
-    from wmspec.execute.backends import chosen
+    from wmspec.runtime.engines.registry import chosen
 
     suffix = source.suffix.lower()
     if suffix == ".npz":

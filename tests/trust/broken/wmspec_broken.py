@@ -31,7 +31,7 @@ def _mistaken(_: object) -> None:
 
 
 def _lacking(_: object) -> None:
-    from wmspec.scene import nowhere  # noqa: F401
+    from wmspec.sim.scene import nowhere  # noqa: F401
 
 
 def _out_of_library(_: object) -> None:

@@ -1,0 +1,65 @@
+"""What physics and pictures read of a scene, as hashes: by them traces, renderers and pictures are shared.
+
+The hash of a body is kept with it, since one body is in many scenes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from wmspec.sim.scene.model import Body, Scene, Shot, Surface
+from wmspec.sim.scene.model.digest import digest
+
+_PLAIN = Surface()
+
+
+def physics_key(scene: Scene) -> bytes:
+    """What physics reads of a scene: two scenes with the same key have the same trace."""
+    return _once(scene, "physics", _physics)
+
+
+def form_key(scene: Scene) -> bytes:
+    """What a picture shows of a scene apart from poses and colours."""
+    return _once(scene, "form", _form)
+
+
+def look_key(scene: Scene) -> bytes:
+    """What a picture shows of a scene apart from poses."""
+    return _once(scene, "look", lambda s: digest(form_key(s), [_once(b, "paint", _paint) for b in s.bodies]))
+
+
+def shot_key(shot: Shot) -> bytes:
+    """From where a picture is taken, and where everything is."""
+    return digest(shot.camera, *[(pose.position.tobytes(), pose.orientation.tobytes()) for pose in shot.poses])
+
+
+def _physics(scene: Scene) -> bytes:
+    bodies = [_once(body, "physics", _felt) for body in scene.bodies]
+    return digest(scene.gravity, scene.actions, bodies, scene.joints, scene.filtered, scene.duration, scene.rate)
+
+
+def _felt(body: Body) -> bytes:
+    return digest(replace(body, geoms=tuple(replace(geom, surface=_PLAIN) for geom in body.geoms)))
+
+
+def _form(scene: Scene) -> bytes:
+    return digest([_once(body, "form", _shown) for body in scene.bodies], scene.cameras, scene.light, scene.background)
+
+
+def _shown(body: Body) -> bytes:
+    pieces = [(g.shape, g.pose, g.surface.texture, g.surface.repeats, g.collides) for g in body.geoms if g.visible]
+    return digest(body.name, body.motion, pieces)
+
+
+def _paint(body: Body) -> bytes:
+    return digest([geom.surface for geom in body.geoms if geom.visible])
+
+
+def _once(whole: Any, name: str, make: Callable[[Any], bytes]) -> bytes:
+    """A hash of what never changes, kept with it beside its fields: neither copies nor comparisons take it along."""
+    kept: dict[str, bytes] = whole.__dict__.setdefault("_keys", {})
+    if name not in kept:
+        kept[name] = make(whole)
+    return kept[name]

@@ -1,0 +1,84 @@
+"""Drawing scenes: renderers are kept for scenes that differ in colours and places alone; a picture is drawn once."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+
+from wmspec.runtime.caches.cache_keys import form_key, look_key, shot_key
+from wmspec.runtime.engines.registry import backend
+from wmspec.sim.scene.model import Frame, Look, Renderer, Scene, Shot
+
+#: How much (bytes) the pictures take that are remembered, and how many renderers are open.
+REMEMBERED, OPEN = 96_000_000, 4
+
+
+class RenderCache:
+    """Draws in one engine at one size (pixels), in a look, with so many samples a pixel. Close it when done.
+
+    `asked` is how many pictures it was asked for, `drawn` how many it drew.
+    """
+
+    def __init__(
+        self,
+        engine: str,
+        width: int,
+        height: int,
+        look: Look = "parity",
+        samples: int | None = None,
+        remembered: int = REMEMBERED,
+    ) -> None:
+        self.engine = engine
+        self.size = (width, height)
+        self.asked = self.drawn = 0
+        self._look, self._samples = look, samples
+        self._room = remembered
+        self._frames: OrderedDict[tuple[bytes, bytes, bool], Frame] = OrderedDict()
+        self._open: OrderedDict[bytes, tuple[bytes, Renderer]] = OrderedDict()
+
+    def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
+        """The picture of a scene from a camera, with every body at the pose of the shot."""
+        key = look_key(scene), shot_key(shot), depth
+        self.asked += 1
+        if key not in self._frames:
+            self.drawn += 1
+            self._keep(key, self._renderer(scene).draw(shot, depth=depth))
+        self._frames.move_to_end(key)
+        return self._frames[key]
+
+    def close(self) -> None:
+        """Let go of the renderers."""
+        while self._open:
+            self._open.popitem()[1][1].close()
+
+    def _keep(self, key: tuple[bytes, bytes, bool], frame: Frame) -> None:
+        self._frames[key] = frame
+        self._room -= _bytes(frame)
+        while self._room < 0 and len(self._frames) > 1:
+            self._room += _bytes(self._frames.popitem(last=False)[1])
+
+    def _renderer(self, scene: Scene) -> Renderer:
+        """A renderer of the scene: one that is open if it can be given its colours, or else a new one."""
+        form, look = form_key(scene), look_key(scene)
+        if form in self._open:
+            painted, renderer = self._open[form]
+            if painted != look and not renderer.repaint(scene):
+                self._open.pop(form)[1].close()
+        if form not in self._open:
+            renderer = self._made(scene)
+        self._open[form] = look, renderer
+        self._open.move_to_end(form)
+        if len(self._open) > OPEN:
+            self._open.popitem(last=False)[1][1].close()
+        return renderer
+
+    def _made(self, scene: Scene) -> Renderer:
+        parity = backend(self.engine).renderer(scene, *self.size)
+        if self._look == "parity":
+            return parity
+        from wmspec.sim.photo.renderer import Renderer as Photo
+
+        return Photo(scene, parity, self.size, self._samples)
+
+
+def _bytes(frame: Frame) -> int:
+    return int(frame.rgb.nbytes + frame.ids.nbytes + (0 if frame.depth is None else frame.depth.nbytes))

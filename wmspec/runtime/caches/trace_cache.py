@@ -1,0 +1,34 @@
+"""Executing scenes, each physics once: colour does not change a trajectory."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+
+from wmspec.runtime.caches.cache_keys import physics_key
+from wmspec.runtime.engines.registry import backend
+from wmspec.sim.scene.model import Scene, Trace
+
+
+class TraceCache:
+    """Executes scenes in one engine and remembers the latest traces (some 250 kB each) by what physics reads.
+
+    `asked` is how many traces it was asked for, `executed` how many episodes that took.
+    """
+
+    def __init__(self, engine: str, remembered: int = 128) -> None:
+        self.engine = engine
+        self.asked = self.executed = 0
+        self._remembered = remembered
+        self._traces: OrderedDict[bytes, Trace] = OrderedDict()
+
+    def trace(self, scene: Scene) -> Trace:
+        """The trace of a scene, executed now or before. Raises EngineError if the engine fails on it."""
+        key = physics_key(scene)
+        self.asked += 1
+        if key not in self._traces:
+            self.executed += 1
+            self._traces[key] = backend(self.engine).execute(scene)
+            if len(self._traces) > self._remembered:
+                self._traces.popitem(last=False)
+        self._traces.move_to_end(key)
+        return self._traces[key]

@@ -1,0 +1,160 @@
+"""The commands that mend a machine: Python packages by pip, graphics libraries by the system's own packages."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from wmspec.core.diagnostics import GraphicsError
+from wmspec.crash import in_our_code
+from wmspec.sim.scene.backend import Graphics, Info
+
+PACKAGES = "mesa-vulkan-drivers libegl-mesa0 libgl1-mesa-dri libegl1 libgl1 libvulkan1"
+DEBIAN_WITH_OLD_MESA = {"bookworm": "bookworm-backports"}  # Debian 12: Mesa 22.3, and 25.0 in its backports
+FAMILY = {"debian", "ubuntu"}
+
+
+@dataclass(frozen=True)
+class System:
+    """What decides how packages are installed: the names in os-release, and whether we are root."""
+
+    ids: frozenset[str]
+    codename: str
+    root: bool
+
+    @property
+    def sudo(self) -> str:
+        """What a command begins with."""
+        return "" if self.root else "sudo "
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause that was recognised, and the package, system library, engine module or variable that it is about."""
+
+    kind: Literal["package", "library", "install", "variable", "graphics"]
+    what: str = ""
+
+
+#: How the loader says that a library of the system is missing.
+_LIBRARY = re.compile(r"(lib[\w.+-]+\.so[.\d]*): cannot open shared object file")
+#: How the libraries begin that Mesa brings.
+_OF_GRAPHICS = ("libEGL", "libGL", "libOpenGL", "libOSMesa", "libvulkan")
+#: Variables that choose a driver or a library.
+_VARIABLE = re.compile(r"\b(MUJOCO_GL|PYOPENGL_PLATFORM|VK_DRIVER_FILES|VK_ICD_FILENAMES|DRJIT_LIBLLVM_PATH)\b")
+
+
+def recognised(error: BaseException) -> Cause | None:
+    """Why an engine failed, if that has a known remedy. None for a mistake in our code, and whatever else it may be."""
+    chain = list(_chain(error))
+    if any(map(in_our_code, chain)):
+        return None
+    for one in chain:
+        if isinstance(one, ModuleNotFoundError) and one.name and "." not in one.name:
+            return Cause("package", one.name)
+    if any(isinstance(one, GraphicsError) for one in chain):
+        return Cause("graphics")
+    for one in chain:
+        if isinstance(one, ImportError | OSError) and (library := _LIBRARY.search(str(one))):
+            return Cause("library", library[1])
+        if (variable := _VARIABLE.search(str(one))) and os.environ.get(variable[1]):
+            return Cause("variable", variable[1])
+        if isinstance(one, ImportError) and one.name:
+            return Cause("install", one.name.split(".")[0])
+    return None
+
+
+def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """An exception, and those that it was raised from."""
+    while error is not None:
+        yield error
+        error = error.__cause__ or error.__context__
+
+
+def mending(cause: Cause, engine: Info, system: System) -> str:
+    """The command that removes a cause; empty if the engine is not what it is about."""
+    match cause.kind:
+        case "variable":
+            return f"unset {cause.what}"
+        case "package":
+            ours = cause.what == engine.module.split(".")[0]
+            return engine_package(engine, system) if ours else pip(cause.what)
+        case "install":
+            ours = cause.what == engine.module.split(".")[0]
+            return reinstalled(engine, system) if ours else ""
+        case "library" if not cause.what.startswith(_OF_GRAPHICS):
+            return f"install the package of your system that has {cause.what}"
+    return drawing(engine, system)
+
+
+def this_system() -> System:
+    """The system we run on."""
+    try:
+        release = platform.freedesktop_os_release()
+    except OSError:
+        release = {}
+    ids = frozenset([release.get("ID", ""), *release.get("ID_LIKE", "").split()])
+    return System(ids, release.get("VERSION_CODENAME", ""), os.geteuid() == 0)
+
+
+def pip(requirement: str, *options: str) -> str:
+    """The command that installs a requirement where we run."""
+    return " ".join([sys.executable, "-m pip install", *options, f"'{requirement}'"])
+
+
+def engine_package(engine: Info, system: System) -> str:
+    """The command that installs an engine; it compiles it where there is no wheel for this Python."""
+    build = engine.compiled
+    if build is None or sys.version_info[:2] <= build.wheels_until:
+        return pip(engine.requirement)
+    compiler = f"{_apt(system)} g++ python3-dev" if system.ids & FAMILY else "install a C++ compiler"
+    install = f"{build.variables} {pip(engine.requirement, '--no-build-isolation')}".strip()
+    return " && ".join([compiler, *map(pip, build.needs), install])
+
+
+def graphics(system: System, mesa: tuple[int, int]) -> str:
+    """The command that installs what engines draw with when there is no GPU; at least that version of Mesa."""
+    if not system.ids & FAMILY:
+        oldest = ".".join(map(str, mesa))
+        return f"install Mesa {oldest} or newer (EGL and the Vulkan driver lavapipe), or your GPU's driver"
+    backports = DEBIAN_WITH_OLD_MESA.get(system.codename)
+    if backports is None:
+        return f"{_apt(system)} {PACKAGES}"
+    # The address is asked of apt: the one that the system has for itself.
+    ask = f"apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Release: {system.codename}'"
+    entry = f'echo "deb $({ask} | head -1) {backports} main"'
+    add = f"{system.sudo}tee /etc/apt/sources.list.d/{backports}.list"
+    return f"{entry} | {add} && {_apt(system)} -t {backports} {PACKAGES}"
+
+
+def llvm(system: System, oldest: int) -> str:
+    """The command that installs what compiles the look "photo"."""
+    return f"{_apt(system)} libllvm{oldest}" if system.ids & FAMILY else f"install LLVM {oldest} or newer"
+
+
+def reinstalled(engine: Info, system: System) -> str:
+    """The command that installs an engine again, whose own modules cannot be imported."""
+    return engine_package(engine, system).replace("pip install", "pip install --force-reinstall")
+
+
+def drawing(engine: Info, system: System) -> str:
+    """The command that brings the graphics that an engine draws with; empty if it draws by itself."""
+    if engine.graphics is None:
+        return ""
+    if forced := _forced(engine.graphics):
+        return f"unset {forced}"
+    return graphics(system, engine.graphics.mesa)
+
+
+def _forced(used: Graphics) -> str:
+    """The environment variables that choose another driver than the engine would."""
+    return " ".join(n for n in used.variables if os.environ.get(n, used.api).lower() != used.api.lower())
+
+
+def _apt(system: System) -> str:
+    return f"{system.sudo}apt-get update && {system.sudo}apt-get install"
