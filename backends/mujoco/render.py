@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.crash import in_our_code
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.native_output import silence
-from wmspec.crash import in_our_code
 from wmspec.sim.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.sim.scene.render.boxes import Edges
 from wmspec.sim.scene.render.camera import find, seeing

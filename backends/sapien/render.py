@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.crash import in_our_code
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.native_output import silence
-from wmspec.crash import in_our_code
 from wmspec.sim.scene.model import Body, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.sim.scene.model.transform import identity, multiply, quaternion, rotation
 from wmspec.sim.scene.render.camera import seeing

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from tests.dataset.made import make, plan
-from wmspec.crash import EXIT_CODE, Crash, in_our_code
-from wmspec.tally import Tally
+from wmspec.core.crash import EXIT_CODE, Crash, in_our_code
+from wmspec.core.tally import Tally
 
 HERE = Path(__file__).parent
 FLIGHT = HERE.parent / "recipes/flight.wms"

@@ -13,6 +13,7 @@ from wmspec.api.loading import Tell, load_all, of_dimensions, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.tally import Tally
 from wmspec.lang.check.ir.record import to_json
 from wmspec.runtime.compare.model import Checked
 from wmspec.runtime.compare.record import junit, record
@@ -22,7 +23,6 @@ from wmspec.runtime.compare.tolerance import tolerances
 from wmspec.runtime.compare.verbalize import complaints
 from wmspec.runtime.engines.registry import chosen, only_here
 from wmspec.runtime.workers.pool import Effort
-from wmspec.tally import Tally
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -75,7 +75,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
 
 def _of_thread(arguments: threading.ExceptHookArgs) -> None:
     """What a thread did not catch is told as all unexpected errors are."""
-    from wmspec import crash
+    from wmspec.core import crash
 
     if arguments.exc_value is not None and not isinstance(arguments.exc_value, SystemExit):
         crash.tell(arguments.exc_value)
@@ -121,7 +121,7 @@ class _Commands(click.Group):
             _drop_streams()
             sys.exit(2)
         except Exception as error:  # noqa: BLE001  a user sees no traceback of ours
-            from wmspec import crash
+            from wmspec.core import crash
 
             with suppress(OSError):
                 crash.tell(error)

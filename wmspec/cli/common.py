@@ -20,7 +20,7 @@ from wmspec.core.safe_io import make_folders
 
 if TYPE_CHECKING:
     from wmspec.api import Instance
-    from wmspec.tally import Tally
+    from wmspec.core.tally import Tally
 
 _COLORS: dict[Part, str] = {"error": "red", "warning": "yellow", "note": "cyan", "help": "green", "caret": "red"}
 

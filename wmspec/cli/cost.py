@@ -12,7 +12,7 @@ import click
 
 from wmspec.api.progress import progress_bar
 from wmspec.cli.common import settle
-from wmspec.tally import Tally
+from wmspec.core.tally import Tally
 
 if TYPE_CHECKING:
     from wmspec.dataset.build.estimate import Cost

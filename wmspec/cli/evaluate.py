@@ -11,7 +11,7 @@ import click
 from wmspec.api.progress import progress_bar
 from wmspec.cli.common import json_option, seed_option, settle
 from wmspec.core.diagnostics import WmsError
-from wmspec.tally import Tally
+from wmspec.core.tally import Tally
 
 if TYPE_CHECKING:
     from wmspec.eval.models.request import Ask

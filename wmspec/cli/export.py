@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import settle
-from wmspec.tally import Tally
+from wmspec.core.tally import Tally
 
 _PATH = click.Path(path_type=Path)
 

@@ -24,11 +24,11 @@ from wmspec.cli.common import (
     task_option,
 )
 from wmspec.cli.run import duration_option, seconds_of, tell_notes
+from wmspec.core.crash import Crash
 from wmspec.core.diagnostics import EngineError, GraphicsError, StageError, WmsError
 from wmspec.core.places import FilePlace
-from wmspec.crash import Crash
+from wmspec.core.tally import Tally
 from wmspec.lang.check.tables.vocabulary import STAGES
-from wmspec.tally import Tally
 
 if TYPE_CHECKING:
     from PIL.Image import Image

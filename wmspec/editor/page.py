@@ -6,12 +6,12 @@ import json
 import sys
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from importlib.resources import files
 from typing import Any
 
+from wmspec.core.crash import tell
 from wmspec.core.diagnostics import Diagnostic, WmsError
-from wmspec.crash import tell
-from wmspec.editor.sheet import Cell, Row
+from wmspec.dataset.build.webpage import webpage
+from wmspec.editor.examples import Cell, Row
 from wmspec.editor.watch import State, Watch, picture_name
 
 HOST = "127.0.0.1"
@@ -93,10 +93,7 @@ class _Handler(BaseHTTPRequestHandler):
 
 def page(name: str) -> str:
     """The page, for a spec of this name."""
-    from html import escape
-
-    text = (files("wmspec.editor") / "watch.html").read_text(encoding="utf-8")
-    return text.replace("{{ name }}", escape(name))
+    return webpage("wmspec.editor", name=name)
 
 
 def record(state: State) -> dict[str, object]:

@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from wmspec.runtime.questions.model import FAILED, Rejected
-from wmspec.crash import Crash
-from wmspec.tally import Tally
+from wmspec.core.crash import Crash
+from wmspec.core.tally import Tally
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.shards import Record
 from wmspec.dataset.build.worker import Balance, Sharing
+from wmspec.runtime.questions.model import FAILED, Rejected
 
 #: Of how many reasons an example is told.
 REASONS = 3

@@ -16,8 +16,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from wmspec.core.crash import tell
 from wmspec.core.diagnostics import WmsError
-from wmspec.crash import tell
 from wmspec.eval.study import page, store
 from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.model import PAGE, Study, load

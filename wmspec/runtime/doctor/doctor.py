@@ -19,8 +19,8 @@ from functools import partial
 from importlib.metadata import PackageNotFoundError, requires, version
 from itertools import chain
 
+from wmspec.core.crash import Crash, how_to_report
 from wmspec.core.diagnostics import WmsError
-from wmspec.crash import Crash, how_to_report
 from wmspec.runtime.doctor import install_hints, probe
 from wmspec.runtime.doctor.install_hints import Cause, System
 from wmspec.runtime.doctor.probe import Failure

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from wmspec.core.crash import in_our_code
 from wmspec.core.diagnostics import GraphicsError
-from wmspec.crash import in_our_code
 from wmspec.sim.scene.backend import Graphics, Info
 
 PACKAGES = "mesa-vulkan-drivers libegl-mesa0 libgl1-mesa-dri libegl1 libgl1 libvulkan1"

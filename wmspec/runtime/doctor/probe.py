@@ -1,4 +1,4 @@
-"""Does an engine work here? `python -m wmspec.runtime.doctor.probe ENGINE execute|render` tries it.
+"""Does an engine work here? Run `python -m wmspec.runtime.doctor.probe ENGINE execute|render`.
 
 The last line that it prints is `found: ` with what was found, or `failed: ` with a `Failure` as JSON.
 
@@ -18,8 +18,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.crash import Crash
 from wmspec.core.diagnostics import WmsError
-from wmspec.crash import Crash
 from wmspec.runtime.doctor.install_hints import Cause, recognised
 from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface

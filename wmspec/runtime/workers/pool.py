@@ -20,8 +20,8 @@ from typing import Any, Literal, Protocol, TypeVar, cast
 
 from pebble import ProcessExpired, ProcessPool
 
+from wmspec.core.crash import Crash
 from wmspec.core.diagnostics import GraphicsError, WmsError
-from wmspec.crash import Crash
 
 T = TypeVar("T")
 Piece = tuple[Any, ...]

@@ -48,7 +48,7 @@ class PictureAnswer(Answer):
     them is and how it is turned (`outcomes`: options, bodies, 7; NaN for what is not there), its `looks`, a hash of
     everything else that the picture shows, and the kind of the outcome (`outcome_kinds`, empty if there are none).
 
-    `axes` (bodies, 3) are about what bodies turn unseen, as `wmspec.sim.scene.render.turn.axis` says it. A turn of 1 rad counts as
+    `axes` (bodies, 3) are about what bodies turn unseen, as `render.turn.axis` returns it. A turn of 1 rad counts as
     much as `lever` metres; 0 where turns do not count.
     """
 
