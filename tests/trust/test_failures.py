@@ -168,7 +168,8 @@ def test_the_help_has_the_exit_codes(shell: Shell, name: str) -> None:
 
 def doctor(shell: Shell, engine: str) -> dict[str, dict[str, str]]:
     code = (
-        f"from wmspec.runtime.doctor import doctor; doctor.names, doctor._photo = lambda: ('{engine}',), lambda *_: []\n"
+        "from wmspec.runtime.doctor import doctor\n"
+        f"doctor.names, doctor._photo = lambda: ('{engine}',), lambda *_: []\n"
         "from wmspec.cli import main; main(['doctor', '--json'])"
     )
     done = shell.python("-c", code)
