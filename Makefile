@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: sbom help setup browser inspect demo quick lowest installed test test-all check format docs oracles agreement clean
+.PHONY: dist sbom help setup browser inspect demo quick lowest installed test test-all check format docs oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -19,6 +19,7 @@ help:
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
 	@echo "make format    rewrite the sources in the house style"
 	@echo "make sbom      a bill of materials of what is installed (CycloneDX), in out/sbom.json"
+	@echo "make dist      wheels and source archives of the distributions, in dist"
 	@echo "make docs      the documentation as a site, in out/site"
 	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
 	@echo "make agreement 200 instances of every task in every engine, into docs/crosscheck.md"
@@ -80,6 +81,11 @@ sbom: setup
 	@mkdir -p out
 	$(BIN)/python -m tools.supply sbom > out/sbom.json
 	@echo "The bill of materials: $(CURDIR)/out/sbom.json"
+
+dist: setup
+	rm -rf dist
+	$(BIN)/python -m hatchling build -d dist/wmspec
+	cd conformance && ../$(BIN)/python -m hatchling build -d ../dist/usdphysics-conformance
 
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

@@ -13,12 +13,14 @@ from hypothesis import settings
 import wmspec
 from tests.browser import browser
 from tests.engines import ENGINES
+from tests.shared import shared
 from wmspec.runtime.engines.registry import default
 
-__all__ = ["browser"]  # here alone: a process has one browser, however many folders look at pages
+__all__ = ["browser", "shared"]  # here alone: a process has one of each, however many folders use it
 
 # Time limits belong in benchmarks: a loaded machine must not fail a law. In CI the same examples are tried every time.
 settings.register_profile("wmspec", deadline=None, derandomize=bool(os.environ.get("CI")))
+settings.register_profile("long", settings.get_profile("wmspec"))
 settings.load_profile("wmspec")
 
 # Datasets say when they were published: in tests, always on the same day.
@@ -59,6 +61,8 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
+        if group := _sharing(item):
+            item.add_marker(pytest.mark.xdist_group(group))
         for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
             item.add_marker(need)
         if "browser" in getattr(item, "fixturenames", ()):
@@ -67,6 +71,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         one = {default()}
         config.hook.pytest_deselected(items=[item for item in items if _engines(item) - one])
         items[:] = [item for item in items if not _engines(item) - one]
+
+
+def _sharing(item: pytest.Item) -> str:
+    """The folder or file whose tests share a fixture of this one: a single process makes it (`--dist loadgroup`)."""
+    known = getattr(item, "_fixtureinfo", None)
+    definitions = [each[-1] for each in known.name2fixturedefs.values()] if known else []
+    shared = {
+        d.baseid: d.scope for d in definitions if d.scope in ("module", "session") and d.baseid not in ("", "tests")
+    }
+    return min(shared, key=len, default="")
 
 
 def _engines(item: pytest.Item) -> set[str]:

@@ -155,7 +155,7 @@ set_up_packages() {
     local engine missing=()
     say "installing wmspec and its engines"
     : >"$LOG"
-    if ! pip_install --only-binary=pybullet -e '.[all,dev]'; then
+    if ! pip_install --only-binary=pybullet -e '.[engines,dev]'; then
         pip_install -e '.[dev]' || { tail -5 "$LOG" >&2; complain "wmspec could not be installed; more in $LOG"; exit 1; }
         for engine in "${ENGINES[@]}"; do install_engine "$engine" || missing+=("$engine"); done
     fi

@@ -3,10 +3,11 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pxr import Usd
 
+from tests.examples import examples
 from tests.language.specs import DEEDS, SPECS, busy_text, random_spec, task_from, task_of
 from wmspec.compile.design.depend import Dependencies, dependencies
 from wmspec.compile.design.design import Design
@@ -29,7 +30,7 @@ def assert_law(spec: TaskSpec, before: Document, after: Document, *changed: str)
 
 
 @pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
-@settings(max_examples=3, deadline=None)
+@examples(2, 6)
 @given(data=st.data())
 def test_neighbours_differ_in_one_factor_alone(path: Path, data: st.DataObject) -> None:
     spec = task_of(path)
@@ -44,7 +45,7 @@ def test_neighbours_differ_in_one_factor_alone(path: Path, data: st.DataObject) 
 
 
 @pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
-@settings(max_examples=2, deadline=None)
+@examples(2, 4)
 @given(data=st.data())
 def test_a_counterfactual_changes_its_target_alone(path: Path, data: st.DataObject) -> None:
     spec = task_of(path)
@@ -71,7 +72,7 @@ def test_the_law_holds_whatever_happens(deeds: str) -> None:
             assert violations(depend, truth, document(spec, design[index], change), *changed_by(change)) == ()
 
 
-@settings(max_examples=30, deadline=None)
+@examples(8, 30)
 @given(spec=random_spec() | random_spec(grouped=True), data=st.data())
 def test_the_law_holds_on_random_specs(spec: TaskSpec, data: st.DataObject) -> None:
     redrawn = data.draw(st.integers(0, 2)) if spec.plan.balance else 0
@@ -89,7 +90,7 @@ def test_the_law_holds_on_random_specs(spec: TaskSpec, data: st.DataObject) -> N
     assert made_over(truth, other) == ()
 
 
-@settings(max_examples=30, deadline=None)
+@examples(8, 30)
 @given(spec=random_spec(grouped=True), seed=st.integers(0, 3), data=st.data())
 def test_a_member_of_a_closed_set_is_its_sibling(spec: TaskSpec, seed: int, data: st.DataObject) -> None:
     """What an instance would be with a sibling's levels is the sibling, to the last property."""
