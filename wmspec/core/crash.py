@@ -61,7 +61,7 @@ class Crash:
         """The place, the file with the full text, and how to report it, a line each."""
         lines = [f"  at {self.place}"] if self.place else []
         lines.append(f"  the full text: {path}" if path else "  the full text could not be written anywhere")
-        return "\n".join([*lines, f"  {how_to_report()}"])
+        return "\n".join([*lines, f"  {how_to_report(path is not None)}"])
 
     def save(self) -> Path | None:
         """Write the full text, and return its file: in the user's cache, else in the temporary folder.
@@ -93,15 +93,17 @@ def in_our_code(error: BaseException) -> bool:
     return isinstance(error, MISTAKES) and innermost.split(".")[0] in OURS
 
 
-def how_to_report() -> str:
-    """How to report an error, with the address of the issue tracker if the package names one."""
+def how_to_report(file: bool = True) -> str:
+    """How to report an error, with its `file`; with the address of the issue tracker if the package names one."""
     try:
         urls = dict(entry.split(", ", 1) for entry in metadata("wmspec").get_all("Project-URL") or () if ", " in entry)
     except PackageNotFoundError:
         urls = {}
     tracker = next((url for name, url in urls.items() if name.lower() in ("issues", "bug tracker", "tracker")), "")
-    where = f"at {tracker}" if tracker else "to the maintainers of wmspec"
-    return f"this is a mistake in wmspec or in an engine; please report it {where}, with that file"
+    where = f"at {tracker}" if tracker else "as an issue in the repository of wmspec"
+    return f"this is a mistake in wmspec or in an engine; please report it {where}" + (
+        ", with that file" if file else ""
+    )
 
 
 def tell(error: BaseException) -> None:

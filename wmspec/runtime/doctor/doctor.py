@@ -78,7 +78,7 @@ def _known(name: str) -> Info | Finding:
 def _failed(finding: Finding, failure: Failure, mended: Callable[[Cause], str] | None) -> Finding:
     """A finding that is not well, with the remedy of its cause, or else how to report it."""
     cure = mended(failure.cause) if failure.cause and mended else ""
-    report = "" if cure else failure.report or f"  {how_to_report()}"
+    report = "" if cure else failure.report or f"  {how_to_report(file=False)}"
     return replace(finding, ok=False, found=failure.words, remedy=cure, report=report)
 
 
