@@ -28,8 +28,9 @@ from wmspec.core.places import Source, Span
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.check.tables.vocabulary import WORDS
 from wmspec.lang.check.types.units import UNITS
+from wmspec.lang.parse.files import library_folder
 from wmspec.lang.parse.lexer import Token
-from wmspec.lang.parse.load import library_folder, load_source
+from wmspec.lang.parse.load import load_source
 from wmspec.lang.parse.parser import words
 from wmspec.lang.parse.tables import tables
 

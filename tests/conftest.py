@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
@@ -25,6 +26,11 @@ settings.load_profile("wmspec")
 
 # Datasets say when they were published: in tests, always on the same day.
 os.environ.setdefault("SOURCE_DATE_EPOCH", "1767225600")
+
+# What tests check is cached apart from what the user checks; workers of one run share it.
+if "WMSPEC_CACHE_DIR" not in os.environ:
+    _cache = tempfile.TemporaryDirectory(prefix="wmspec-cache-")
+    os.environ["WMSPEC_CACHE_DIR"] = _cache.name
 
 HERE = Path(__file__).parent
 NEEDS = {
@@ -63,8 +69,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if group := _sharing(item):
             item.add_marker(pytest.mark.xdist_group(group))
-        for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
-            item.add_marker(need)
+        if item.path.is_relative_to(HERE):
+            for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
+                item.add_marker(need)
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker("browser")
     if config.getoption("--one-engine"):
@@ -76,11 +83,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def _sharing(item: pytest.Item) -> str:
     """The folder or file whose tests share a fixture of this one: a single process makes it (`--dist loadgroup`)."""
     known = getattr(item, "_fixtureinfo", None)
-    definitions = [each[-1] for each in known.name2fixturedefs.values()] if known else []
-    shared = {
-        d.baseid: d.scope for d in definitions if d.scope in ("module", "session") and d.baseid not in ("", "tests")
-    }
-    return min(shared, key=len, default="")
+    fixtures = [each[-1] for each in known.name2fixturedefs.values()] if known else []
+    places = {fixture.baseid for fixture in fixtures if fixture.scope in ("module", "session")}
+    return min(places - {"", "tests"}, key=len, default="")
 
 
 def _engines(item: pytest.Item) -> set[str]:

@@ -14,7 +14,7 @@ from pxr import Gf, Usd, UsdGeom
 
 from tests.assets.specs import HERE, checked, scene, spec, tensor
 from tests.engines import ENGINES, installed
-from tests.language.specs import ROOT, task_of
+from tests.language.specs import task_of
 from tests.stage.stages import HEADER, lines
 from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
@@ -360,7 +360,7 @@ def test_a_file_is_the_same_in_a_spec(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", OURS)
 def test_a_stage_of_ours_is_the_same_in_a_spec(tmp_path: Path, name: str) -> None:
     """Whose materials are pictures that lie elsewhere, so that the spec has to say its colours."""
-    design = Design(task_of(ROOT.parent / f"{name}.wms"))
+    design = Design(task_of(HERE.parents[1] / f"{name}.wms"))
     file = tmp_path / "made" / "stage.usda"
     file.parent.mkdir()
     composed(document(design.spec, design[0])).Export(str(file))

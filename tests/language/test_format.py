@@ -16,8 +16,9 @@ from wmspec.core.diagnostics import Report, SpecError
 from wmspec.core.places import Source
 from wmspec.lang.check.ir.record import plain
 from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.files import library_folder, read_source
 from wmspec.lang.parse.format import WIDTH, format_spec
-from wmspec.lang.parse.load import library_folder, load_source, read_source
+from wmspec.lang.parse.load import load_source
 
 CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
 SHIPPED = [*SPECS, *sorted(library_folder().glob("*.wms"))]

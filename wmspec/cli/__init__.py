@@ -42,7 +42,7 @@ COMMANDS = (
     "report",
     "export",
     "recast",
-    "conform",
+    "conformance",
     "doctor",
 )
 

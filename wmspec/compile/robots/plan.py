@@ -22,7 +22,7 @@ from wmspec.compile.robots.schedule import in_turn
 from wmspec.compile.robots.supported_objects import move
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Thing
-from wmspec.lang.parse.load import located
+from wmspec.lang.parse.files import located
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values

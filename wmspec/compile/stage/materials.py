@@ -8,7 +8,7 @@ from wmspec.compile.layout.values import Values
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.tables.colors import linear, rgb
-from wmspec.lang.parse.load import located
+from wmspec.lang.parse.files import located
 from wmspec.sim.materials import MATERIALS
 
 
