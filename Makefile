@@ -109,10 +109,11 @@ docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "The site: $(CURDIR)/out/site/index.html"
 
+# OTHERS: scores of engines that are no backends, and their versions: OTHERS='out/newton.json newton=1.8.0'.
 conformance: setup
 	@mkdir -p out
 	-$(BIN)/wmspec conformance --json > out/conformance.json
-	$(BIN)/python -m tools.conformance out/conformance.json
+	$(BIN)/python -m tools.conformance out/conformance.json $(OTHERS)
 
 oracles: setup
 	$(BIN)/python -m tools.oracles

@@ -72,6 +72,6 @@ def test_a_mistake_is_one_line_with_exit_code_2(
     Path("text.json").write_text("text")
     Path("list.json").write_text('[{"engine": "mine"}]')
     assert run(*arguments) == 2
-    told = capsys.readouterr().err
-    assert message in told
-    assert told.count("\n") == 1
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1

@@ -273,9 +273,9 @@ def agree(found: Scene, wanted: Scene, names: dict[str, str]) -> None:
         assert a.inertia.mass == pytest.approx(b.inertia.mass, rel=1e-6)
         np.testing.assert_allclose(apply(a.pose, a.inertia.center), apply(b.pose, b.inertia.center), atol=1e-5)
         spread = [rotation(x.pose.orientation) @ tensor(x) @ rotation(x.pose.orientation).T for x in (a, b)]
-        np.testing.assert_allclose(*spread, atol=1e-5 * np.trace(spread[1]))
+        np.testing.assert_allclose(spread[0], spread[1], atol=1e-5 * np.trace(spread[1]))
     still = [[b for b in of.bodies if b.name not in known] for of, known in ((found, names.values()), (wanted, names))]
-    np.testing.assert_allclose(*map(surfaces, still), atol=2e-5)
+    np.testing.assert_allclose(surfaces(still[0]), surfaces(still[1]), atol=2e-5)
     assert len(found.joints) == len(wanted.joints)
     for theirs_ in wanted.joints:
         _alike(theirs_, found, wanted, names)

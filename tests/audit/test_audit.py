@@ -226,7 +226,7 @@ def copied(contrary: bool, noise: int = 0, darker: int = 0) -> Ask:
                 text=source.text,
                 context=context,
                 options=options,
-                answer=1 - source.answer,
+                answer=1 - (source.answer or 0),
                 value="",
                 evidence=source.evidence,
             )

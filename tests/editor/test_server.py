@@ -32,7 +32,7 @@ class Session:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.path = folder / "marbles.wms"
-        self.client = LanguageClient("tests", "1")
+        self.client: Any = LanguageClient("tests", "1")
         self.text = ""
         self.version = 0
         self.published: asyncio.Queue[Any] = asyncio.Queue()

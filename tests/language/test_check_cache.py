@@ -154,6 +154,7 @@ def test_an_entry_that_says_something_else_is_ignored(folder: Path, hits: list[b
     plain = check_files([path])
     (entry,) = folder.glob("check-*")
     record = json.loads(disk_cache.read(entry.name) or b"")
+    wrong: object
     for wrong in ({}, [], record | {"diagnostics": [1]}, record | {"uses": 3}, record | {"tasks": [[]]}):
         disk_cache.write(entry.name, json.dumps(wrong).encode())
         assert check_files([path]) == plain

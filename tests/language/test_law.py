@@ -79,7 +79,7 @@ def test_the_law_holds_on_random_specs(spec: TaskSpec, data: st.DataObject) -> N
     design, depend = Design(spec).redrawn(redrawn), Dependencies(spec)
     here = design[data.draw(st.integers(0, len(design) - 1))]
     truth = document(spec, here)
-    changed = {
+    changed: dict[tuple[str, ...], Document] = {
         (f.name,): document(spec, design[i]) for f in design.factors for i in design.neighbours(here.index, f.name)[:1]
     }
     changed |= {changed_by(c): document(spec, here, c) for c in spec.questions[0].alternatives(here.factors)}

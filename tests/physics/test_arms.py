@@ -24,7 +24,8 @@ from wmspec.compile.robots.arm import down
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.franka import PANDA
 from wmspec.compile.robots.ik import solve
-from wmspec.compile.robots.plan import matrix, plan
+from wmspec.compile.robots.plan import plan
+from wmspec.compile.robots.planning import matrix
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.one_factor import changed_by, violations
 from wmspec.core.diagnostics import EngineError, SpecError

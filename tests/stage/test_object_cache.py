@@ -82,7 +82,7 @@ task t : custom {
 
 def test_only_what_changed_is_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
     spec, names = task_from(ROOM), []
-    plain = object_cache.add_object
+    plain = object_cache.add_object  # type: ignore[attr-defined]
 
     def noted(document: Document, name: str, *rest: object) -> None:
         names.append(name)

@@ -179,8 +179,8 @@ def joint(
     `drive`: attributes of its drive without `drive:NAME:physics:`, one a line. `mimic`: the name of the joint that it
     mimics, c0 and c1, written in the schema of Newton, or in that of PhysX if `physx`.
     """
-    way = "angular" if kind == "Revolute" else "linear"
-    apis = [f"PhysicsDriveAPI:{way}"] if drive else []
+    drive_name = "angular" if kind == "Revolute" else "linear"
+    apis = [f"PhysicsDriveAPI:{drive_name}"] if drive else []
     apis += (["PhysxMimicJointAPI:rotX"] if physx else ["NewtonMimicAPI"]) if mimic else []
     schemas = " (prepend apiSchemas = [" + ", ".join(f'"{api}"' for api in apis) + "])" if apis else ""
     lines = [f"rel physics:body{i} = </World/{name}>" for i, name in enumerate((first, second)) if name]
@@ -188,7 +188,7 @@ def joint(
     lines += ["quatf physics:localRot0 = (1, 0, 0, 0)", "quatf physics:localRot1 = (1, 0, 0, 0)"]
     lines += [f'uniform token physics:axis = "{axis}"'] if kind in ("Revolute", "Prismatic") else []
     lines += [f"float physics:{end}Limit = {v}" for end, v in zip(("lower", "upper"), limits or (), strict=False)]
-    lines += [f"float drive:{way}:physics:{line}" for line in drive.splitlines()]
+    lines += [f"float drive:{drive_name}:physics:{line}" for line in drive.splitlines()]
     if mimic and physx:
         lines += [f"rel physxMimicJoint:rotX:referenceJoint = </World/{mimic[0]}>"]
         lines += [

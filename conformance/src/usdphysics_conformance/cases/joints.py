@@ -45,14 +45,14 @@ def _period(trace: Trace, name: str = "bob") -> float:
 def _pendulums() -> Iterator[Case]:
     for angle in (10, 60, 150):
         at, turn = _hung(radians(angle))
-        made = stage(
+        text = stage(
             body("bob", ball(0.05), at, turn, moments=_INERTIA),
             joint("Revolute", "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y"),
         )
         period = swing(radians(angle), 0.01, _ARM)
         yield Case(
             f"pendulum_{angle}",
-            made,
+            text,
             2.6 * period,
             (
                 Criterion(
@@ -190,10 +190,10 @@ def _drives() -> Iterator[Case]:
         zeta = damping / (2 * sqrt(k * m))
         t = 0.2
         if zeta == 1:
-            way = 1 - exp(-w * t) * (1 + w * t)
+            response = 1 - exp(-w * t) * (1 + w * t)
         else:
             d = w * sqrt(1 - zeta**2)
-            way = 1 - exp(-zeta * w * t) * (cos(d * t) + zeta * w / d * sin(d * t))
+            response = 1 - exp(-zeta * w * t) * (cos(d * t) + zeta * w / d * sin(d * t))
         drive = f"stiffness = {k}\ndamping = {damping}\ntargetPosition = 0.3\nmaxForce = inf"
         yield Case(
             f"drive_{name}",
@@ -206,7 +206,7 @@ def _drives() -> Iterator[Case]:
             (
                 Criterion(
                     f"where a drive has moved a cart in {t:g} s",
-                    300 * way,
+                    300 * response,
                     3.0,
                     "mm",
                     lambda r: 1e3 * r["cart"].coordinate(0.2, 0),
@@ -296,13 +296,13 @@ def _drives() -> Iterator[Case]:
 
 def _limits() -> Iterator[Case]:
     at, turn = _hung(pi / 2)
-    made = stage(
+    text = stage(
         body("bob", ball(0.05), at, turn, moments=_INERTIA),
         joint("Revolute", "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y", limits=(-120.0, -30.0)),
     )
     yield Case(
         "limit_hinge",
-        made,
+        text,
         3.0,
         (
             Criterion(

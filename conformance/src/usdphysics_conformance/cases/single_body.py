@@ -285,7 +285,7 @@ def _slides() -> Iterator[Case]:
     for name, angle in (("stick", limit - 0.03), ("slip", limit + 0.03)):
         turn = (cos(angle / 2), 0.0, sin(angle / 2), 0.0)
         at = (0.05 * sin(angle), 0.0, 0.05 * cos(angle))
-        way = 0.0 if name == "stick" else G * (sin(angle) - 0.5 * cos(angle)) * 2.0
+        distance = 0.0 if name == "stick" else G * (sin(angle) - 0.5 * cos(angle)) * 2.0
         yield Case(
             f"incline_{name}",
             stage(floor(turn), body("box", box(0.3, 0.3, 0.1), at, turn), friction=0.5),
@@ -293,11 +293,11 @@ def _slides() -> Iterator[Case]:
             (
                 Criterion(
                     f"way down a slope of {degrees(angle):.2f} degrees in 2 s",
-                    way,
-                    max(0.001, 0.01 * way),
+                    distance,
+                    max(0.001, 0.01 * distance),
                     "m",
                     lambda r: float(np.linalg.norm(r["box"].position[480] - r["box"].position[0])),
-                    "g (sin α − μ cos α) t²/2" if way else "0",
+                    "g (sin α − μ cos α) t²/2" if distance else "0",
                     MECHANICS,
                 ),
             ),
@@ -400,7 +400,7 @@ def _rolls() -> Iterator[Case]:
         )
         angle = radians(15)
         turn = (cos(angle / 2), 0.0, sin(angle / 2), 0.0)
-        way = G * sin(angle) / (1 + share) / 2
+        distance = G * sin(angle) / (1 + share) / 2
         assert share / (1 + share) * tan(angle) < 0.5
         yield Case(
             f"roll_down_{name}",
@@ -409,8 +409,8 @@ def _rolls() -> Iterator[Case]:
             (
                 Criterion(
                     "way down a slope of 15 degrees in 1 s",
-                    way,
-                    0.01 * way,
+                    distance,
+                    0.01 * distance,
                     "m",
                     lambda trace: float(np.linalg.norm(trace["thing"].position[240] - trace["thing"].position[0])),
                     "g sin α t²/2(1 + k²/r²)",
