@@ -7,7 +7,7 @@ import sys
 from dataclasses import replace
 from typing import Any
 
-import wmspec_toy
+import wmspec_toy  # type: ignore[import-not-found]  # found on the path of the shell that the test starts
 
 
 class Engine:
@@ -31,7 +31,7 @@ def _mistaken(_: object) -> None:
 
 
 def _lacking(_: object) -> None:
-    from wmspec.sim.scene import nowhere  # noqa: F401
+    from wmspec.sim.scene import nowhere  # type: ignore[attr-defined]  # noqa: F401
 
 
 def _out_of_library(_: object) -> None:
