@@ -16,7 +16,7 @@ import pybullet_data
 import trimesh
 from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
 
-from wmspec.compile.robots.arm import Array, shift
+from wmspec.compile.robots.arm import Array, translation
 from wmspec.compile.robots.franka import PANDA
 from wmspec.compile.robots.links import articulate, body, finger, material, mesh_prim, pad
 
@@ -62,7 +62,7 @@ def main() -> None:
     hull(stage, "/panda/hand/hull", "hand", rubber)
     for side, turn in (("left", 0.0), ("right", np.pi)):
         frame = finger(PANDA, turn)
-        link = body(stage, f"/panda/{side}_finger", frames[-1] @ frame @ shift(0.0, PANDA.opening / 2, 0.0), moves=True)
+        link = body(stage, f"/panda/{side}_finger", frames[-1] @ frame @ translation(0.0, PANDA.opening / 2, 0.0), moves=True)
         meshes(stage, link, [("finger", np.eye(4))])
         pad(stage, f"{link}/pad", PANDA, rubber)
     articulate(stage, "/panda", PANDA)

@@ -12,21 +12,21 @@ from pathlib import Path
 
 from wmspec.lang.check.expressions.calls import signature
 from wmspec.lang.check.tables.functions import FUNCTIONS
-from wmspec.lang.check.tables.property_schema import LOOKS, slots, thing_type
+from wmspec.lang.check.tables.property_schema import APPEARANCE, allowed_properties, entity_type
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
 from wmspec.lang.check.tables.vocabulary import (
-    CONDITIONAL,
+    CONDITIONAL_DOMAINS,
     JOINTS,
-    PLANS,
+    DESIGNS,
     PROPERTIES,
     SETTINGS,
-    SPREADS,
-    STUDIED,
+    CONTINUOUS_DOMAINS,
+    FACTOR_DOMAINS,
     TOLERANCES,
-    WEIGHTED,
+    WEIGHTED_DOMAINS,
     WORDS,
-    Form,
-    Slot,
+    SyntaxForm,
+    PropertySpec,
 )
 from wmspec.lang.check.types.types import either
 from wmspec.lang.check.types.units import EXAMPLES, UNITS
@@ -47,22 +47,22 @@ def reference() -> Iterator[str]:
     """The lines of the reference."""
     yield "### Domains\n"
     yield "Of a `factor` or a `nuisance`, constants:\n"
-    yield from forms("domain", STUDIED)
+    yield from forms("domain", FACTOR_DOMAINS)
     yield "Of a `nuisance`, or of a `factor` of a Latin hypercube:\n"
-    yield from forms("domain", SPREADS)
+    yield from forms("domain", CONTINUOUS_DOMAINS)
     yield "Of a `nuisance` alone:\n"
-    yield from forms("domain", WEIGHTED)
+    yield from forms("domain", WEIGHTED_DOMAINS)
     yield "Of a `factor` alone:\n"
-    yield from forms("domain", CONDITIONAL)
+    yield from forms("domain", CONDITIONAL_DOMAINS)
     yield "### Designs\n"
-    yield from forms("design", PLANS.values())
+    yield from forms("design", DESIGNS.values())
     yield "### Properties\n"
     for kind, properties in PROPERTIES.items():
         yield f"Of {'the world' if kind == 'world' else f'{article(kind)} {kind}'}:\n"
         yield from table(
             ("property", "takes", "left out", "meaning"),
             (
-                row(name, slot, "its object's" if kind == "part" and name in LOOKS else "")
+                row(name, slot, "its object's" if kind == "part" and name in APPEARANCE else "")
                 for name, slot in properties.items()
             ),
         )
@@ -121,14 +121,14 @@ def reference() -> Iterator[str]:
     yield from table(("code", "meaning"), ((f"`{code}`", meaning) for code, meaning in CODES.items()))
 
 
-def forms(head: str, written: Iterable[Form]) -> Iterator[str]:
+def forms(head: str, written: Iterable[SyntaxForm]) -> Iterator[str]:
     """A table of ways to write something."""
     yield from table((head, "meaning"), ((f"`{form.written}`", form.meaning) for form in written))
 
 
 def joints() -> Iterator[tuple[str, ...]]:
     """Each kind of joint: what it does, the kind of its coordinate, and what others do not have."""
-    has = {kind: slots(thing_type("joint", (), kind)) for kind in JOINTS}
+    has = {kind: allowed_properties(entity_type("joint", (), kind)) for kind in JOINTS}
     for kind, meaning in JOINTS.items():
         own = [name for name in has[kind] if not all(name in other for other in has.values())]
         counts = either([str(k) for k in has[kind]["low"].types]) if "low" in has[kind] else "—"
@@ -154,7 +154,7 @@ def arguments(verb: Verb) -> Iterator[str]:
         yield f"`{name}`: {takes}" + (f" ({left_out})" if slot.default is not None else "")
 
 
-def row(name: str, slot: Slot, default: str = "") -> tuple[str, ...]:
+def row(name: str, slot: PropertySpec, default: str = "") -> tuple[str, ...]:
     """A property or argument as a row of its table."""
     kinds = either([str(kind) for kind in slot.types])
     left_out = f"`{slot.default}`" if slot.default is not None else "—" if slot.optional else "must be given"
@@ -162,7 +162,7 @@ def row(name: str, slot: Slot, default: str = "") -> tuple[str, ...]:
     return f"`{name}`", kinds + bounds(slot), left_out, slot.meaning
 
 
-def bounds(slot: Slot) -> str:
+def bounds(slot: PropertySpec) -> str:
     """What a slot's values are limited to, as it is said after their kind."""
     if slot.among:
         return f", {either([f'`{word}`' for word in slot.among])}"

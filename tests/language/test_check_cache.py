@@ -172,10 +172,10 @@ def test_a_library_from_the_cache_is_the_library(path: Path) -> None:
     source = read_source(path)
     tree = parse(source, Report())
     library_cache.store(source, tree)
-    kept = library_cache.kept(source)
-    assert kept == tree
-    assert kept.span.source is source
-    assert library_cache.kept(Source(source.name, source.text + "\n")) is None
+    load_cached = library_cache.kept(source)
+    assert load_cached == tree
+    assert load_cached.span.source is source
+    assert library_cache.load_cached(Source(source.name, source.text + "\n")) is None
 
 
 class _Forged:

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from tests.language.specs import SPECS, task_from, task_of
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.values import Values
+from wmspec.compile.robots.ground_path import arc_length_at
 from wmspec.compile.robots.obstacles import hull, obstacles
-from wmspec.compile.robots.travel import STOP_DISTANCE, WALKER_RADIUS, WALKER_HEIGHTS, Travel, travels
-from wmspec.compile.robots.wayfinding import WITHIN
-from wmspec.compile.robots.ways import arc_length_at
+from wmspec.compile.robots.travel import STOP_DISTANCE, WALKER_HEIGHTS, WALKER_RADIUS, Travel, travels
+from wmspec.compile.robots.wayfinding import ARRIVAL_DISTANCE
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
 
@@ -222,7 +222,7 @@ def test_a_walker_goes_through_the_door_to_what_is_behind_the_wall_and_faces_it(
     assert 0.5 < crossed < 1.5, "it came through the door"
     x, y, _ = go.points[-1]
     (chest,) = (o for o in standing if o.name == "chest")
-    assert chest.distance((x, y)) <= WALKER_RADIUS + STOP_DISTANCE + WITHIN
+    assert chest.distance((x, y)) <= WALKER_RADIUS + STOP_DISTANCE + ARRIVAL_DISTANCE
     assert math.remainder(yaw_of(go) - math.atan2(-2 - y, 2.6 - x), math.tau) == pytest.approx(0, abs=1e-6)
     gone = sum(math.dist(a, b) for a, b in pairwise(go.points))
     assert gone < 1.1 * (math.dist((0, 0), (2, 0.8)) + math.dist((2, 0.8), (x, y)))

@@ -20,7 +20,7 @@ from tests.language.specs import SPECS, task_of
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.values import Values
-from wmspec.compile.robots.arm import down
+from wmspec.compile.robots.arm import downward_pose
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.franka import PANDA
 from wmspec.compile.robots.ik import solve
@@ -356,7 +356,7 @@ def test_the_tool_comes_where_it_is_sent() -> None:
     rng = np.random.default_rng(0)
     for _ in range(200):
         x, y = rng.uniform(0.32, 0.62), rng.uniform(-0.3, 0.3)
-        target = down(x, y, rng.uniform(0.02, 0.25), rng.uniform(-0.6, 0.6))
+        target = downward_pose(x, y, rng.uniform(0.02, 0.25), rng.uniform(-0.6, 0.6))
         q = solve(PANDA, target, np.eye(4), PANDA.home)
         assert q is not None
         assert (PANDA.low <= q).all()
@@ -375,7 +375,7 @@ def test_all_of_its_patch_is_within_reach(robot: str, low: float, high: float, p
     stand = matrix(base(Values(task.spec, instance.values, None, instance.key), robot))
     rng = np.random.default_rng(0)
     for x, y, z, yaw in rng.uniform((low, -0.2, 0.02, -np.pi / 2), (high, 0.2, 0.25, np.pi / 2), (places, 4)):
-        ways = [solve(PANDA, down(x, y, z, turn), stand, PANDA.rest) for turn in (yaw, yaw + np.pi)]
+        ways = [solve(PANDA, downward_pose(x, y, z, turn), stand, PANDA.rest) for turn in (yaw, yaw + np.pi)]
         assert any(q is not None and (PANDA.low <= q).all() and (q <= PANDA.high).all() for q in ways)
 
 

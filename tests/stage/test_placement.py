@@ -166,7 +166,7 @@ def test_a_dropped_object_begins_above_where_it_would_rest_and_is_held() -> None
 # ---------------------------------------------------------------- scattered
 
 
-def dots(count: int, present: int, **more: Any) -> tuple[ir.Thing, ...]:
+def dots(count: int, present: int, **more: Any) -> tuple[ir.Entity, ...]:
     def properties(i: int) -> dict[str, Any]:
         return {"size": 0.02 + 0.001 * i, "on": "table", "scatter": (0.5, 0.3), "gap": 0.02, **more}
 
@@ -236,6 +236,6 @@ def test_a_field_without_room_is_refused_with_a_remedy() -> None:
         ((thing("object", "a", shape="box", size=(0.1, 0.1)),), "only a plane has two edges"),
     ],
 )
-def test_impossible_places_and_sizes_are_refused(parts: tuple[ir.Thing, ...], message: str) -> None:
+def test_impossible_places_and_sizes_are_refused(parts: tuple[ir.Entity, ...], message: str) -> None:
     with pytest.raises(WmsError, match=message):
         document(spec := made(TABLE, *parts), Design(spec)[0])

@@ -6,6 +6,9 @@ from pathlib import Path
 
 import click
 
+from wmspec.cli.common import settle
+from wmspec.core.tally import Tally
+
 _PATH = click.Path(path_type=Path)
 
 
@@ -34,6 +37,7 @@ def export_command(
     """Export a dataset as a folder for Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets`.
 
     Requests equal those of `wmspec evaluate`. The folder contains the parser of replies and a README with the commands.
+    Exits with 1 if no question was written.
     """
     from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.export.export import Export, export
@@ -45,3 +49,4 @@ def export_command(
     what = Export(opened, Selection(task, engine, limit), Path(prompt).stem, prompts.load(prompt))
     count = export(what, tool, output)
     click.echo(f"{output}: {count:,} questions for {tool}; {output / 'README.md'} says how to run it")
+    settle(Tally("question was written", count))

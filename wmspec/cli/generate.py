@@ -17,6 +17,7 @@ from wmspec.cli.common import (
     parse_share,
     parse_size,
     seed_option,
+    settle,
     size_option,
     specs_argument,
     tell,
@@ -114,6 +115,9 @@ def generate_command(
 
     Several machines: each generates its share into its own folder (-o part-2 --shard 2/8). The same command without
     --shard joins them (-o whole --reuse part-1 --reuse part-2 ...). On a Ray cluster, use --executor ray.
+
+    Exits with 1 if no question was kept, or if more than a tenth of the instances ended as internal errors, crashes or
+    timeouts; the first cause is printed in full. With --dry-run, only the latter counts.
     """
     from wmspec.api import generate, progress_bar
     from wmspec.api.agreement import effort
@@ -157,3 +161,4 @@ def generate_command(
         click.echo("\nstopped; give the same command again to go on", err=True)
         raise SystemExit(INTERRUPTED) from None
     click.echo(json.dumps(asdict(summary)["tasks"], indent=2) if as_json else summary)
+    settle(summary.tally)

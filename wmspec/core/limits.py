@@ -46,6 +46,11 @@ PRIMS = Limit(20_000, "prims")
 #: An XML file.
 XML_ELEMENTS = Limit(20_000, "elements")
 XML_DEPTH = Limit(100, "levels of nesting")
+#: The path of an output folder.
+FOLDERS = Limit(200, "folders in its path", "choose a folder that is not as deep")
+#: Libraries of a spec: depth of `use`, and total number.
+LIBRARY_DEPTH = Limit(50, "libraries that use one another in a row", "let the spec use them itself")
+LIBRARIES = Limit(500, "libraries, each counted as often as it has a name of its own", "use each of them once")
 #: An unpacked trace.
 TRACE_BYTES = Limit(2_000_000_000, "bytes", RIGHT_FILE)
 #: An episode: 10 minutes, and samples times bodies.

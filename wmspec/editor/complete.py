@@ -19,9 +19,9 @@ from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.names import BLOCKS
 from wmspec.lang.check.expressions.typed import Failed, example, fits
 from wmspec.lang.check.tables.functions import FUNCTIONS
-from wmspec.lang.check.tables.property_schema import slots, thing_type
+from wmspec.lang.check.tables.property_schema import allowed_properties, entity_type
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import SETS, WORDS, Slot
+from wmspec.lang.check.tables.vocabulary import SETS, WORDS, PropertySpec
 from wmspec.lang.check.types.types import (
     A_TIME,
     ITEM,
@@ -35,7 +35,7 @@ from wmspec.lang.check.types.types import (
     Word,
     either,
 )
-from wmspec.lang.check.types.units import fitting
+from wmspec.lang.check.types.units import units_of
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.files import library_folder, search_path
 from wmspec.lang.parse.parser import parse_expression
@@ -90,7 +90,7 @@ def _units(document: Document, meaning: Expressions | None, place: Cursor) -> li
     assert place.unit is not None
     types = Reader(document.source, meaning, place.unit[1]).wanted().types or ()
     dimensions = dict.fromkeys(t.dimension for each in types if isinstance(t := _item(each), Quantity | Vector))
-    return [Offer(unit, "unit", str(dimension)) for dimension in dimensions for unit in fitting(dimension)]
+    return [Offer(unit, "unit", str(dimension)) for dimension in dimensions for unit in units_of(dimension)]
 
 
 def _item(of: Type) -> Type:
@@ -118,7 +118,7 @@ def _stands(keyword: str, wanted: Wanted) -> bool:
     return wanted.kind not in ("member", "verb") and not (keyword == "object" and wanted.types != ())
 
 
-def takes(slot: Slot) -> str:
+def takes(slot: PropertySpec) -> str:
     """What a property or argument takes, and what it is if it is left out."""
     kinds = either([str(t) for t in slot.types])
     return f"{kinds}, {slot.default} if left out" if slot.default is not None else kinds
@@ -246,7 +246,7 @@ def _members(meaning: Expressions | None, of: Span, visible: Iterable[str]) -> I
     elif isinstance(block, s.Block):
         kind = SETS.get(block.kind, block.kind)
         names = {p.name.id for p in block.properties}
-        table = slots(thing_type(kind, names, block.model.id if block.model else "", bool(block.parts)))
+        table = allowed_properties(entity_type(kind, names, block.model.id if block.model else "", bool(block.parts)))
         yield from (Offer(part.name.id, "part", "part") for part in block.parts)
         yield from (Offer(name, "property", takes(slot), slot.meaning) for name, slot in table.items())
     else:

@@ -12,9 +12,9 @@ from wmspec.editor.cursor import symbol
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.tables.functions import FUNCTIONS
-from wmspec.lang.check.tables.property_schema import slots, thing_type
+from wmspec.lang.check.tables.property_schema import allowed_properties, entity_type
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import JOINTS, PLANS, PROPERTIES, SETS, SETTINGS, TOLERANCES, Slot
+from wmspec.lang.check.tables.vocabulary import JOINTS, DESIGNS, PROPERTIES, SETS, SETTINGS, TOLERANCES, PropertySpec
 from wmspec.lang.check.types.types import (
     A_LENGTH,
     A_NUMBER,
@@ -63,7 +63,7 @@ class Wanted:
 
     types: tuple[Type, ...] | None = ()
     measured: bool = False
-    slots: Mapping[str, Slot] = field(default_factory=dict)
+    allowed_properties: Mapping[str, PropertySpec] = field(default_factory=dict)
     kind: str = ""
     words: Mapping[str, str] = field(default_factory=dict)
     of: Span | None = None
@@ -137,7 +137,7 @@ class Reader:
                 changing = any(self._symbol(i) == "COUNTERFACTUAL" for i in range(top))
                 return Wanted(kind="changed") if changing else Wanted()
             case "DESIGN":
-                return Wanted(kind="table", words={name: plan.meaning for name, plan in PLANS.items()})
+                return Wanted(kind="table", words={name: plan.meaning for name, plan in DESIGNS.items()})
             case "TOLERANCE":
                 return Wanted(kind="table", words={name: slot.meaning for name, slot in TOLERANCES.items()})
             case "name" if below == "TOLERANCE":
@@ -205,7 +205,7 @@ class Reader:
         if (function := FUNCTIONS.get(called)) is not None:
             if name:
                 return Wanted((function.options[name],)) if name in function.options else ANYTHING
-            options = {option: Slot((kind,), "") for option, kind in function.options.items()}
+            options = {option: PropertySpec((kind,), "") for option, kind in function.options.items()}
             parameters = function.parameters
             if place >= len(parameters):
                 return Wanted(parameters[-1:] if function.repeated else (), slots=options)
@@ -229,7 +229,7 @@ class Reader:
         opened = self._opened(top + 1)
         return Wanted(slots=self._slots(opened)) if self._symbol(opened) == "LBRACE" else Wanted()
 
-    def _slots(self, opened: int, leave: str = "") -> dict[str, Slot]:
+    def _slots(self, opened: int, leave: str = "") -> dict[str, PropertySpec]:
         """The properties of the block with these braces that are not said yet; `leave` in the one that is."""
         head = next((i for i in range(opened - 1, -1, -1) if self._symbol(i) in (*_BLOCKS, *_OPEN)), -1)
         if head < 0 or self._symbol(head) not in _BLOCKS:
@@ -239,13 +239,13 @@ class Reader:
         present, parts = self._written_properties(opened)
         model = next((self._text(i) for i in range(head, opened) if self._symbol(i) == "model"), "").lstrip(": \t\n")
         template = self.meaning.scope.names.get(model) if self.meaning else None
-        own: dict[str, Slot] = {}
+        own: dict[str, PropertySpec] = {}
         if isinstance(template, s.Template):
-            own = {p.name.id: Slot(self._of(p.value), f"of `{model}`", p.value.span.text) for p in template.parameters}
+            own = {p.name.id: PropertySpec(self._of(p.value), f"of `{model}`", p.value.span.text) for p in template.parameters}
             parts = parts or bool(template.parts)
         elif kind == "object" and self._symbol(head) in ("OBJECT", "OBJECTS") and model:
             parts = True
-        table = own | slots(thing_type(kind, present, model if kind == "joint" else "", parts))
+        table = own | allowed_properties(entity_type(kind, present, model if kind == "joint" else "", parts))
         return {name: slot for name, slot in table.items() if name not in present or name == leave}
 
     def _written_properties(self, opened: int) -> tuple[set[str], bool]:

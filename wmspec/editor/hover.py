@@ -15,7 +15,7 @@ from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import COLORS, JOINTS, PLANS, PROPERTIES, SETS, TOLERANCES, WORDS, Slot
+from wmspec.lang.check.tables.vocabulary import COLORS, JOINTS, DESIGNS, PROPERTIES, SETS, TOLERANCES, WORDS, PropertySpec
 from wmspec.lang.check.types.units import UNITS, UnknownUnit, parse_unit
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.lexer import Token
@@ -83,8 +83,8 @@ def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C
             slot = next((table[name.id] for table in PROPERTIES.values() if name.id in table), None)
             declared = Names(document).at(token.start)
             return slot_shown(name.id, slot) if slot is not None and declared is None else ""
-        case s.Design(kind=kind) if kind is name and name.id in PLANS:
-            return f"`{PLANS[name.id].written}`\n\n{PLANS[name.id].meaning}"
+        case s.Design(kind=kind) if kind is name and name.id in DESIGNS:
+            return f"`{DESIGNS[name.id].written}`\n\n{DESIGNS[name.id].meaning}"
         case s.Tolerance(name=kind) if kind is name and name.id in TOLERANCES:
             return slot_shown(name.id, TOLERANCES[name.id])
         case s.Block(model=model, kind=kind) if model is name and SETS.get(kind, kind) == "joint" and name.id in JOINTS:
@@ -116,7 +116,7 @@ def _function(name: str) -> str:
     return f"```wms\n{signature(name, function)}\n```\n{function.meaning}; gives {shown_type(function.result)}{where}"
 
 
-def slot_shown(name: str, slot: Slot) -> str:
+def slot_shown(name: str, slot: PropertySpec) -> str:
     """A property or argument: what it takes, what it is if left out, what it means."""
     kinds = " or ".join(shown_type(t) for t in slot.types)
     left_out = f"  \nleft out: `{slot.default}`" if slot.default is not None else ""

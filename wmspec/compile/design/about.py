@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from wmspec.compile.design.depend import dependencies
 from wmspec.compile.layout.values import Values
 from wmspec.lang.check.ir.evaluate import evaluate, parts
-from wmspec.lang.check.ir.ir import Expr, Question, Ref, Said, Value
+from wmspec.lang.check.ir.ir import Expr, Question, Ref, Interpolation, Value
 
 
 def named(question: Question, values: Values) -> set[str]:
@@ -17,7 +17,7 @@ def named(question: Question, values: Values) -> set[str]:
     `answer tone` depends on every object with `color: tone`.
     """
     said = [*question.text, *(part for text in question.texts for part in text.parts)]
-    spoken: list[Expr] = [part.value for part in said if isinstance(part, Said)]
+    spoken: list[Expr] = [part.value for part in said if isinstance(part, Interpolation)]
     spoken += [question.answer] if question.options is None else [question.answer, question.options]
     things = {t.name: t for t in values.spec.things}
     names: set[str] = set()

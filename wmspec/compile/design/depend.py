@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from wmspec.compile.layout.motion import CARRYING
 from wmspec.compile.layout.values import INHERITED
 from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.ir.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
+from wmspec.lang.check.ir.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Entity, Value
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
 
 #: Properties that determine the form of an object or part.
@@ -117,7 +117,7 @@ class Dependencies:
 
     # ------------------------------------------------------------ what one property is made of
 
-    def _of_property(self, thing: Thing, name: str) -> Iterator[str | Expr]:
+    def _of_property(self, thing: Entity, name: str) -> Iterator[str | Expr]:
         """Yield the sources and expressions that determine a property of an entity."""
         if name in _TOGETHER:
             yield from _TOGETHER[name](self, thing)
@@ -128,13 +128,13 @@ class Dependencies:
         if name in BY_MATERIAL and name not in thing.properties:
             yield from (f"{thing.name}.material", f"{thing.name}.image")
 
-    def _form(self, thing: Thing) -> Iterator[str]:
+    def _form(self, thing: Entity) -> Iterator[str]:
         """Yield the sources of an entity's form."""
         placed = ("at", *_TURN, "solid") if thing.kind == "part" else ()
         yield from (f"{thing.name}.{name}" for name in (*FORM, *placed))
         yield from (f"{part.name}.form" for part in self._parts(thing))
 
-    def _pose(self, thing: Thing) -> Iterator[str | Expr]:
+    def _pose(self, thing: Entity) -> Iterator[str | Expr]:
         """Yield the sources and expressions of an entity's pose."""
         yield f"{thing.name}.form"
         for near in self._asset(thing):
@@ -154,17 +154,17 @@ class Dependencies:
         for drop in self._acting(("drop",), thing.name):
             yield from (f"{drop.name}.{name}" for name in ("there", "object", "height"))
 
-    def _ridden(self, camera: Thing) -> frozenset[str]:
+    def _ridden(self, camera: Entity) -> frozenset[str]:
         """Return the objects that may carry a camera."""
         return self._named(camera.properties["ride"].value) if "ride" in camera.properties else frozenset()
 
-    def _there(self, action: Thing) -> Iterator[str]:
+    def _there(self, action: Entity) -> Iterator[str]:
         """Yield the sources that determine whether an action happens."""
         if "object" in action.properties:
             yield f"{action.name}.object"
             yield from (f"{owner}.present" for owner in self._named(action.properties["object"].value))
 
-    def _way(self, action: Thing) -> Iterator[str]:
+    def _way(self, action: Entity) -> Iterator[str]:
         """Yield the sources of the pose of an action's object when the action begins."""
         yield f"{action.name}.start"
         if action.of:
@@ -194,7 +194,7 @@ class Dependencies:
                     for owner in self._named(thing.properties[name].value):
                         yield from (f"{owner}.{aspect}" for aspect in ("pose", "form", "mass", "density", "friction"))
 
-    def _travels(self, robot: Thing) -> Iterator[str]:
+    def _travels(self, robot: Entity) -> Iterator[str]:
         """Yield the sources of a vehicle's or walker's plan: start, actions and possible obstacles."""
         yield from (f"{robot.name}.{name}" for name in ("on", "at", "yaw", "roads", "lane", "keeps"))
         for thing in self._things.values():
@@ -207,7 +207,7 @@ class Dependencies:
 
     # ------------------------------------------------------------ who is who
 
-    def _asset(self, thing: Thing) -> Iterator[Thing]:
+    def _asset(self, thing: Entity) -> Iterator[Entity]:
         """Yield the other links and the joints of a link's asset; for one link or joint, also the base."""
         base = thing.of or thing.name
         for other in self._things.values():
@@ -215,11 +215,11 @@ class Dependencies:
             if thing.kind == "object" and near and other.name != thing.name:
                 yield other
 
-    def _parts(self, thing: Thing) -> Iterator[Thing]:
+    def _parts(self, thing: Entity) -> Iterator[Entity]:
         """Yield the parts of an object."""
         return (t for t in self._things.values() if t.kind == "part" and t.of == thing.name)
 
-    def _acting(self, verbs: Iterable[str], owner: str) -> Iterator[Thing]:
+    def _acting(self, verbs: Iterable[str], owner: str) -> Iterator[Entity]:
         """Yield the actions with these verbs that may apply to an object."""
         for thing in self._things.values():
             acts = thing.kind == "action" and thing.verb in verbs and not thing.of
@@ -244,7 +244,7 @@ class Dependencies:
         return frozenset(named)
 
 
-_TOGETHER: dict[str, Callable[[Dependencies, Thing], Iterator[str | Expr]]] = {
+_TOGETHER: dict[str, Callable[[Dependencies, Entity], Iterator[str | Expr]]] = {
     "form": Dependencies._form,
     "pose": Dependencies._pose,
     "way": Dependencies._way,

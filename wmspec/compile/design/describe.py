@@ -30,7 +30,7 @@ def _shown(value: Level, unit: str) -> str:
         case bool():
             return "true" if value else "false"
         case float():
-            return units.told(value, units.parse_unit(unit)[1])
+            return units.format_quantity(value, units.parse_unit(unit)[1])
         case tuple():
             return f"({', '.join(_shown(x, unit) for x in value)})"
         case _:

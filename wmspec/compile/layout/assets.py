@@ -12,7 +12,7 @@ from wmspec.compile.layout import geometry
 from wmspec.compile.layout.solids import Piece
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import IDENTITY, Pose, Vector, from_axis_angle, from_ypr, scale, unit
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.check.types import units
 
 if TYPE_CHECKING:
@@ -68,12 +68,12 @@ def _shift(values: Values, owner: str) -> Pose:
     return shift
 
 
-def _holders(values: Values, of: str) -> dict[str, Thing]:
+def _holders(values: Values, of: str) -> dict[str, Entity]:
     """Return the joint that holds each link of an asset; unattached links are omitted."""
     return {values.reference(t.name, "of"): t for t in values.assets.get(of, ()) if t.kind == "joint"}
 
 
-def _moved(values: Values, joint: Thing) -> Pose:
+def _moved(values: Values, joint: Entity) -> Pose:
     """Return the motion of everything beyond a joint due to its start coordinate, in the asset's frame."""
     if joint.model not in ("hinge", "slider"):
         return IDENTITY
@@ -87,7 +87,7 @@ def _moved(values: Values, joint: Thing) -> Pose:
     return there.compose(Pose(scale(-1.0, middle)))
 
 
-def within_limits(values: Values, thing: Thing, start: float, help: str = "") -> None:
+def within_limits(values: Values, thing: Entity, start: float, help: str = "") -> None:
     """Raise ImpossibleValue, with a remedy, if a hinge or slider starts beyond its limits."""
     joint, model = thing.name, thing.model
     if (end := beyond(values, joint, start)) is not None:
@@ -106,4 +106,4 @@ def beyond(values: Values, joint: str, coordinate: float) -> str | None:
 
 def told(coordinate: float, model: str) -> str:
     """Return the coordinate (rad or m) of a hinge or slider as text."""
-    return units.told(coordinate, units.ANGLE if model == "hinge" else units.LENGTH)
+    return units.format_quantity(coordinate, units.ANGLE if model == "hinge" else units.LENGTH)

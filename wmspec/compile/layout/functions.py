@@ -99,7 +99,7 @@ def _rgb(_values: Values, red: float, green: float, blue: float) -> str:
     for part in (red, green, blue):
         if not -_ROUNDING <= part <= 1 + _ROUNDING:
             raise NoValue(f"`rgb` takes parts from 0 to 1, not {part:g} (of 255, write `120 / 255`)")
-    return colors.word((red, green, blue))
+    return colors.color_word((red, green, blue))
 
 
 # ---------------------------------------------------------------- what is there

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from wmspec.core.diagnostics import ImpossibleValue, WmsError
 from wmspec.core.limits import POINTS
 from wmspec.core.space import Vector
-from wmspec.lang.check.tables.vocabulary import FILES, MOST_LENGTH, STAGES
+from wmspec.lang.check.tables.vocabulary import FILES, MAX_LENGTH, STAGES
 from wmspec.lang.importers.mesh_files import harmless
 from wmspec.lang.importers.prim_names import parted
 from wmspec.lang.parse.files import resolve_display_path
@@ -88,8 +88,8 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
     whole = _of_stage(path) if parted(path)[1] else _of_file(path)
     points, faces = whole.points * stretch, whole.faces[:, :: -1 if np.sign(stretch).prod() < 0 else 1]
     low, high = points.min(axis=0), points.max(axis=0)
-    if not (size := float((high - low).max())) <= MOST_LENGTH:
-        what = f"{size / 1000:g} km large with this scale; the most is {MOST_LENGTH / 1000:g} km"
+    if not (size := float((high - low).max())) <= MAX_LENGTH:
+        what = f"{size / 1000:g} km large with this scale; the most is {MAX_LENGTH / 1000:g} km"
         raise ImpossibleValue(f"{path} is {what}")
     hull, volume = _hull(path, points)
     touched, radius = hull, 0.0

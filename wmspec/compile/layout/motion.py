@@ -11,7 +11,7 @@ from wmspec.compile.layout.placement import rest
 from wmspec.compile.layout.surfaces import is_point
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Pose, Vector, add, from_ypr, heading_vector, multiply, scale
-from wmspec.lang.check.ir.ir import TaskSpec, Thing
+from wmspec.lang.check.ir.ir import TaskSpec, Entity
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import HEADINGS
 
@@ -45,7 +45,7 @@ def carrier_sources(spec: TaskSpec) -> frozenset[str]:
     return frozenset(f"{name}.{what}" for name in acting for what in ("there", "object"))
 
 
-def before(values: Values, action: Thing) -> Stand:
+def before(values: Values, action: Entity) -> Stand:
     """Return where the object of a carrying action is when the action begins."""
     owner = values.reference(action.name, "object")
     stand = Stand(values.pose(owner), values.number(owner, "yaw"))
@@ -55,12 +55,12 @@ def before(values: Values, action: Thing) -> Stand:
     return stand
 
 
-def _start(values: Values, action: Thing) -> float:
+def _start(values: Values, action: Entity) -> float:
     start = values.number(action.name, "start")
     return start
 
 
-def after(values: Values, move: Thing, stand: Stand) -> Stand:
+def after(values: Values, move: Entity, stand: Stand) -> Stand:
     """Return where the object is when a move is over, given where it was when the move began."""
     if move.verb == "teleport":
         return landed(values, move, stand)
@@ -76,7 +76,7 @@ def after(values: Values, move: Thing, stand: Stand) -> Stand:
     return replace(stand, pose=Pose(add(stand.pose.position, gone), stand.pose.orientation))
 
 
-def landed(values: Values, action: Thing, stand: Stand) -> Stand:
+def landed(values: Values, action: Entity, stand: Stand) -> Stand:
     """Return where a teleport puts its object: at a point in space, or at another place of its support."""
     owner, to = values.reference(action.name, "object"), values.spot(action.name, "to")
     yaw = values.number(action.name, "yaw") if values.has(action.name, "yaw") else stand.yaw
@@ -87,7 +87,7 @@ def landed(values: Values, action: Thing, stand: Stand) -> Stand:
 
 
 def way(
-    values: Values, action: Thing, origin: Vector
+    values: Values, action: Entity, origin: Vector
 ) -> tuple[tuple[Vector, ...], tuple[float, ...], tuple[float, ...]]:
     """Return the points (m, world) of a path that begins at `origin`, and the times (s) since its start.
 

@@ -124,9 +124,7 @@ def _arc(length: float, width: float) -> tuple[Vector, ...]:
 
 
 def _around(middle: Vector, radius: float, start: float, stop: float) -> tuple[Vector, ...]:
-    count = 2 * max(
-        4, math.ceil(PIECES / 2 * abs(stop - start) / (2 * math.pi))
-    )  # even: the midpoint is a vertex
+    count = 2 * max(4, math.ceil(PIECES / 2 * abs(stop - start) / (2 * math.pi)))  # even: the midpoint is a vertex
     angles = (start + (stop - start) * i / count for i in range(count + 1))
     points = (add(middle, scale(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
     first, *rest = points

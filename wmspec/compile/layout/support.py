@@ -28,7 +28,7 @@ def supported(name: str, values: Values) -> None:
     least, most = values.once((base, "upright box"), lambda: bounds(pieces(values, base), values.pose(base)))
     if any(low[i] > most[i] + 1e-9 or high[i] < least[i] - 1e-9 for i in range(2)):
         word = "scatter" if values.has(name, "scatter") else "at"
-        size = " by ".join(units.told(most[i] - least[i], units.LENGTH) for i in range(2))
+        size = " by ".join(units.format_quantity(most[i] - least[i], units.LENGTH) for i in range(2))
         raise ImpossibleValue(
             f"`{name}` is in the air beside `{base}`, on which it should rest and which is {size} large",
             values.place(name, word),

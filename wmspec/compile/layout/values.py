@@ -14,12 +14,12 @@ from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Location
 from wmspec.core.space import Pose, Vector
 from wmspec.lang.check.ir.evaluate import NoValue, evaluate
-from wmspec.lang.check.ir.ir import Counterfactual, Expr, TaskSpec, Thing, Value
+from wmspec.lang.check.ir.ir import Counterfactual, Expr, TaskSpec, Entity, Value
 from wmspec.lang.check.tables import colors
 from wmspec.lang.check.tables.verbs import VERBS
-from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
+from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MAX_LENGTH, PROPERTIES, PropertySpec
 from wmspec.lang.check.types.types import A_LENGTH, A_TIME, POINT2, POINT3
-from wmspec.lang.check.types.units import LENGTH, told
+from wmspec.lang.check.types.units import LENGTH, format_quantity
 from wmspec.sim.materials import MATERIALS
 
 T = TypeVar("T")
@@ -29,7 +29,7 @@ INHERITED = ("color", "material", "image", "repeats", "roughness", "metallic")
 #: Default gravity, m/s².
 EARTH = 9.81
 _LENGTHS = frozenset((A_LENGTH, POINT2, POINT3))
-_MOMENT = Slot((A_TIME,), "", least=0)
+_MOMENT = PropertySpec((A_TIME,), "", least=0)
 
 
 class Values:
@@ -211,7 +211,7 @@ class Values:
         """Return the objects that a joint connects: two, or one that it connects to the world."""
         return tuple(self.reference(joint, end) for end in ("of", "to") if self.has(joint, end))
 
-    def acting(self, verb: str, owner: str) -> list[Thing]:
+    def acting(self, verb: str, owner: str) -> list[Entity]:
         """Return the actions of a verb on an object."""
         return [
             a for a in self._actions.get(verb, ()) if self.reference(a.name, "object") == owner and self.there(a.name)
@@ -226,18 +226,18 @@ class Values:
         return parts
 
     @cached_property
-    def assets(self) -> dict[str, tuple[Thing, ...]]:
+    def assets(self) -> dict[str, tuple[Entity, ...]]:
         """Links and joints of every asset without its base, by the name of the base."""
-        assets: dict[str, tuple[Thing, ...]] = {}
+        assets: dict[str, tuple[Entity, ...]] = {}
         for thing in self.spec.things:
             if thing.kind in ("object", "joint") and thing.of:
                 assets[thing.of] = (*assets.get(thing.of, ()), thing)
         return assets
 
     @cached_property
-    def _actions(self) -> dict[str, list[Thing]]:
+    def _actions(self) -> dict[str, list[Entity]]:
         """Actions on objects by verb, without those of robots."""
-        actions: dict[str, list[Thing]] = {}
+        actions: dict[str, list[Entity]] = {}
         for thing in self.spec.things:
             if thing.kind == "action" and not thing.of:
                 actions.setdefault(thing.verb, []).append(thing)
@@ -297,7 +297,7 @@ class Values:
         self._check(thing, name, value, place)
         return value
 
-    def _check(self, thing: Thing, name: str, value: Any, place: Location) -> None:
+    def _check(self, thing: Entity, name: str, value: Any, place: Location) -> None:
         """Raise WmsError for numbers that are out of bounds."""
         if isinstance(value, str | bool):
             return
@@ -310,7 +310,7 @@ class Values:
         """Return a property derived from an object's material; an image keeps its own colours."""
         if name != "color":
             return getattr(MATERIALS[self.text(owner, "material")], name)
-        return colors.word(
+        return colors.color_word(
             (1.0, 1.0, 1.0) if self.has(owner, "image") else MATERIALS[self.text(owner, "material")].color
         )
 
@@ -341,18 +341,18 @@ def _evaluate(expr: Expr, values: Values, place: Location) -> Any:
         raise ImpossibleValue(str(error), place) from None
 
 
-def _fault(number: float, slot: Slot | None) -> str:
+def _fault(number: float, slot: PropertySpec | None) -> str:
     """Return how a number violates its bounds, or an empty string."""
-    if slot and (expected := slot.fault(number)):
-        return f"{told(number, slot.dimension)} here; it must be {expected}"
+    if slot and (expected := slot.violation(number)):
+        return f"{format_quantity(number, slot.dimension)} here; it must be {expected}"
     if not math.isfinite(number):
         return "not finite"
-    if abs(number) > MOST_LENGTH and slot and _LENGTHS.intersection(slot.types):
-        return f"{told(number, LENGTH)} here; the most is {told(MOST_LENGTH, LENGTH)}"
+    if abs(number) > MAX_LENGTH and slot and _LENGTHS.intersection(slot.types):
+        return f"{format_quantity(number, LENGTH)} here; the most is {format_quantity(MAX_LENGTH, LENGTH)}"
     return ""
 
 
-def _slot(thing: Thing, name: str) -> Slot | None:
+def _slot(thing: Entity, name: str) -> PropertySpec | None:
     if thing.kind != "action":
         return PROPERTIES[thing.kind].get(name)
     if name in ("start", "duration"):

@@ -9,7 +9,7 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
 from wmspec.compile.lint.task_rules import Task
 from wmspec.lang.check.ir.evaluate import evaluate, parts
-from wmspec.lang.check.ir.ir import Question, Ref, Said, last_shown
+from wmspec.lang.check.ir.ir import Question, Ref, Interpolation, time_of_last_picture
 from wmspec.lang.check.types import units
 
 #: What pictures show of a thing whatever happens to it.
@@ -22,7 +22,7 @@ _MOMENT = 1e-9
 def told_by_text(task: Task) -> Iterator[Breach]:
     """A text that says all that decides between the options, or the answer itself."""
     for question in task.spec.questions:
-        mentioned = [part.value for part in question.text if isinstance(part, Said)]
+        mentioned = [part.value for part in question.text if isinstance(part, Interpolation)]
         decisive = {varied.factor for varied in question.orbit}
         if decisive and decisive <= {value.name for value in mentioned if isinstance(value, Ref)}:
             names = " and ".join(f"`{name}`" for name in sorted(decisive))
@@ -62,7 +62,7 @@ def told_by_pictures(scene: Scene) -> Iterator[Breach]:
         for observation, moment in shown:
             itself = abs(moment - time) < _MOMENT and observation.camera == _camera(question)
             if itself or (foretold and moment > time - _MOMENT):
-                at = units.told(moment, units.TIME)
+                at = units.format_quantity(moment, units.TIME)
                 what = f"the picture that is asked for is shown: that at {at}, {scene.where}"
                 yield Breach(what, observation.place, _remedy(scene, question), about=("shown", question.place))
                 break
@@ -75,7 +75,7 @@ SCENE_RULES = (told_by_pictures,)
 def _remedy(scene: Scene, question: Question) -> str:
     """Without a `horizon`, the end is the last picture that is shown."""
     spec = scene.values.spec
-    unwritten = spec.horizon == last_shown(spec.observations)
+    unwritten = spec.horizon == time_of_last_picture(spec.observations)
     if unwritten and any(isinstance(part, Ref) and part.name == "end" for part in parts(question.answer)):
         return "without a `horizon` the last picture is the end: write `horizon TIME`, a later one"
     return "show what comes before it"

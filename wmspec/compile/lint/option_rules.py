@@ -14,7 +14,7 @@ from wmspec.compile.layout.values import Values
 from wmspec.compile.lint.question_rules import asked
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.core.diagnostics import WmsError
-from wmspec.lang.check.expressions.measured import measured
+from wmspec.lang.check.expressions.measured import is_measured
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Question
 from wmspec.lang.check.types import units
@@ -49,7 +49,7 @@ class Tried:
 
 def compared(question: Question, design: Design, depend: Dependencies) -> Options:
     """The options compared, up to the first instance in which two are the same. Raises WmsError without a value."""
-    known = not measured(design.spec, question.answer)
+    known = not is_measured(design.spec, question.answer)
     directions = question.sort == str(AN_ANGLE) and not known
     lacking, checked = [], 0
     for instance in _sample(question, design, depend, known):
@@ -98,7 +98,7 @@ def answer_not_always_among_options(options: Options) -> Iterator[Breach]:
 def condition_never_met(tried: Tried) -> Iterator[Breach]:
     """An `ensure` that is known before the episode, and holds in none of the instances that are tried."""
     for ensure in tried.question.ensures:
-        if not tried.values or measured(tried.values[0].spec, ensure.condition):
+        if not tried.values or is_measured(tried.values[0].spec, ensure.condition):
             continue
         if not any(evaluate(ensure.condition, values) for values in tried.values):
             what = f"this holds in none of the {len(tried.values)} instances that were tried: nothing is asked"
@@ -138,4 +138,4 @@ def _same(a: object, b: object, directions: bool) -> bool:
 
 
 def _shown(value: object, question: Question) -> str:
-    return units.told(value, units.named(question.sort)) if isinstance(value, float) else f"`{value}`"
+    return units.format_quantity(value, units.dimension_named(question.sort)) if isinstance(value, float) else f"`{value}`"

@@ -88,7 +88,7 @@ def too_fast(scene: Scene) -> Iterator[Breach]:
             speed = values.number(action.name, "speed")
             if speed > FAST:
                 target = values.reference(action.name, "object")
-                what = f"`{action.name}` gives `{target}` {units.told(speed, units.SPEED)}"
+                what = f"`{action.name}` gives `{target}` {units.format_quantity(speed, units.SPEED)}"
                 place = values.place(action.name, "speed")
                 yield Breach(f"{what} {scene.where}", place, "is this the unit that is meant?", about=action.name)
 
@@ -101,7 +101,7 @@ def out_of_proportion(scene: Scene) -> Iterator[Breach]:
         if thing.kind == "object" and values.there(thing.name) and values.has(thing.name, "mass"):
             mass = values.number(thing.name, "mass")
             if not LIGHT <= mass <= HEAVY:
-                what = f"`{thing.name}` weighs {units.told(mass, units.MASS)} {scene.where}"
+                what = f"`{thing.name}` weighs {units.format_quantity(mass, units.MASS)} {scene.where}"
                 yield Breach(
                     what, values.place(thing.name, "mass"), "is this the unit that is meant?", about=thing.name
                 )

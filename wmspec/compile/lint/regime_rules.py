@@ -14,7 +14,7 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
 from wmspec.core.diagnostics import Note
 from wmspec.core.space import ORIGIN, UP, add, dot, rotate, scale, unit
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.check.types import units
 from wmspec.sim.scene.regime_thresholds import (
     ELASTIC_RESTITUTION,
@@ -179,7 +179,7 @@ def fast_and_thin(scene: Scene) -> Iterator[Breach]:
     for name in _touchable(values):
         thin = min(_thickness(piece) for piece in pieces(values, name))
         if depth > MAX_ENTERED_FRACTION * thin:
-            fast = f"something moves at {units.told(speed, units.SPEED)} {scene.where}"
+            fast = f"something moves at {units.format_quantity(speed, units.SPEED)} {scene.where}"
             deep = f"where contacts are soft that goes {_length(depth)} deep"
             what = f"`{name}` is {_length(thin)} thick, and {fast}; {deep}"
             remedy = f"make it thicker, the other slower, or {OTHERS}"
@@ -242,7 +242,7 @@ def _joined(values: Values) -> set[str]:
     return {end for j in _joints(values) for end in values.ends(j.name)}
 
 
-def _joints(values: Values) -> list[Thing]:
+def _joints(values: Values) -> list[Entity]:
     return [t for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
 
 
@@ -286,4 +286,4 @@ def _degrees(angle: float) -> str:
 
 
 def _length(metres: float) -> str:
-    return units.told(float(f"{metres:.2g}"), units.LENGTH)
+    return units.format_quantity(float(f"{metres:.2g}"), units.LENGTH)

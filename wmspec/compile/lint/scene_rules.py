@@ -18,7 +18,7 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.visibility import blind
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location
-from wmspec.lang.check.expressions.measured import measured
+from wmspec.lang.check.expressions.measured import is_measured
 from wmspec.lang.check.ir.evaluate import NoValue, evaluate, parts
 from wmspec.lang.check.ir.ir import Call, Expr, Question
 from wmspec.lang.check.tables.verbs import VERBS
@@ -50,7 +50,7 @@ def objects_inside_one_another(scene: Scene) -> Iterator[Breach]:
     change = scene.values.change
     begun = f"under `{change.name}`" if change else "at the start"
     for pair in overlaps(scene.values):
-        depth = units.told(float(f"{pair.depth:.2g}"), units.LENGTH)
+        depth = units.format_quantity(float(f"{pair.depth:.2g}"), units.LENGTH)
         place = scene.values.place(pair.second)
         if of := _set_of(scene.values, pair.first, pair.second):
             what = f"members of `{of}` are {depth} inside one another {begun} {scene.where}"
@@ -107,8 +107,8 @@ def late_action(scene: Scene) -> Iterator[Breach]:
         if action.kind == "action" and not (action.of or VERBS[action.verb].holds) and values.there(action.name):
             start = values.number(action.name, "start")
             if start > end - 1e-9:
-                lasts = f"the episode lasts {units.told(end, units.TIME)} {scene.where}"
-                what = f"`{action.name}` never happens: it begins at {units.told(start, units.TIME)}, and {lasts}"
+                lasts = f"the episode lasts {units.format_quantity(end, units.TIME)} {scene.where}"
+                what = f"`{action.name}` never happens: it begins at {units.format_quantity(start, units.TIME)}, and {lasts}"
                 remedy = "let it begin earlier, or set a longer `horizon`"
                 yield Breach(what, values.place(action.name, "start"), remedy, about=action.name)
 
@@ -147,8 +147,8 @@ def measure_outside_the_episode(scene: Scene) -> Iterator[Breach]:
             for call in (part for part in parts(expr) if isinstance(part, Call)):
                 times = dict(_times(call, values))
                 if late := [time for time in times.values() if not values.during(time)]:
-                    lasts = f"the episode, which lasts {units.told(values.ref('end'), units.TIME)} {scene.where}"
-                    what = f"`{call.function}` at {units.told(late[0], units.TIME)} is outside {lasts}"
+                    lasts = f"the episode, which lasts {units.format_quantity(values.ref('end'), units.TIME)} {scene.where}"
+                    what = f"`{call.function}` at {units.format_quantity(late[0], units.TIME)} is outside {lasts}"
                     yield Breach(what, place, "ask for an earlier time, or set a longer `horizon`")
                 elif times.get("from", 0.0) >= times.get("to", math.inf):
                     what = f"the time of `{call.function}` ends before it begins {scene.where}"
@@ -167,7 +167,7 @@ def _measuring(question: Question) -> Iterator[tuple[Expr, Location]]:
 def _times(call: Call, values: Values) -> Iterator[tuple[str, float]]:
     """The times (s) at which a function is measured, by their options, as far as they are known before the episode."""
     for option in call.options:
-        if option.name in ("at", "from", "to") and not measured(values.spec, option.value):
+        if option.name in ("at", "from", "to") and not is_measured(values.spec, option.value):
             with suppress(NoValue):
                 yield option.name, float(evaluate(option.value, values))
 
@@ -185,6 +185,6 @@ RULES = (
 
 def outside(time: float, values: Values, place: Location) -> Breach:
     """A picture at a time (s) when the episode is over."""
-    lasts = f"the episode, which lasts {units.told(values.ref('end'), units.TIME)}"
-    what = f"a picture at {units.told(time, units.TIME)} is outside {lasts}"
+    lasts = f"the episode, which lasts {units.format_quantity(values.ref('end'), units.TIME)}"
+    what = f"a picture at {units.format_quantity(time, units.TIME)} is outside {lasts}"
     return Breach(what, place, "ask for an earlier one, or set a longer `horizon`")

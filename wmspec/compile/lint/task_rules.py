@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.lang.check.expressions.measured import measured
-from wmspec.lang.check.ir.ir import Choices, Expr, Said, TaskSpec
+from wmspec.lang.check.expressions.measured import is_measured
+from wmspec.lang.check.ir.ir import Choices, Expr, Interpolation, TaskSpec
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def constant_answer(task: Task) -> Iterator[Breach]:
     """An answer that is known beforehand and depends on no factor."""
     varying = {f.name for f in task.spec.factors}
     for question in task.spec.questions:
-        if not measured(task.spec, question.answer) and not task.depend.expression(question.answer) & varying:
+        if not is_measured(task.spec, question.answer) and not task.depend.expression(question.answer) & varying:
             message = "the answer to this is the same in every instance"
             yield Breach(message, question.place, "let it depend on a factor, or measure it on the episode")
 
@@ -55,7 +55,7 @@ RULES = (idle_factor, factor_in_words_alone, constant_answer)
 def _texts(spec: TaskSpec) -> Iterator[Expr]:
     for question in spec.questions:
         parts = (*question.text, *(part for text in question.texts for part in text.parts))
-        yield from (part.value for part in parts if isinstance(part, Said))
+        yield from (part.value for part in parts if isinstance(part, Interpolation))
 
 
 def _deciding(spec: TaskSpec) -> Iterator[Expr]:

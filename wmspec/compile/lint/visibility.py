@@ -11,7 +11,7 @@ from wmspec.compile.layout.solids import Box, bounds, corners
 from wmspec.compile.layout.values import Values
 from wmspec.core.space import Vector, add, cross, dot, heading_vector, scale
 from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.ir.ir import Expr, Property, Ref, Said, TaskSpec, Thing, Value
+from wmspec.lang.check.ir.ir import Expr, Property, Ref, Interpolation, TaskSpec, Entity, Value
 
 
 def blind(values: Values) -> tuple[str, ...]:
@@ -54,7 +54,7 @@ def _asked(spec: TaskSpec) -> Iterator[Expr]:
     for question in spec.questions:
         yield question.answer
         parts = (*question.text, *(part for text in question.texts for part in text.parts))
-        yield from (part.value for part in parts if isinstance(part, Said))
+        yield from (part.value for part in parts if isinstance(part, Interpolation))
         yield from (question.options,) if question.options else ()
 
 
@@ -91,7 +91,7 @@ def boxes_of(values: Values, name: str) -> Iterator[Box]:
                 yield _around((low, high), (add(low, gone), add(high, gone)))
 
 
-def _reached(values: Values, action: Thing) -> tuple[Vector, ...]:
+def _reached(values: Values, action: Entity) -> tuple[Vector, ...]:
     """Where an action takes its object, at most."""
     name, verb = action.name, action.verb
     if verb in CARRYING:

@@ -48,22 +48,22 @@ class Arm:
         """The frames of the base, of each link and of the hand, for the joint angles `q` (n,)."""
         frames = [base]
         for frame, angle in zip(self.frames, q, strict=True):
-            frames.append(frames[-1] @ frame @ about(2, float(angle)))
+            frames.append(frames[-1] @ frame @ axis_rotation(2, float(angle)))
         return [*frames, frames[-1] @ self.hand]
 
     def tool(self, q: Array, base: Array) -> Array:
         """Where the tool is (4, 4)."""
-        return self.links(q, base)[-1] @ shift(0.0, 0.0, self.reach)
+        return self.links(q, base)[-1] @ translation(0.0, 0.0, self.reach)
 
     def jacobian(self, q: Array, base: Array) -> tuple[Array, Array]:
         """How the tool moves and turns with the joints (6, n), and where it is (4, 4)."""
         joints = np.array(self.links(q, base)[1:-1])
-        tip = joints[-1] @ self.hand @ shift(0.0, 0.0, self.reach)
+        tip = joints[-1] @ self.hand @ translation(0.0, 0.0, self.reach)
         axes = joints[:, :3, 2]
         return np.concatenate([np.cross(axes, tip[:3, 3] - joints[:, :3, 3]), axes], axis=1).T, tip
 
 
-def about(axis: int, angle: float) -> Array:
+def axis_rotation(axis: int, angle: float) -> Array:
     """A turn (4, 4) about the axis number `axis`."""
     c, s = np.cos(angle), np.sin(angle)
     turn = np.eye(4)
@@ -73,13 +73,13 @@ def about(axis: int, angle: float) -> Array:
     return turn
 
 
-def shift(x: float, y: float, z: float) -> Array:
+def translation(x: float, y: float, z: float) -> Array:
     """A way (4, 4)."""
     way = np.eye(4)
     way[:3, 3] = x, y, z
     return way
 
 
-def down(x: float, y: float, z: float, yaw: float = 0.0) -> Array:
+def downward_pose(x: float, y: float, z: float, yaw: float = 0.0) -> Array:
     """A tool (4, 4) that looks straight down at a point, its fingers opening along `yaw` + 90 degrees."""
-    return shift(x, y, z) @ about(2, yaw) @ about(0, np.pi)
+    return translation(x, y, z) @ axis_rotation(2, yaw) @ axis_rotation(0, np.pi)

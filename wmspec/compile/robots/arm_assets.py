@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdPhysics
 
 from wmspec.compile.layout.meshes import load
-from wmspec.compile.robots.arm import Arm, Array, shift
+from wmspec.compile.robots.arm import Arm, Array, translation
 from wmspec.compile.robots.description import ArmModel, read_description
 from wmspec.compile.robots.links import articulate, body, box, finger, material, mesh_prim, pad
 from wmspec.core.diagnostics import ImpossibleValue
@@ -80,7 +80,7 @@ def _add_hand(stage: Usd.Stage, arm: Arm, hand: Array) -> None:
     rubber, dark = material(stage, ROOT, "rubber", DARK, arm.rubber), material(stage, ROOT, "finger", DARK)
     UsdPhysics.CollisionAPI.Apply(box(stage, f"{ROOT}/hand/palm", arm.hull, rubber).GetPrim())
     for side, turn in (("left", 0.0), ("right", np.pi)):
-        frame = hand @ finger(arm, turn) @ shift(0.0, arm.opening / 2, 0.0)
+        frame = hand @ finger(arm, turn) @ translation(0.0, arm.opening / 2, 0.0)
         link = body(stage, f"{ROOT}/{side}_finger", frame, moves=True)
         box(stage, f"{link}/box", arm.tip, dark)
         pad(stage, f"{link}/pad", arm, rubber)

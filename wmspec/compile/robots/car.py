@@ -9,10 +9,10 @@ from wmspec.compile.layout.solids import Piece
 from wmspec.core.space import Pose, Vector, from_ypr
 from wmspec.sim.shapes import SHAPES
 
-PAINT = ""
+BODY_COLOR = ""
 """The colour of what is painted as the car is."""
 
-_SIDE = (
+_OUTLINES = (
     ((-2.1, 0.28), (2.08, 0.28), (2.1, 0.55), (1.95, 0.72), (0.95, 0.84), (-1.6, 0.9), (-2.08, 0.86)),
     ((0.9, 0.84), (0.28, 1.36), (0.1, 1.4), (-1.0, 1.4), (-1.2, 1.36), (-1.7, 0.88)),
 )
@@ -22,19 +22,21 @@ _SIDE = (
 @cache
 def parts() -> tuple[tuple[str, Piece, str], ...]:
     """Name, form and colour of each part, x ahead, seen from the middle of the ground below it."""
-    hull = _made("extrude", (0.0, 0.0, 0.0), outline=_SIDE[0], depth=1.76)
-    glass = _made("extrude", (0.0, 0.0, 0.0), outline=_SIDE[1], depth=1.5)
-    roof = _made("box", (-0.5, 0.0, 1.41), size=(1.3, 1.44, 0.04))
-    posts = ((f"post_{i}", _made("box", (-0.52, y, 1.12), size=(0.09, 0.03, 0.56)), PAINT) for i, y in enumerate(_BOTH))
+    hull = _piece("extrude", (0.0, 0.0, 0.0), outline=_OUTLINES[0], depth=1.76)
+    glass = _piece("extrude", (0.0, 0.0, 0.0), outline=_OUTLINES[1], depth=1.5)
+    roof = _piece("box", (-0.5, 0.0, 1.41), size=(1.3, 1.44, 0.04))
+    posts = (
+        (f"post_{i}", _piece("box", (-0.52, y, 1.12), size=(0.09, 0.03, 0.56)), BODY_COLOR) for i, y in enumerate(_BOTH)
+    )
     wheels = ((f"wheel_{i}", _wheel(x, y), "black") for i, (x, y) in enumerate(_WHEELS))
     hubs = ((f"hub_{i}", _wheel(x, y * 1.04, 0.17), "gray") for i, (x, y) in enumerate(_WHEELS))
     lamps = (
-        (f"lamp_{i}", _made("box", (2.08, y, 0.53), size=(0.06, 0.3, 0.12)), "chalk") for i, y in enumerate(_LAMPS)
+        (f"lamp_{i}", _piece("box", (2.08, y, 0.53), size=(0.06, 0.3, 0.12)), "chalk") for i, y in enumerate(_LAMPS)
     )
     lights = (
-        (f"light_{i}", _made("box", (-2.08, y, 0.72), size=(0.04, 0.3, 0.14)), "red") for i, y in enumerate(_LAMPS)
+        (f"light_{i}", _piece("box", (-2.08, y, 0.72), size=(0.04, 0.3, 0.14)), "red") for i, y in enumerate(_LAMPS)
     )
-    every = (("hull", hull, PAINT), ("glass", glass, "black"), ("roof", roof, PAINT))
+    every = (("hull", hull, BODY_COLOR), ("glass", glass, "black"), ("roof", roof, BODY_COLOR))
     return (*every, *posts, *wheels, *hubs, *lamps, *lights)
 
 
@@ -43,7 +45,7 @@ _LAMPS = (-0.65, 0.65)
 _WHEELS = ((1.32, -0.8), (1.32, 0.8), (-1.3, -0.8), (-1.3, 0.8))
 
 
-def _made(shape: str, at: Vector, **words: object) -> Piece:
+def _piece(shape: str, at: Vector, **words: object) -> Piece:
     return Piece(SHAPES[shape].from_words({"size": 0.1, **words}), Pose(at))
 
 

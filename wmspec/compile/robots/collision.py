@@ -10,14 +10,23 @@ from numpy.typing import NDArray
 
 from wmspec.compile.layout.geometry import pieces, touchable
 from wmspec.compile.layout.values import Values
-from wmspec.compile.robots.arm import Arm, Array, about, shift
+from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
 from wmspec.compile.robots.boxes import Box, box_between, part_boxes, local_corners
 from wmspec.compile.robots.grasps import CLOSED_SHARE, FIRM_POINTS
 from wmspec.compile.robots.link_points import link_points
 from wmspec.compile.robots.manipuland import Manipuland, joined_objects
-from wmspec.compile.robots.planning import OPEN_SPAN, PUSH_SPAN, TAKING_VERBS, Plan, Reach, ArmState, matrix, other_motions
+from wmspec.compile.robots.planning import (
+    OPEN_SPAN,
+    PUSH_SPAN,
+    TAKING_VERBS,
+    Plan,
+    Reach,
+    ArmState,
+    matrix,
+    other_motions,
+)
 from wmspec.compile.robots.supported_objects import rigid_group, supported_objects
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 from wmspec.sim.shapes.shape import Shape
 
 BOX_SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
@@ -31,11 +40,18 @@ REMEDIES = {
     "close": "close it less far, or move that out of its way",
     **dict.fromkeys(("carry", "place", "rotate", "tilt"), CARRY_REMEDY),
 }
-MOTION_START = {"pick": CLOSED_SHARE, "grasp": CLOSED_SHARE, "lift": CLOSED_SHARE, "push": PUSH_SPAN[0], "open": OPEN_SPAN[0], "close": OPEN_SPAN[0]}
+MOTION_START = {
+    "pick": CLOSED_SHARE,
+    "grasp": CLOSED_SHARE,
+    "lift": CLOSED_SHARE,
+    "push": PUSH_SPAN[0],
+    "open": OPEN_SPAN[0],
+    "close": OPEN_SPAN[0],
+}
 """From which share of its time a verb leads what it is done to."""
 
 
-def collision(made: Plan, action: Thing, before: Manipuland) -> tuple[str, str] | None:
+def collision(made: Plan, action: Entity, before: Manipuland) -> tuple[str, str] | None:
     """What an arm goes through during an action and when, and what helps; None if it keeps clear.
 
     `before` is what it handles, as it was before.
@@ -50,11 +66,15 @@ def collision(made: Plan, action: Thing, before: Manipuland) -> tuple[str, str] 
     )
 
 
-def _object_collision(made: Plan, action: Thing, before: Manipuland, links: Array, hand: list[Box]) -> tuple[str, str] | None:
+def _object_collision(
+    made: Plan, action: Entity, before: Manipuland, links: Array, hand: list[Box]
+) -> tuple[str, str] | None:
     """What the hand, a link or what is held or pushed goes through, of all that the arm does not handle."""
     reach, arm, frames = made.reaches[action.name], made.arms[action.of].arm, links[:, -1]
     led, carried = _moved_pieces(made, action, before, frames), supported_objects(made, rigid_group(made, action))
-    leads = MOTION_START.get(action.verb, 0.0) * made.lasts(action)  # what lies on it or in it comes along from then on
+    leads = MOTION_START.get(action.verb, 0.0) * made.duration(
+        action
+    )  # what lies on it or in it comes along from then on
     for name, box in _obstacles(made, action, carried):
         when = _first_overlap(hand, [box], reach, BOX_SLACK) if _is_near(frames, box) else None
         what = "its hand"
@@ -65,20 +85,22 @@ def _object_collision(made: Plan, action: Thing, before: Manipuland, links: Arra
         elif when is None and (made.values.flag(name, "fixed") or action.verb == "place"):
             when, what = _first_contact(led, box, reach), f"`{before.name}`"
         if when is not None:
-            return f"{what} would go through `{name}`, {when:.2f} s after it starts", REMEDIES.get(action.verb, DEFAULT_REMEDY)
+            return f"{what} would go through `{name}`, {when:.2f} s after it starts", REMEDIES.get(
+                action.verb, DEFAULT_REMEDY
+            )
     return None
 
 
-def _grasp_collision(made: Plan, action: Thing, before: Manipuland, frames: Array) -> tuple[str, str] | None:
+def _grasp_collision(made: Plan, action: Entity, before: Manipuland, frames: Array) -> tuple[str, str] | None:
     """Whether a finger comes down on what it is to take, or the two close on an edge of it."""
     reach, arm = made.reaches[action.name], made.arms[action.of].arm
     if action.verb not in TAKING_VERBS or made.values.parts(before.name):
         return None
     lowest = int(frames[:, 2, 3].argmin())
-    hits = before.has((frames[lowest] @ shift(0.0, 0.0, arm.reach))[:3, 3])
+    hits = before.has((frames[lowest] @ translation(0.0, 0.0, arm.reach))[:3, 3])
     box = Box(before.middle[None], before.frame[None, :3, :3], np.array(before.half))
     touching = arm.tip[1] * (1, 0, 1) + (0, arm.pad, 0)  # of a finger the pad alone
-    closes = np.array(reach.times) <= CLOSED_SHARE * made.lasts(action)
+    closes = np.array(reach.times) <= CLOSED_SHARE * made.duration(action)
     for when, what in (
         (np.arange(len(frames)) <= lowest, f"a finger would come down on `{before.name}`"),
         (closes & (not hits), f"its fingers would close on an edge of `{before.name}` and squeeze it out"),
@@ -89,7 +111,7 @@ def _grasp_collision(made: Plan, action: Thing, before: Manipuland, frames: Arra
     return None
 
 
-def _hand_collision(made: Plan, action: Thing, hand: list[Box]) -> tuple[str, str] | None:
+def _hand_collision(made: Plan, action: Entity, hand: list[Box]) -> tuple[str, str] | None:
     """Whether a hand meets that of another arm."""
     reach, start = made.reaches[action.name], made.number(action, "start")
     for robot, other in made.arms.items():
@@ -106,7 +128,9 @@ def _hand_collision(made: Plan, action: Thing, hand: list[Box]) -> tuple[str, st
 
 def _is_near(frames: Array, box: Box) -> bool:
     """Whether a hand (n, 4, 4) comes near a box at any time."""
-    return bool(np.linalg.norm(frames[:, :3, 3] - box.center, axis=1).min() < HAND_RADIUS + float(np.linalg.norm(box.half)))
+    return bool(
+        np.linalg.norm(frames[:, :3, 3] - box.center, axis=1).min() < HAND_RADIUS + float(np.linalg.norm(box.half))
+    )
 
 
 def _link_contact(arm: Arm, links: Array, box: Box, reach: Reach) -> float | None:
@@ -136,14 +160,14 @@ class _MovedPiece:
     box: Box
 
 
-def _moved_pieces(made: Plan, action: Thing, before: Manipuland, frames: Array) -> list[_MovedPiece]:
+def _moved_pieces(made: Plan, action: Entity, before: Manipuland, frames: Array) -> list[_MovedPiece]:
     """The pieces of what the hand (n, 4, 4) holds fast or pushes during an action, as they go with it."""
     reach = made.reaches[action.name]
     when = made.number(action, "start") + np.array(reach.times)
     holds = [r.hold for r in made.reaches.values() if r.robot == action.of and r.hold]
     spans = [(h.start, h.stop) for h in holds if h.object == before.name and len(h.points) == len(FIRM_POINTS)]
     if action.verb == "push":
-        start, lasts = made.number(action, "start"), made.lasts(action)
+        start, lasts = made.number(action, "start"), made.duration(action)
         spans = [(start + PUSH_SPAN[0] * lasts, start + PUSH_SPAN[1] * lasts)]
     during = np.array([(start <= when) & (when <= stop) for start, stop in spans]).reshape(len(spans), len(when))
     times = np.flatnonzero(during.any(axis=0))
@@ -201,7 +225,7 @@ def _hand(arm: Arm, frames: Array, slides: Array) -> Iterator[Box]:
 def _fingers(frames: Array, slides: Array, arm: Arm, corners: Array) -> Iterator[Box]:
     """The part of both fingers that is between two corners (2, 3) of their own frames."""
     for side in (0.0, np.pi):
-        fingers = np.array([about(2, side) @ shift(0.0, float(slide), arm.finger) for slide in slides])
+        fingers = np.array([axis_rotation(2, side) @ translation(0.0, float(slide), arm.finger) for slide in slides])
         yield box_between(frames @ fingers, corners)
 
 
@@ -217,7 +241,7 @@ def _other_hand(made: Plan, robot: str, arm: ArmState, times: Array) -> Iterator
     yield from _hand(arm.arm, frames, rows[:, -1])
 
 
-def _obstacles(made: Plan, action: Thing, carried: set[str]) -> Iterator[tuple[str, Box]]:
+def _obstacles(made: Plan, action: Entity, carried: set[str]) -> Iterator[tuple[str, Box]]:
     """All that an arm does not handle; what it pushes may push what can move, but for what is `carried` along."""
     values, handled = made.values, joined_objects(made.values, made.values.reference(action.name, "object"))
     others = {values.reference(t.name, "object") for t in other_motions(values)}

@@ -12,7 +12,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from wmspec.compile.robots.arm import Arm, Array, about, shift
+from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.places import FilePlace
 from wmspec.lang.importers.model import Asset, Joint, Shape
@@ -82,7 +82,9 @@ def read_description(path: Path) -> ArmModel:
     places, chain = _chain(asset, said.hand.on, path)
     if not 0 < len(chain) <= MAX_HINGES:
         raise WmsError(
-            f"{len(chain)} hinges lead to `{said.hand.on}`", FilePlace(str(path)), f"name a link behind 1 to {MAX_HINGES}"
+            f"{len(chain)} hinges lead to `{said.hand.on}`",
+            FilePlace(str(path)),
+            f"name a link behind 1 to {MAX_HINGES}",
         )
     for name, given in (("rest", said.rest), ("home", said.home or said.rest), ("speed", said.speed)):
         if len(given) != len(chain) and not (name == "speed" and len(given) == 1):
@@ -175,7 +177,7 @@ def _arm(said: Description, chain: list[Joint], frames: list[Array], on: Pose) -
     hand, n = said.hand, len(chain)
     (width, broad, deep), (thick_x, thick_y, long) = hand.palm, hand.fingers
     roll, pitch, yaw = np.radians(hand.turn)
-    mount = shift(*hand.at) @ about(2, yaw) @ about(1, pitch) @ about(0, roll)
+    mount = translation(*hand.at) @ axis_rotation(2, yaw) @ axis_rotation(1, pitch) @ axis_rotation(0, roll)
     reach = deep + long - min(MAX_PAD_LENGTH, long) / 2
     degrees = [np.array(numbers) for numbers in (said.rest, said.home or said.rest)]
     return Arm(

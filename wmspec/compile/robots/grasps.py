@@ -9,13 +9,13 @@ from math import sqrt
 import numpy as np
 
 from wmspec.compile.layout import surfaces
-from wmspec.compile.robots.arm import Array, down, shift
-from wmspec.compile.robots.legs import ToolSegment, stay, straight
-from wmspec.compile.robots.manipuland import Manipuland, manipuland_of, joined_objects
+from wmspec.compile.robots.arm import Array, downward_pose, translation
+from wmspec.compile.robots.manipuland import Manipuland, joined_objects, manipuland_of
 from wmspec.compile.robots.planning import APPROACH_HEIGHT, Plan, PlanningError, require_single
 from wmspec.compile.robots.schedule import HAND_OPENING_TIME
+from wmspec.compile.robots.tool_path import ToolSegment, stay, straight
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 
 FINGER_CLEARANCE = 0.0005  # m: what the fingers leave
 RELEASE_HEIGHT = 0.0002  # m: from how high something is put down
@@ -29,25 +29,27 @@ JERK_PEAK = 5.7735  # the greatest acceleration of a minimum-jerk way, in ways p
 CLOSED_SHARE = 0.65  # of the time of what takes something, the hand is closed
 
 
-def pick(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def pick(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Come from above, take it, and raise it."""
     action, height = require_single(acts), made.number(acts[0], "height")
     made.free(action)
     at = grasp_pose(made, action, thing)
-    up = shift(0.0, 0.0, height) @ at
+    up = translation(0.0, 0.0, height) @ at
     firm = can_carry(made, action, thing.mass, thing.friction, height)
     return take(made, action, thing, at, straight(at, up), FIRM_POINTS, firm).moved((0.0, 0.0, height))
 
 
-def grasp(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def grasp(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Come from above and take it, where it is: on something, or in another hand."""
     action = require_single(acts)
     made.free(action)
     at = grasp_pose(made, action, thing)
-    return take(made, action, thing, at, stay(at), FIRM_POINTS, can_carry(made, action, thing.mass, thing.friction, 0.0))
+    return take(
+        made, action, thing, at, stay(at), FIRM_POINTS, can_carry(made, action, thing.mass, thing.friction, 0.0)
+    )
 
 
-def lift(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def lift(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Raise what is held; else take it at the end that is nearer, or both ends with two hands, and raise that."""
     if len(acts) == 1 and made.arms[acts[0].of].held == thing.name:
         return _raise(made, acts[0], thing)
@@ -58,38 +60,40 @@ def lift(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
         x, y = made.values.pair(action.name, "at")
         lengths[side] = thing.half[0] - END_DISTANCE + side * x
         turned = made.nearest(action.of, (thing.yaw,)) - thing.yaw
-        hands[side] = shift(0.0, y, 0.0) @ down(0.0, 0.0, 0.0, turned)
+        hands[side] = translation(0.0, y, 0.0) @ downward_pose(0.0, 0.0, 0.0, turned)
         height = made.number(action, "height")
-        if thing.has((thing.frame @ shift(side * lengths[side], y, 0.0))[:3, 3]) and can_carry(
+        if thing.has((thing.frame @ translation(side * lengths[side], y, 0.0))[:3, 3]) and can_carry(
             made, action, 0.5 * thing.mass, thing.friction, height
         ):
             heights[side] = height
     if len(heights) == 2 and abs(heights[1] - heights[-1]) > 0.6 * sum(lengths.values()):
         raise PlanningError(acts[0], "the two ends would be too far apart in height", "let their heights differ less")
     for side, action in sides.items():
-        start = thing.frame @ shift(side * lengths[side], 0.0, 0.0) @ hands[side]
-        way = straight(start, shift(0.0, 0.0, made.number(action, "height")) @ start)
+        start = thing.frame @ translation(side * lengths[side], 0.0, 0.0) @ hands[side]
+        way = straight(start, translation(0.0, 0.0, made.number(action, "height")) @ start)
         if side in heights:
             way = _end_path(thing, side, lengths, heights, hands[side])
         take(made, action, thing, start, way, HINGE_POINTS, side in heights)
     return thing
 
 
-def place(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def place(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Carry it above its place, put it down there, let go and draw back."""
     action = require_single(acts)
-    arm, lasts, values = made.arms[action.of], made.lasts(action), made.values
+    arm, lasts, values = made.arms[action.of], made.duration(action), made.values
     onto = values.reference(action.name, "on")
     if onto in joined_objects(values, thing.name):
         raise ImpossibleValue(f"`{thing.name}` cannot be put on itself", action.place, "name what it is to stand on")
-    made.wields(action)
+    made.require_held(action)
     face = np.array(surfaces.top(values, onto, values.pair(action.name, "at")).middle)
     face = (made.motion(onto) @ [*face, 1.0])[:3]
-    way = np.array([*face[:2], face[2] + RELEASE_HEIGHT]) - np.array([*thing.middle[:2], thing.middle[2] - thing.half[2]])
+    way = np.array([*face[:2], face[2] + RELEASE_HEIGHT]) - np.array(
+        [*thing.middle[:2], thing.middle[2] - thing.half[2]]
+    )
     here = arm.tool
-    there = shift(*way) @ here
-    over = shift(way[0], way[1], max(way[2] + 0.06, 0.0)) @ here
-    up, rest = shift(0.0, 0.0, APPROACH_HEIGHT) @ there, arm.drawn_back(there)
+    there = translation(*way) @ here
+    over = translation(way[0], way[1], max(way[2] + 0.06, 0.0)) @ here
+    up, rest = translation(0.0, 0.0, APPROACH_HEIGHT) @ there, arm.drawn_back(there)
     legs = [
         ToolSegment(0.30 * lasts, straight(here, over), arm.width),
         ToolSegment(0.48 * lasts, straight(over, there), arm.width),
@@ -103,11 +107,11 @@ def place(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
     return thing.moved(way) if held else thing
 
 
-def drop(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def drop(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Open the hand; what no other hand holds falls to where it was taken from."""
     action = require_single(acts)
     arm = made.arms[action.of]
-    made.wields(action)
+    made.require_held(action)
     held = arm.held == thing.name
     made.let_go(action, made.number(action, "start"))
     made.go(action, [ToolSegment(part * HAND_OPENING_TIME, stay(arm.tool), arm.arm.opening) for part in (0.5, 1.0)])
@@ -121,7 +125,7 @@ def drop(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
 
 def take(
     made: Plan,
-    action: Thing,
+    action: Entity,
     thing: Manipuland,
     at: Array,
     rise: Callable[[float], Array],
@@ -133,8 +137,8 @@ def take(
     What is not held `firm` slips out of the hand, and a hand beside it closes on nothing: then it stays where it is.
     The fingers close alike: what is not in the middle between them is moved there.
     """
-    arm, lasts = made.arms[action.of], made.lasts(action)
-    above, opened, hits = shift(0.0, 0.0, APPROACH_HEIGHT) @ at, arm.arm.opening, thing.has(at[:3, 3])
+    arm, lasts = made.arms[action.of], made.duration(action)
+    above, opened, hits = translation(0.0, 0.0, APPROACH_HEIGHT) @ at, arm.arm.opening, thing.has(at[:3, 3])
     closed = thing.across(at) + FINGER_CLEARANCE if hits else 0.0
     legs = [
         ToolSegment(0.4 * lasts, straight(arm.tool, above), opened),
@@ -143,7 +147,7 @@ def take(
         ToolSegment(lasts, rise, closed),
     ]
     made.go(action, legs)
-    arm.wanted = thing.name
+    arm.intended = thing.name
     if hits and firm:
         made.hold(action, thing.name, made.number(action, "start") + CLOSED_SHARE * lasts, points)
     if not hits:
@@ -152,18 +156,18 @@ def take(
     return replace(thing.moved(between), slipped=not firm)
 
 
-def can_carry(made: Plan, action: Thing, mass: float, friction: float, height: float) -> bool:
+def can_carry(made: Plan, action: Entity, mass: float, friction: float, height: float) -> bool:
     """Whether friction in the hand carries a mass (kg) that is raised by a height (m): if not, it slips."""
     arm = made.arms[action.of].arm
-    pull = JERK_PEAK * height / ((1 - CLOSED_SHARE) * made.lasts(action)) ** 2
+    pull = JERK_PEAK * height / ((1 - CLOSED_SHARE) * made.duration(action)) ** 2
     return mass * (made.values.gravity + pull) <= 2 * sqrt(arm.rubber * friction) * arm.grip
 
 
-def grasp_pose(made: Plan, action: Thing, thing: Manipuland) -> Array:
+def grasp_pose(made: Plan, action: Entity, thing: Manipuland) -> Array:
     """Where the tool takes a thing: across one of its sides that fits between the fingers."""
     arm = made.arms[action.of].arm
     x, y = made.values.pair(action.name, "at")
-    spot = (thing.frame @ shift(x, y, 0.0))[:3, 3]
+    spot = (thing.frame @ translation(x, y, 0.0))[:3, 3]
     sides = [
         yaw
         for yaw, width in ((thing.yaw, thing.half[1]), (thing.yaw + np.pi / 2, thing.half[0]))
@@ -178,14 +182,14 @@ def grasp_pose(made: Plan, action: Thing, thing: Manipuland) -> Array:
         )
     ends = float(arm.finger + arm.tip[1, 2] - arm.reach)
     low = max(thing.top - arm.palm + PALM_CLEARANCE, thing.middle[2] - thing.half[2] + ends + SUPPORT_CLEARANCE)
-    return down(spot[0], spot[1], max(spot[2], low), made.nearest(action.of, sides))
+    return downward_pose(spot[0], spot[1], max(spot[2], low), made.nearest(action.of, sides))
 
 
-def end_actions(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> dict[int, Thing]:
+def end_actions(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> dict[int, Entity]:
     """Which arm's action is at which end of a thing: -1 is that along its -x."""
     if len(acts) > 2:
         raise ImpossibleValue(f"at most two arms {acts[2].verb} one thing", acts[2].place)
-    along = {a.name: float(thing.seen(made.arms[a.of].base[:3, 3])[0]) for a in acts}
+    along = {a.name: float(thing.to_local(made.arms[a.of].base[:3, 3])[0]) for a in acts}
     if len(acts) == 1:
         return {1 if along[acts[0].name] >= 0 else -1: acts[0]}
     low, high = sorted(acts, key=lambda action: along[action.name])
@@ -211,13 +215,13 @@ def _end_path(
 
     def way(s: float) -> Array:
         x, z = (joined_objects if len(heights) == 2 else alone)(s)
-        return np.asarray(thing.frame @ shift(x, 0.0, z - high) @ hand)
+        return np.asarray(thing.frame @ translation(x, 0.0, z - high) @ hand)
 
     return way
 
 
-def _raise(made: Plan, action: Thing, thing: Manipuland) -> Manipuland:
-    made.wields(action)
+def _raise(made: Plan, action: Entity, thing: Manipuland) -> Manipuland:
+    made.require_held(action)
     arm, up = made.arms[action.of], (0.0, 0.0, made.number(action, "height"))
-    made.go(action, [ToolSegment(made.lasts(action), straight(arm.tool, shift(*up) @ arm.tool), arm.width)])
+    made.go(action, [ToolSegment(made.duration(action), straight(arm.tool, translation(*up) @ arm.tool), arm.width)])
     return thing.moved(up)

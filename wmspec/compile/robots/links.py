@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
-from wmspec.compile.robots.arm import Arm, Array, about, shift
+from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
 from wmspec.sim.scene.model.transform import quaternion
 from wmspec.sim.shapes.facets import smooth
 
@@ -77,7 +77,7 @@ def material(
 
 def finger(arm: Arm, turn: float) -> Array:
     """Where a finger slides, in the hand's frame."""
-    return shift(0.0, 0.0, arm.finger) @ about(2, turn)
+    return translation(0.0, 0.0, arm.finger) @ axis_rotation(2, turn)
 
 
 def articulate(stage: Usd.Stage, root: str, arm: Arm) -> None:

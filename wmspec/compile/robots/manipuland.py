@@ -9,7 +9,7 @@ import numpy as np
 
 from wmspec.compile.layout.geometry import mass, pieces
 from wmspec.compile.layout.solids import bounds
-from wmspec.compile.robots.arm import Array, about, shift
+from wmspec.compile.robots.arm import Array, axis_rotation, translation
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import IDENTITY
 from wmspec.sim.shapes.sphere import Sphere
@@ -56,7 +56,7 @@ class Manipuland:
 
     def moved(self, way: Sequence[float] | Array) -> Manipuland:
         """It, elsewhere; what has slipped stays."""
-        return self.put(shift(*map(float, way)))
+        return self.put(translation(*map(float, way)))
 
     def put(self, move: Array) -> Manipuland:
         """It, moved as a body (4, 4); what has slipped stays."""
@@ -64,11 +64,11 @@ class Manipuland:
 
     def has(self, point: Array) -> bool:
         """Whether a hand at a point (3,), seen from above, is where it is: of a ball, well within it."""
-        own = np.abs(self.seen(point))
+        own = np.abs(self.to_local(point))
         within = bool(own[0] <= self.half[0] and own[1] <= self.half[1])
         return within and (self.ball is None or self.ball.depth_at(own * (1, 1, 0))[0] > GRASP_DEPTH * self.half[0])
 
-    def seen(self, point: Array) -> Array:
+    def to_local(self, point: Array) -> Array:
         """A point (3,) in its own frame."""
         return np.asarray(self.frame[:3, :3].T @ (point - self.middle))
 
@@ -93,7 +93,11 @@ def manipuland_of(values: Values, name: str) -> Manipuland:
     if up[2] < 1 - 1e-6:
         raise ImpossibleValue(f"`{name}` does not stand upright, so no robot can handle it", values.place(name))
     low, high = (np.array(corner) for corner in bounds(made, IDENTITY))
-    frame = shift(*pose.position) @ about(2, values.number(name, "yaw")) @ shift(*((low + high) / 2).tolist())
+    frame = (
+        translation(*pose.position)
+        @ axis_rotation(2, values.number(name, "yaw"))
+        @ translation(*((low + high) / 2).tolist())
+    )
     half = ((high - low) / 2).tolist()
     lone = made[0].solid if len(made) == 1 and isinstance(made[0].solid, Sphere) else None
     return Manipuland(

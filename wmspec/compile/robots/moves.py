@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from wmspec.compile.layout.motion import angle as heading
-from wmspec.compile.robots.arm import Array, down, shift
-from wmspec.compile.robots.grasps import FIRM_POINTS, FINGER_CLEARANCE, PALM_CLEARANCE, end_actions, grasp_pose
-from wmspec.compile.robots.legs import ToolSegment, smooth, rotation_matrix, stay, straight
+from wmspec.compile.robots.arm import Array, downward_pose, translation
+from wmspec.compile.robots.grasps import FINGER_CLEARANCE, FIRM_POINTS, PALM_CLEARANCE, end_actions, grasp_pose
 from wmspec.compile.robots.manipuland import Manipuland, joined_objects
 from wmspec.compile.robots.planning import APPROACH_HEIGHT, OPEN_SPAN, PUSH_SPAN, Plan, PlanningError, require_single
+from wmspec.compile.robots.tool_path import ToolSegment, rotation_matrix, smooth, stay, straight
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 
 PUSH_OPENING = 0.036  # m: how far apart the fingers are that push
 MIN_OPEN_PUSH_WIDTH = 0.046  # m: what is less wide is pushed by fingers that are closed
@@ -25,7 +25,7 @@ LIMIT_TOLERANCE = 1e-6  # rad or m: so far beyond its limit a joint is at it
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def push(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def push(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Touch it on the side opposite to where it is to go, and move it there.
 
     Two hands that push one way, or against each other, each push their end of it so far; two that push across each
@@ -39,40 +39,42 @@ def push(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
         if abs(first @ second) > 0.99:
             asides, total, turned = _end_pushes(made, acts, thing, ways)
         else:
-            asides = dict(zip(ways, (_corner_offset(thing, first, second), _corner_offset(thing, second, first)), strict=True))
-    rigid = shift(*total) @ rotation_about(thing.middle, UP, turned)
+            asides = dict(
+                zip(ways, (_corner_offset(thing, first, second), _corner_offset(thing, second, first)), strict=True)
+            )
+    rigid = translation(*total) @ rotation_about(thing.middle, UP, turned)
     for action in acts:
         _plan_push(made, action, thing, ways[action.name], asides[action.name], _push_motion(thing, total, turned))
     return thing.put(rigid)
 
 
-def carry(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def carry(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Move the hand level, and what it holds with it."""
     action = require_single(acts)
-    made.wields(action)
+    made.require_held(action)
     arm = made.arms[action.of]
     way = made.number(action, "distance") * heading_vector(made.values.direction(action.name))
-    made.go(action, [ToolSegment(made.lasts(action), straight(arm.tool, shift(*way) @ arm.tool), arm.width)])
+    made.go(action, [ToolSegment(made.duration(action), straight(arm.tool, translation(*way) @ arm.tool), arm.width)])
     return thing.moved(way) if arm.held == thing.name else thing
 
 
-def rotate(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def rotate(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Turn the hand, and what it holds with it, about the upright through the tool."""
     return _turn_hand(made, require_single(acts), thing, UP)
 
 
-def tilt(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def tilt(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Tip the hand over, and what it holds with it, as one pours."""
     action = require_single(acts)
     return _turn_hand(made, action, thing, np.cross(UP, heading_vector(made.values.direction(action.name))))
 
 
-def open_(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def open_(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """Take a handle, move it as its joint lets it, let go and draw back."""
     return _along_joint(made, require_single(acts), thing, 1.0)
 
 
-def close(made: Plan, acts: Sequence[Thing], thing: Manipuland) -> Manipuland:
+def close(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     """The same, the other way."""
     return _along_joint(made, require_single(acts), thing, -1.0)
 
@@ -90,12 +92,14 @@ def rotation_about(point: Array, axis: Array, angle: float) -> Array:
     """A turn (4, 4) about an axis through a point."""
     turn = np.eye(4)
     turn[:3, :3] = rotation_matrix(angle * axis)
-    return np.asarray(shift(*point) @ turn @ shift(*(-point)))
+    return np.asarray(translation(*point) @ turn @ translation(*(-point)))
 
 
-def _plan_push(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: Array, move: Callable[[float], Array]) -> None:
+def _plan_push(
+    made: Plan, action: Entity, thing: Manipuland, way: Array, aside: Array, move: Callable[[float], Array]
+) -> None:
     """One hand that pushes: it comes down beside the thing, goes with it as it moves, and draws back."""
-    arm, lasts = made.arms[action.of], made.lasts(action)
+    arm, lasts = made.arms[action.of], made.duration(action)
     made.free(action)
     ahead = way / np.linalg.norm(way)
     face = made.nearest(action.of, (float(np.arctan2(ahead[1], ahead[0])),))
@@ -105,12 +109,12 @@ def _plan_push(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: 
 
     def beside(away: float) -> Array:
         x, y = thing.middle[:2] - ahead[:2] * (gap + away) + aside[:2]
-        return down(x, y, z, face)
+        return downward_pose(x, y, z, face)
 
     first, near, touch = beside(APPROACH_DISTANCE), beside(0.001), beside(0.0)
     there = move(1.0) @ touch
-    back = shift(*(-APPROACH_DISTANCE * (move(1.0)[:3, :3] @ ahead))) @ there
-    above = shift(0.0, 0.0, APPROACH_HEIGHT)
+    back = translation(*(-APPROACH_DISTANCE * (move(1.0)[:3, :3] @ ahead))) @ there
+    above = translation(0.0, 0.0, APPROACH_HEIGHT)
     legs = [
         ToolSegment(0.28 * lasts, straight(arm.tool, above @ first), apart),
         ToolSegment(0.36 * lasts, straight(above @ first, first), apart),
@@ -127,11 +131,11 @@ def _plan_push(made: Plan, action: Thing, thing: Manipuland, way: Array, aside: 
 
 def _push_motion(thing: Manipuland, total: Array, angle: float) -> Callable[[float], Array]:
     """How a thing that is pushed moves (4, 4), for 0..1 of its way."""
-    return lambda s: np.asarray(shift(*(s * total)) @ rotation_about(thing.middle, UP, s * angle))
+    return lambda s: np.asarray(translation(*(s * total)) @ rotation_about(thing.middle, UP, s * angle))
 
 
 def _end_pushes(
-    made: Plan, acts: Sequence[Thing], thing: Manipuland, ways: dict[str, Array]
+    made: Plan, acts: Sequence[Entity], thing: Manipuland, ways: dict[str, Array]
 ) -> tuple[dict[str, Array], Array, float]:
     """Where on its side each hand pushes, how far the thing goes then, and by which angle (rad) it turns."""
     sides, along = end_actions(made, acts, thing), thing.frame[:3, 0]
@@ -155,32 +159,36 @@ def _corner_offset(thing: Manipuland, ahead: Array, other: Array) -> Array:
     return np.asarray(across * max(0.0, min(CORNER_OFFSET, thing.reach(other) - PUSH_OPENING / 2)))
 
 
-def _turn_hand(made: Plan, action: Thing, thing: Manipuland, axis: Array) -> Manipuland:
+def _turn_hand(made: Plan, action: Entity, thing: Manipuland, axis: Array) -> Manipuland:
     """Turn the hand about an axis through the tool, and what it holds with it."""
     arm, angle = made.arms[action.of], made.number(action, "angle")
     here = arm.tool
     point = here[:3, 3]
     way = lambda s: np.asarray(rotation_about(point, axis, s * angle) @ here)  # noqa: E731
-    made.wields(action)
+    made.require_held(action)
     try:
-        made.go(action, [ToolSegment(made.lasts(action), way, arm.width)])
+        made.go(action, [ToolSegment(made.duration(action), way, arm.width)])
     except PlanningError as unable:
         if unable.after is None:
             raise
-        turned = abs(np.degrees(angle)) * smooth(unable.after / made.lasts(action))
+        turned = abs(np.degrees(angle)) * smooth(unable.after / made.duration(action))
         reason = f"its joints stop after some {turned:.0f} of {abs(np.degrees(angle)):.0f} deg"
         raise PlanningError(action, reason, f"{action.verb} it less far, or the other way", unable.after) from None
     return thing.put(rotation_about(point, axis, angle)) if arm.held == thing.name else thing
 
 
-def _along_joint(made: Plan, action: Thing, handle: Manipuland, sign: float) -> Manipuland:
+def _along_joint(made: Plan, action: Entity, handle: Manipuland, sign: float) -> Manipuland:
     """Take a handle and move it by so much along the way that its joint leaves it; let go, and draw back."""
-    arm, lasts, joint = made.arms[action.of], made.lasts(action), made.values.reference(action.name, "joint")
+    arm, lasts, joint = made.arms[action.of], made.duration(action), made.values.reference(action.name, "joint")
     made.free(action)
     by = sign * made.number(action, "far")
     _require_range(made, action, handle.name, joint, by)
     at, move = grasp_pose(made, action, handle), _joint_motion(made, action, joint, by)
-    above, opened, closed = shift(0.0, 0.0, APPROACH_HEIGHT), arm.arm.opening, handle.across(at) + FINGER_CLEARANCE
+    above, opened, closed = (
+        translation(0.0, 0.0, APPROACH_HEIGHT),
+        arm.arm.opening,
+        handle.across(at) + FINGER_CLEARANCE,
+    )
     there = move(1.0) @ at
     legs = [
         ToolSegment(0.24 * lasts, straight(arm.tool, above @ at), opened),
@@ -199,7 +207,7 @@ def _along_joint(made: Plan, action: Thing, handle: Manipuland, sign: float) -> 
     return handle.put(move(1.0))
 
 
-def _require_range(made: Plan, action: Thing, handle: str, joint: str, by: float) -> None:
+def _require_range(made: Plan, action: Entity, handle: str, joint: str, by: float) -> None:
     """Complain unless a joint holds the handle, or what that is joined to, and lets it be moved so far (rad or m)."""
     values = made.values
     if values.reference(joint, "of") not in joined_objects(values, handle):
@@ -220,7 +228,7 @@ def _require_range(made: Plan, action: Thing, handle: str, joint: str, by: float
         )
 
 
-def _joint_motion(made: Plan, action: Thing, joint: str, by: float) -> Callable[[float], Array]:
+def _joint_motion(made: Plan, action: Entity, joint: str, by: float) -> Callable[[float], Array]:
     """How what a hinge or slider holds moves (4, 4), for 0..1 of `by` (rad or m)."""
     model = made.values.spec.thing(joint).model
     if model not in ("hinge", "slider"):
@@ -231,5 +239,5 @@ def _joint_motion(made: Plan, action: Thing, joint: str, by: float) -> Callable[
     axis /= np.linalg.norm(axis)
     point = np.array(made.values.vector(joint, "at"), float)
     if model == "slider":
-        return lambda s: shift(*(s * by * axis))
+        return lambda s: translation(*(s * by * axis))
     return lambda s: rotation_about(point, axis, s * by)

@@ -21,7 +21,7 @@ from wmspec.compile.robots.planning import PathBlockedError, Plan, Reach, ArmSta
 from wmspec.compile.robots.schedule import actions_in_order
 from wmspec.compile.robots.supported_objects import record_motion
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.parse.files import resolve_display_path
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 ARMS = ("panda", "arm")
 """The models of robots that are arms."""
 
-_VERBS: dict[str, Callable[[Plan, Sequence[Thing], Manipuland], Manipuland]] = {
+_VERBS: dict[str, Callable[[Plan, Sequence[Entity], Manipuland], Manipuland]] = {
     "pick": grasps.pick,
     "grasp": grasps.grasp,
     "lift": grasps.lift,
@@ -71,7 +71,7 @@ def _plan(values: Values) -> dict[str, Reach]:
     problems: list[PlanningError] = []
     for choice in range(4):
         try:
-            return _tried(values, choice)
+            return _attempt(values, choice)
         except PlanningError as unable:
             problems.append(unable)
     # that something is in the way tells more than that another hand's turn would be out of reach
@@ -80,7 +80,7 @@ def _plan(values: Values) -> dict[str, Reach]:
     raise ImpossibleValue(f"`{action.of}` cannot {action.verb} so: {told.reason}", action.place, told.help)
 
 
-def _tried(values: Values, choice: int) -> dict[str, Reach]:
+def _attempt(values: Values, choice: int) -> dict[str, Reach]:
     arms = {
         t.name: ArmState(arm := arm_of(values, t.name), matrix(base(values, t.name)), arm.rest, arm.opening)
         for t in values.spec.things

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wmspec.compile.robots.arm import Arm, Array
-from wmspec.compile.robots.legs import ToolSegment, OutOfReachError, joint_knots, knot_times
 from wmspec.compile.robots.manipuland import Manipuland, manipuland_of
 from wmspec.compile.robots.schedule import action_duration
+from wmspec.compile.robots.tool_path import OutOfReachError, ToolSegment, joint_knots, knot_times
 from wmspec.core.diagnostics import Diagnostic, ImpossibleValue, Note
 from wmspec.core.space import Pose
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -61,7 +61,7 @@ class ArmState:
     width: float
     held: str = ""
     since: str = ""
-    wanted: str = ""
+    intended: str = ""
 
     @property
     def tool(self) -> Array:
@@ -78,7 +78,7 @@ class ArmState:
 class PlanningError(Exception):
     """One try at a plan fails at an action, if known after so much (s) of it."""
 
-    def __init__(self, action: Thing, reason: str, help: str = "", after: float | None = None) -> None:
+    def __init__(self, action: Entity, reason: str, help: str = "", after: float | None = None) -> None:
         self.action, self.reason, self.help, self.after = action, reason, help, after
 
 
@@ -102,10 +102,10 @@ class Plan:
     opened: dict[str, float] = field(default_factory=dict)
     moved: dict[str, Array] = field(default_factory=dict)
 
-    def thing(self, action: Thing) -> Manipuland:
+    def thing(self, action: Entity) -> Manipuland:
         """What an action is done to, as it is by then."""
         name = self.values.reference(action.name, "object")
-        self._stays(action, name)
+        self._require_unmoved(action, name)
         if name not in self.things:
             try:
                 self.things[name] = manipuland_of(self.values, name).put(self.motion(name))
@@ -121,9 +121,9 @@ class Plan:
         """Where a thing is by then (4, 4)."""
         return np.asarray(self.motion(name) @ matrix(self.values.pose(name)))
 
-    def _stays(self, action: Thing, name: str) -> None:
+    def _require_unmoved(self, action: Entity, name: str) -> None:
         """Complain if something else than a robot moves a thing before an arm has done with it."""
-        ends = self.number(action, "start") + self.lasts(action)
+        ends = self.number(action, "start") + self.duration(action)
         for other in other_motions(self.values):
             if self.values.reference(other.name, "object") == name and self.number(other, "start") < ends:
                 raise ImpossibleValue(
@@ -133,15 +133,15 @@ class Plan:
                     notes=(Note(f"`{other.name}` is here", other.place),),
                 )
 
-    def number(self, action: Thing, name: str) -> float:
+    def number(self, action: Entity, name: str) -> float:
         """An argument of an action."""
         return self.values.number(action.name, name)
 
-    def action_duration(self, action: Thing) -> float:
+    def action_duration(self, action: Entity) -> float:
         """How long (s) an action takes."""
         return action_duration(self.values, action)
 
-    def go(self, action: Thing, legs: Sequence[ToolSegment]) -> None:
+    def go(self, action: Entity, legs: Sequence[ToolSegment]) -> None:
         """Note the way of the arm, which is then where it ends."""
         arm = self.arms[action.of]
         try:
@@ -151,7 +151,7 @@ class Plan:
         self.reaches[action.name] = Reach(action.of, knot_times(legs[-1].until), angles, None)
         arm.q, arm.width = angles[-1, : len(arm.q)], legs[-1].width
 
-    def hold(self, action: Thing, name: str, start: float, points: Sequence[tuple[float, float, float]]) -> None:
+    def hold(self, action: Entity, name: str, start: float, points: Sequence[tuple[float, float, float]]) -> None:
         """Let the arm hold a thing from `start` (s) on, by points as its tool sees them."""
         arm, end = self.arms[action.of], self.values.end
         ahead = tuple((x, y, z + arm.arm.reach) for x, y, z in points)
@@ -159,15 +159,15 @@ class Plan:
         self.reaches[action.name] = replace(self.reaches[action.name], hold=held)
         arm.held, arm.since = name, action.name
 
-    def let_go(self, action: Thing, moment: float) -> None:
+    def let_go(self, action: Entity, moment: float) -> None:
         """Let the arm let go at `moment` (s) of what it holds."""
         arm = self.arms[action.of]
         reach = self.reaches.get(arm.since)
         if reach and reach.hold:
             self.reaches[arm.since] = replace(reach, hold=replace(reach.hold, stop=moment))
-        arm.held = arm.since = arm.wanted = ""
+        arm.held = arm.since = arm.intended = ""
 
-    def free(self, action: Thing) -> None:
+    def free(self, action: Entity) -> None:
         """Complain if the arm holds something."""
         if held := self.arms[action.of].held:
             raise ImpossibleValue(
@@ -176,11 +176,11 @@ class Plan:
                 "let it `place` or `drop` that first",
             )
 
-    def wields(self, action: Thing) -> None:
+    def require_held(self, action: Entity) -> None:
         """Complain if the arm never took the thing that it is to move with its hand, or another one holds it, too."""
         name, arm = self.values.reference(action.name, "object"), self.arms[action.of]
         left_out = (t for t in self.values.spec.things if t.of == action.of and not self.values.there(t.name))
-        if arm.wanted != name and not any(t.verb in TAKING_VERBS for t in left_out):
+        if arm.intended != name and not any(t.verb in TAKING_VERBS for t in left_out):
             raise ImpossibleValue(
                 f"`{action.of}` does not hold `{name}`, so it cannot {action.verb} it",
                 action.place,
@@ -203,7 +203,7 @@ class Plan:
         return fore + ways[self.choice % len(ways)]
 
 
-def require_single(acts: Sequence[Thing]) -> Thing:
+def require_single(acts: Sequence[Entity]) -> Entity:
     """The only action, or a complaint that several do one thing together."""
     if len(acts) > 1:
         raise ImpossibleValue(
@@ -212,13 +212,13 @@ def require_single(acts: Sequence[Thing]) -> Thing:
     return acts[0]
 
 
-def other_motions(values: Values) -> Iterator[Thing]:
+def other_motions(values: Values) -> Iterator[Entity]:
     """The actions of no robot that move an object."""
     acts = (t for t in values.spec.things if t.kind == "action" and not t.of and t.verb != "paint")
     return (t for t in acts if "object" in t.properties and values.there(t.name))
 
 
-def _at_action(diagnostic: Diagnostic, action: Thing) -> Diagnostic:
+def _at_action(diagnostic: Diagnostic, action: Entity) -> Diagnostic:
     """The same, told where something is done to what cannot be handled."""
     if diagnostic.place is None:
         return replace(diagnostic, place=action.place)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import bounds
-from wmspec.compile.robots.ways import Bend, PathSegment, Pose2D, Straight, Swerve
+from wmspec.compile.robots.ground_path import Bend, PathSegment, Pose2D, Straight, Swerve
 from wmspec.core.space import IDENTITY, rotate
 
 if TYPE_CHECKING:
@@ -31,15 +31,15 @@ class Road:
     half_length: float
     half_width: float
 
-    def seen(self, x: float, y: float) -> tuple[float, float]:
+    def to_local(self, x: float, y: float) -> tuple[float, float]:
         """How far (m) along it a place is from its middle, and to the left."""
         cos, sin = math.cos(self.middle.heading), math.sin(self.middle.heading)
         dx, dy = x - self.middle.x, y - self.middle.y
         return (dx * cos + dy * sin, dy * cos - dx * sin)
 
-    def away(self, x: float, y: float) -> float:
+    def distance_to(self, x: float, y: float) -> float:
         """How far (m) from it a place is; 0 on it."""
-        far, left = self.seen(x, y)
+        far, left = self.to_local(x, y)
         return math.hypot(max(0.0, abs(far) - self.half_length), max(0.0, abs(left) - self.half_width))
 
 
@@ -59,10 +59,10 @@ class Traffic:
     lane: float
     side: int
 
-    def under(self, spot: Pose2D) -> tuple[Road, int]:
+    def road_at(self, spot: Pose2D) -> tuple[Road, int]:
         """The road that a car is on, and whether it goes its way (1) or the other (-1)."""
         for road in self.roads:
-            far, left = road.seen(spot.x, spot.y)
+            far, left = road.to_local(spot.x, spot.y)
             turned = math.remainder(spot.heading - road.middle.heading, math.pi)
             if abs(far) > road.half_length or abs(left) > road.half_width or abs(turned) > MAX_HEADING_ERROR:
                 continue
@@ -93,8 +93,8 @@ class Traffic:
 
     def change_lane(self, spot: Pose2D, to: int) -> list[PathSegment]:
         """Over to the middle of the next lane to the left (`to` 1) or right (-1)."""
-        road, way = self.under(spot)
-        offset = road.seen(spot.x, spot.y)[1] * way * self.side
+        road, way = self.road_at(spot)
+        offset = road.to_local(spot.x, spot.y)[1] * way * self.side
         lane = math.floor(offset / self.lane) + to * self.side
         if not 0 <= lane < self.lanes(road):
             there = "left" if to > 0 else "right"
@@ -120,9 +120,9 @@ class Traffic:
 
     def go_to(self, spot: Pose2D, place: tuple[float, float]) -> list[PathSegment]:
         """The shortest way to where the road that passes nearest to a place does so (E. W. Dijkstra, 1959)."""
-        goal = min(self.roads, key=lambda road: road.away(*place))
+        goal = min(self.roads, key=lambda road: road.distance_to(*place))
         most = goal.half_length - CAR_LENGTH / 2
-        far = min(most, max(-most, goal.seen(*place)[0]))
+        far = min(most, max(-most, goal.to_local(*place)[0]))
         waiting: list[tuple[float, int, list[PathSegment], Pose2D | None]] = [(0.0, 0, [], spot)]
         known, count = set[tuple[float, ...]](), 0
         while waiting:
@@ -133,8 +133,8 @@ class Traffic:
             if key in known:
                 continue
             known.add(key)
-            road, way = self.under(here)
-            ahead = (far - road.seen(here.x, here.y)[0]) * way
+            road, way = self.road_at(here)
+            ahead = (far - road.to_local(here.x, here.y)[0]) * way
             further: list[tuple[PathSegment, ...]] = [turned for to in (1, -1) for turned in self._turns(here, to)]
             further += [(Straight(here, ahead),)] if road is goal and ahead >= 0 else []
             for more in further:
@@ -151,14 +151,14 @@ class Traffic:
 
     def _turns(self, spot: Pose2D, to: int) -> list[tuple[Straight, Bend, Straight]]:
         """The ways into all roads that go off ahead, to that side."""
-        road, _ = self.under(spot)
+        road, _ = self.road_at(spot)
         crossings = (self._crossing(road, spot, other, to) for other in self.roads if other is not road)
         return [found for found in crossings if found is not None]
 
     def _long_enough(self, spot: Pose2D, distance: float) -> None:
-        road, _ = self.under(spot)
+        road, _ = self.road_at(spot)
         end = spot.ahead(distance + CAR_LENGTH / 2)
-        over = abs(road.seen(end.x, end.y)[0]) - road.half_length
+        over = abs(road.to_local(end.x, end.y)[0]) - road.half_length
         if over > 1e-9:
             raise OffRoadError(
                 f"`{road.name}` ends {distance - over:.1f} m ahead of it",
@@ -175,8 +175,8 @@ class Traffic:
         axes = Pose2D(road.middle.x, road.middle.y, spot.heading), Pose2D(other.middle.x, other.middle.y, onward)
         middle = _point_ahead(axes[0], _distance_to_line(*axes))  # of the crossing
         way = math.cos(onward - other.middle.heading)
-        end = other.seen(*middle)[0] * way + road.half_width / abs(math.sin(angle)) + EXIT_LENGTH
-        if abs(road.seen(*middle)[0]) > road.half_length or end + CAR_LENGTH / 2 > other.half_length:
+        end = other.to_local(*middle)[0] * way + road.half_width / abs(math.sin(angle)) + EXIT_LENGTH
+        if abs(road.to_local(*middle)[0]) > road.half_length or end + CAR_LENGTH / 2 > other.half_length:
             return None
         lane = (self.lanes(other) - 0.5) * self.lane if to == self.side else 0.5 * self.lane
         corner = _distance_to_line(spot, axes[1].ahead(0.0, self.side * lane))
@@ -186,7 +186,7 @@ class Traffic:
             return None
         bend = Bend(spot.ahead(corner - sharp), sharp / math.tan(abs(angle) / 2), angle)
         left = bend.at(bend.length)
-        far = other.seen(left.x, left.y)[0] * way
+        far = other.to_local(left.x, left.y)[0] * way
         on = Straight(Pose2D(left.x, left.y, onward), max(0.0, end - far))
         return Straight(spot, corner - sharp), bend, on
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 HAND_OPENING_TIME = 0.4  # s: how long a hand takes to open
 
 
-def action_duration(values: Values, action: Thing) -> float:
+def action_duration(values: Values, action: Entity) -> float:
     """How long (s) an action takes."""
     return values.number(action.name, "duration") if "duration" in action.properties else HAND_OPENING_TIME
 
 
-def actions_in_order(values: Values, models: Sequence[str]) -> list[Thing]:
+def actions_in_order(values: Values, models: Sequence[str]) -> list[Entity]:
     """What robots of these models do, in order of time.
 
     Raises WmsError with its place if one begins while its robot is busy.

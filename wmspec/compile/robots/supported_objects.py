@@ -10,12 +10,15 @@ from wmspec.compile.robots.arm import Array
 from wmspec.compile.robots.manipuland import joined_objects
 from wmspec.compile.robots.planning import Plan
 from wmspec.core.space import IDENTITY
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 
-MAX_SINK, MAX_GAP = 0.002, 0.005  # m: what lies on or in something begins no lower than it, and no higher than so above it
+MAX_SINK, MAX_GAP = (
+    0.002,
+    0.005,
+)  # m: what lies on or in something begins no lower than it, and no higher than so above it
 
 
-def rigid_group(made: Plan, action: Thing) -> set[str]:
+def rigid_group(made: Plan, action: Entity) -> set[str]:
     """What an action is done to, with all that joints hold to it, but for the joint that it opens."""
     values, name = made.values, made.values.reference(action.name, "object")
     but = values.reference(action.name, "joint") if action.verb in ("open", "close") else ""
@@ -34,7 +37,7 @@ def supported_objects(made: Plan, carriers: set[str]) -> set[str]:
     return found
 
 
-def record_motion(made: Plan, action: Thing, motion: Array) -> None:
+def record_motion(made: Plan, action: Entity, motion: Array) -> None:
     """Note that what an action is done to has moved (4, 4), and all that comes along."""
     carriers = rigid_group(made, action)
     for name in carriers | supported_objects(made, carriers):

@@ -13,14 +13,14 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from wmspec.compile.robots.base_pose import base
-from wmspec.compile.robots.obstacles import Outline, object_outlines, hull, obstacles
+from wmspec.compile.robots.ground_path import PathSegment, Pose2D, Straight, arc_length_at, pose_along
+from wmspec.compile.robots.obstacles import Outline, hull, object_outlines, obstacles
 from wmspec.compile.robots.roads import CAR_LENGTH, CAR_WIDTH, OffRoadError, Traffic, road
-from wmspec.compile.robots.schedule import actions_in_order, action_duration
-from wmspec.compile.robots.wayfinding import legs_to
-from wmspec.compile.robots.ways import PathSegment, Pose2D, Straight, pose_along, arc_length_at
+from wmspec.compile.robots.schedule import action_duration, actions_in_order
+from wmspec.compile.robots.wayfinding import path_to
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Pose, Quaternion, Vector, add, from_ypr, rotate
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -54,7 +54,7 @@ class _Segment:
     One that `flows` goes on into the next one without a halt.
     """
 
-    action: Thing
+    action: Entity
     start: float
     action_duration: float
     length: float
@@ -64,7 +64,7 @@ class _Segment:
     @property
     def pace(self) -> float:
         """Its mean speed."""
-        return self.length / self.lasts
+        return self.length / self.duration
 
 
 def travels(values: Values) -> dict[str, Travel]:
@@ -91,7 +91,7 @@ def _travels(values: Values) -> dict[str, Travel]:
 
 
 def _segment(
-    values: Values, action: Thing, length: float, at: Callable[[float], tuple[Pose2D, float]], flows: bool = False
+    values: Values, action: Entity, length: float, at: Callable[[float], tuple[Pose2D, float]], flows: bool = False
 ) -> _Segment:
     start = values.number(action.name, "start")
     if action_duration(values, action) <= 0:
@@ -101,9 +101,9 @@ def _segment(
 
 def _check_speed(model: str, stretch: _Segment, enters: float, leaves: float) -> None:
     """Complain if somebody would have to be faster than such a thing is."""
-    moments = [stretch.lasts * i / 16 for i in range(17)]
-    ways = [arc_length_at(stretch.length, stretch.lasts, enters, leaves, moment) for moment in moments]
-    fastest = max(b - a for a, b in pairwise(ways)) * 16 / stretch.lasts
+    moments = [stretch.duration * i / 16 for i in range(17)]
+    ways = [arc_length_at(stretch.length, stretch.duration, enters, leaves, moment) for moment in moments]
+    fastest = max(b - a for a, b in pairwise(ways)) * 16 / stretch.duration
     spins = stretch.action.verb in ("turn", "look") and model == "walker"
     most = MAX_TURN_RATE if spins else MAX_SPEED[model]
     if fastest > most:
@@ -112,17 +112,17 @@ def _check_speed(model: str, stretch: _Segment, enters: float, leaves: float) ->
             f"`{stretch.action.of}` would have to {'turn' if spins else 'go'} at {fastest * scale:.0f} {unit}, and "
             f"{model}s here do at most {most * scale:.0f}",
             stretch.action.place,
-            f"give it some {math.ceil(10 * stretch.lasts * fastest / most) / 10:g} s",
+            f"give it some {math.ceil(10 * stretch.duration * fastest / most) / 10:g} s",
         )
 
 
 def _sampled(stretch: _Segment, level: float, enters: float, leaves: float) -> Travel:
     """Many places of a stretch that is entered and left so fast (m/s)."""
-    count = max(1, math.ceil(stretch.lasts * SAMPLE_RATE))
-    moments = tuple(stretch.lasts * i / count for i in range(count + 1))
+    count = max(1, math.ceil(stretch.duration * SAMPLE_RATE))
+    moments = tuple(stretch.duration * i / count for i in range(count + 1))
     points, turns = [], []
     for moment in moments:
-        far = arc_length_at(stretch.length, stretch.lasts, enters, leaves, moment)
+        far = arc_length_at(stretch.length, stretch.duration, enters, leaves, moment)
         pose = _tilted_pose(*stretch.at(min(max(far, 0.0), stretch.length)), level)
         (x, y, z), (a, b, c, d) = pose.position, pose.orientation
         points.append((round(x, DECIMALS), round(y, DECIMALS), round(z, DECIMALS)))
@@ -141,13 +141,13 @@ def _tilted_pose(spot: Pose2D, pitch: float, level: float) -> Pose:
 # ---------------------------------------------------------------- cars
 
 
-def _plan_car(values: Values, level: float, spot: Pose2D, acts: Sequence[Thing]) -> list[_Segment]:
+def _plan_car(values: Values, level: float, spot: Pose2D, acts: Sequence[Entity]) -> list[_Segment]:
     traffic, stretches = _traffic(values, acts[0].of), list[_Segment]()
     standing = obstacles(values, level + CAR_HEIGHTS[0], level + CAR_HEIGHTS[1])
     for action in acts:
         before = stretches[-1] if stretches else None
         try:
-            traffic.under(spot)
+            traffic.road_at(spot)
             legs = _car_path(values, traffic, spot, action, before)
         except OffRoadError as error:
             problem = f"`{action.of}` cannot {action.verb} so: {error}"
@@ -166,13 +166,15 @@ def _traffic(values: Values, robot: str) -> Traffic:
     return Traffic(roads, values.number(robot, "lane"), side)
 
 
-def _car_path(values: Values, traffic: Traffic, spot: Pose2D, action: Thing, before: _Segment | None) -> list[PathSegment]:
+def _car_path(
+    values: Values, traffic: Traffic, spot: Pose2D, action: Entity, before: _Segment | None
+) -> list[PathSegment]:
     """The way of a car during an action."""
     if action.verb == "forward":
         return traffic.forward(spot, values.number(action.name, "distance"))
     if action.verb == "stop":
         start = values.number(action.name, "start")
-        if before is None or before.action.verb == "stop" or abs(before.start + before.lasts - start) > 1e-6:
+        if before is None or before.action.verb == "stop" or abs(before.start + before.duration - start) > 1e-6:
             raise OffRoadError("it stands still by then", "let it stop while it drives: `after` what it does before")
         return traffic.forward(spot, before.pace * action_duration(values, action) / 2)
     if action.verb == "go_to":
@@ -182,7 +184,7 @@ def _car_path(values: Values, traffic: Traffic, spot: Pose2D, action: Thing, bef
     return traffic.turn(spot, to) if action.verb == "turn" else traffic.change_lane(spot, to)
 
 
-def _goal(values: Values, action: Thing) -> str:
+def _goal(values: Values, action: Entity) -> str:
     """The object that somebody goes to. Raises WmsError with its place if it is not there."""
     goal = values.reference(action.name, "to")
     if not values.there(goal):
@@ -196,7 +198,7 @@ def _on_path(legs: Sequence[PathSegment], far: float) -> tuple[Pose2D, float]:
 
 def _transition_speed(one: _Segment, other: _Segment) -> float:
     """How fast (m/s) a car goes on from one action to the next; a walker, and who waits between them, stands still."""
-    waits = abs(one.start + one.lasts - other.start) > 1e-6
+    waits = abs(one.start + one.duration - other.start) > 1e-6
     if waits or not one.flows or one.action.verb == "stop":
         return 0.0
     return one.pace if other.action.verb == "stop" else min(one.pace, other.pace)
@@ -222,7 +224,7 @@ def _check_clearance(stretch: _Segment, standing: Sequence[Outline]) -> None:
 # ---------------------------------------------------------------- walkers
 
 
-def _plan_walker(values: Values, level: float, spot: Pose2D, acts: Sequence[Thing]) -> list[_Segment]:
+def _plan_walker(values: Values, level: float, spot: Pose2D, acts: Sequence[Entity]) -> list[_Segment]:
     standing = obstacles(values, level + WALKER_HEIGHTS[0], level + WALKER_HEIGHTS[1])
     stretches, pitch = list[_Segment](), 0.0
     for outline in standing:
@@ -237,7 +239,7 @@ def _plan_walker(values: Values, level: float, spot: Pose2D, acts: Sequence[Thin
             stretch = _segment(values, action, way.length, partial(_at_straight, way, pitch))
         elif action.verb == "go_to":
             goal = _goal(values, action)
-            legs = legs_to(spot, object_outlines(values, goal), standing, WALKER_RADIUS + STOP_DISTANCE)
+            legs = path_to(spot, object_outlines(values, goal), standing, WALKER_RADIUS + STOP_DISTANCE)
             if legs is None:
                 problem = f"no way leads `{action.of}` to within reach of `{goal}`"
                 raise ImpossibleValue(problem, action.place, "make room, or name something that can be reached")
@@ -287,7 +289,7 @@ def _free_distance(way: Straight, standing: Sequence[Outline]) -> float:
     return way.length
 
 
-_PLANS: dict[str, Callable[[Values, float, Pose2D, Sequence[Thing]], list[_Segment]]] = {
+_PLANS: dict[str, Callable[[Values, float, Pose2D, Sequence[Entity]], list[_Segment]]] = {
     "car": _plan_car,
     "walker": _plan_walker,
 }

@@ -14,7 +14,7 @@ from wmspec.compile.stage.joints import has_drive, joined, joint_path
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import UP, Vector, dot, from_ypr, heading_vector, multiply, rotate, scale
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.verbs import VERBS
 
@@ -22,7 +22,7 @@ from wmspec.lang.check.tables.verbs import VERBS
 LYING, ALONG = 0.5, 0.99
 
 
-def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, str]) -> None:
+def add_action(doc: Document, action: Entity, values: Values, carried: dict[str, str]) -> None:
     """The prim of an action that happens. Raises WmsError with its place if it cannot."""
     name, verb = action.name, VERBS[action.verb]
     there = (f"{name}.there", f"{name}.object", f"{name}.joint")
@@ -38,7 +38,7 @@ def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, 
     resolve_name(verb.author)(prim, action, values)
 
 
-def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -> None:
+def _able(action: Entity, target: str, values: Values, carried: dict[str, str]) -> None:
     """Complain if the object cannot do what the verb asks."""
     if values.flag(target, "fixed") and action.verb != "paint":
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
@@ -53,12 +53,12 @@ def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -
         raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, remedy)
 
 
-def _heading(action: Thing, values: Values) -> Vector:
+def _heading(action: Entity, values: Values) -> Vector:
     climb = values.number(action.name, "climb") if values.has(action.name, "climb") else 0.0
     return heading_vector(motion.angle(values.direction(action.name)), climb)
 
 
-def _toward(action: Thing) -> tuple[str, ...]:
+def _toward(action: Entity) -> tuple[str, ...]:
     return (f"{action.name}.direction", f"{action.name}.climb")
 
 
@@ -69,7 +69,7 @@ def _vector(prim: Prim, name: str, value: Vector, *sources: str) -> None:
 # ---------------------------------------------------------------- sudden velocities
 
 
-def launch(prim: Prim, action: Thing, values: Values) -> None:
+def launch(prim: Prim, action: Entity, values: Values) -> None:
     """A velocity and a spin, at once."""
     name, target = action.name, values.reference(action.name, "object")
     speed = values.number(name, "speed")
@@ -79,12 +79,12 @@ def launch(prim: Prim, action: Thing, values: Values) -> None:
     _vector(prim, "wms:spin", spin, *sources, f"{target}.form")
 
 
-def _velocity(prim: Prim, action: Thing, values: Values, speed: float, *sources: str) -> None:
+def _velocity(prim: Prim, action: Entity, values: Values, speed: float, *sources: str) -> None:
     prim.set("wms:speed", "double", speed, *sources, uniform=True)
     _vector(prim, "wms:direction", _heading(action, values), *_toward(action))
 
 
-def _rolling(action: Thing, target: str, speed: float, values: Values) -> Vector:
+def _rolling(action: Entity, target: str, speed: float, values: Values) -> Vector:
     """The angular velocity of a ball that rolls without slipping: up x velocity / radius."""
     made = pieces(values, target)
     if values.parts(target) or made[0].solid.symmetry != "ball":
@@ -94,7 +94,7 @@ def _rolling(action: Thing, target: str, speed: float, values: Values) -> Vector
     return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
 
 
-def slide(prim: Prim, action: Thing, values: Values) -> None:
+def slide(prim: Prim, action: Entity, values: Values) -> None:
     """What friction stops after a distance d sets off with the speed sqrt(2 mu g d)."""
     name, target = action.name, values.reference(action.name, "object")
     held, here = holder(values, target), values.pose(target).position
@@ -133,12 +133,12 @@ def _rolls(target: str, way: Vector, values: Values) -> bool:
 # ---------------------------------------------------------------- carried
 
 
-def glide(prim: Prim, action: Thing, values: Values) -> None:
+def glide(prim: Prim, action: Entity, values: Values) -> None:
     """A constant velocity for a while."""
     _velocity(prim, action, values, values.number(action.name, "speed"), f"{action.name}.speed")
 
 
-def follow(prim: Prim, action: Thing, values: Values) -> None:
+def follow(prim: Prim, action: Entity, values: Values) -> None:
     """A path."""
     stand = motion.before(values, action)
     points, moments, turns = motion.way(values, action, stand.pose.position)
@@ -150,7 +150,7 @@ def follow(prim: Prim, action: Thing, values: Values) -> None:
         prim.set("wms:orientations", "quatd[]", turned, *form, *_toward(action), f"{action.name}.way", uniform=True)
 
 
-def teleport(prim: Prim, action: Thing, values: Values) -> None:
+def teleport(prim: Prim, action: Entity, values: Values) -> None:
     """Another place, at once."""
     name = action.name
     pose = motion.landed(values, action, motion.before(values, action)).pose
@@ -162,44 +162,44 @@ def teleport(prim: Prim, action: Thing, values: Values) -> None:
 # ---------------------------------------------------------------- at once, in the midst of it
 
 
-def stop(prim: Prim, _action: Thing, _values: Values) -> None:
+def stop(prim: Prim, _action: Entity, _values: Values) -> None:
     """No velocity and no spin, at once."""
     prim.set("wms:speed", "double", 0.0, uniform=True)
     _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
 
 
-def paint(prim: Prim, action: Thing, values: Values) -> None:
+def paint(prim: Prim, action: Entity, values: Values) -> None:
     """Another colour, at once."""
     _vector(prim, "wms:color", rgb(values.text(action.name, "color")), f"{action.name}.color")
 
 
-def vanish(_prim: Prim, _action: Thing, _values: Values) -> None:
+def vanish(_prim: Prim, _action: Entity, _values: Values) -> None:
     """Nothing more: it is nowhere from then on."""
 
 
 # ---------------------------------------------------------------- pushed, released, driven
 
 
-def impulse(prim: Prim, action: Thing, values: Values) -> None:
+def impulse(prim: Prim, action: Entity, values: Values) -> None:
     """A blow."""
     strength = scale(values.number(action.name, "impulse"), _heading(action, values))
     _vector(prim, "wms:impulse", strength, f"{action.name}.impulse", *_toward(action))
 
 
-def force(prim: Prim, action: Thing, values: Values) -> None:
+def force(prim: Prim, action: Entity, values: Values) -> None:
     """A pull for a while."""
     strength = scale(values.number(action.name, "force"), _heading(action, values))
     _vector(prim, "wms:force", strength, f"{action.name}.force", *_toward(action))
 
 
-def release(_prim: Prim, action: Thing, values: Values) -> None:
+def release(_prim: Prim, action: Entity, values: Values) -> None:
     """Nothing more: it is held until then."""
     target = values.reference(action.name, "object")
     if len(values.acting("drop", target)) + len(values.acting("release", target)) > 1:
         raise ImpossibleValue(f"`{target}` is let go more than once", action.place, "keep one `release` or `drop`")
 
 
-def drive(prim: Prim, action: Thing, values: Values) -> None:
+def drive(prim: Prim, action: Entity, values: Values) -> None:
     """Another target of a drive."""
     joint = values.spec.thing(values.reference(action.name, "joint"))
     if not has_drive(joint, values):

@@ -11,7 +11,7 @@ from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import IDENTITY, IDENTITY_QUAT, Pose, Quaternion, align_x, inverse, multiply, rotate, scale, unit
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 
 _TYPES = {
     "hinge": "PhysicsRevoluteJoint",
@@ -28,7 +28,7 @@ def joint_path(name: str) -> str:
     return f"/World/Joints/{name}"
 
 
-def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str, str]) -> None:
+def add_joint(doc: Document, joint: Entity, values: Values, carried: Mapping[str, str]) -> None:
     """The prim of a joint whose objects are there. Raises WmsError with its place if it makes no sense.
 
     `carried` are the objects that actions carry about, each with one of these.
@@ -96,12 +96,12 @@ def joined(values: Values, owner: str) -> bool:
     return any(values.reference(name, end) == owner for name, end in ends if values.has(name, end))
 
 
-def has_drive(joint: Thing, values: Values) -> bool:
+def has_drive(joint: Entity, values: Values) -> bool:
     """Whether a joint has a drive, whose target an action can change."""
     return _driven(joint, values)
 
 
-def _side(prim: Prim, number: int, joint: Thing, body: str | None, frame: Pose, values: Values) -> None:
+def _side(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose, values: Values) -> None:
     """One of the two bodies, and the joint's frame as seen from there; the world if there is none."""
     name = joint.name
     here = _place(joint, body, values)
@@ -115,7 +115,7 @@ def _side(prim: Prim, number: int, joint: Thing, body: str | None, frame: Pose, 
     prim.set(f"physics:localRot{number}", "quatf", turn, *sources, *ends)
 
 
-def _place(joint: Thing, body: str | None, values: Values) -> Pose:
+def _place(joint: Entity, body: str | None, values: Values) -> Pose:
     """Where a body is in the space in which the joint is: the world, or the frame of an asset with all joints at 0."""
     if not joint.of:
         return values.pose(body) if body else IDENTITY
@@ -125,7 +125,7 @@ def _place(joint: Thing, body: str | None, values: Values) -> Pose:
     return Pose(rotate(inverse(frame.orientation), scale(-1.0, frame.position)), inverse(frame.orientation))
 
 
-def _frame(joint: Thing, values: Values) -> Quaternion:
+def _frame(joint: Entity, values: Values) -> Quaternion:
     """Its x axis is that of the joint."""
     if joint.model not in _COORDINATES:
         return IDENTITY_QUAT
@@ -135,7 +135,7 @@ def _frame(joint: Thing, values: Values) -> Quaternion:
     return align_x(unit(axis))
 
 
-def _driven(joint: Thing, values: Values) -> bool:
+def _driven(joint: Entity, values: Values) -> bool:
     """Whether it has a drive. A drive that is damped alone slows the joint down."""
     if joint.model not in _COORDINATES:
         return False
@@ -146,7 +146,7 @@ def _driven(joint: Thing, values: Values) -> bool:
     return stiffness > 0 or damping > 0
 
 
-def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
+def _coordinate(prim: Prim, joint: Entity, values: Values, driven: bool) -> None:
     name, (kind, scale) = joint.name, _COORDINATES[joint.model]
     prim.set("physics:axis", "token", "X", uniform=True)
     limits = {p: values.number(name, p) for p in ("low", "high") if values.has(name, p)}

@@ -15,14 +15,14 @@ from wmspec.compile.stage import materials
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import geometry, object_path
 from wmspec.core.resources import resource
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.check.tables.colors import rgb
 
 #: Of somebody (kg, kg m²): nothing comes of it here, but some importers take no body without a mass.
 WEIGHT, MOMENTS = 70.0, (16.0, 16.0, 1.0)
 
 
-def add_robot(doc: Document, robot: Thing, values: Values) -> None:
+def add_robot(doc: Document, robot: Entity, values: Values) -> None:
     """The prim of a robot before it does anything: an arm's hand is drawn back.
 
     Raises WmsError with its place if it cannot stand there.
@@ -60,12 +60,12 @@ def _paint(doc: Document, name: str, values: Values) -> None:
         prim.relate("material:binding", material)
 
 
-def add_action(doc: Document, action: Thing, values: Values) -> None:
+def add_action(doc: Document, action: Entity, values: Values) -> None:
     """What a robot does. Raises WmsError with its place if it cannot."""
     (_reach if values.spec.thing(action.of).model in ARMS else _follow)(doc, action, values)
 
 
-def _follow(doc: Document, action: Thing, values: Values) -> None:
+def _follow(doc: Document, action: Entity, values: Values) -> None:
     """A way that carries a car or a walker."""
     travel, way = travels(values)[action.name], (f"{action.name}.way", f"{action.name}.duration")
     prim = doc.add(f"/World/Episode/Actions/{action.name}", "WmsAction", (), (f"{action.name}.there",))
@@ -78,7 +78,7 @@ def _follow(doc: Document, action: Thing, values: Values) -> None:
     prim.set("wms:orientations", "quatd[]", travel.turns, *way, uniform=True)
 
 
-def _reach(doc: Document, action: Thing, values: Values) -> None:
+def _reach(doc: Document, action: Entity, values: Values) -> None:
     """A way of an arm's joints, and a `hold` below it if it takes something."""
     reach = plan(values)[action.name]
     path, here = f"/World/Episode/Actions/{action.name}", object_path(action.of)

@@ -206,7 +206,10 @@ def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
 
 
 def _unasked(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
-    """Yield the probe with all pictures and options but no question; not judged, since the question may be irrelevant."""
+    """Yield the probe with all pictures and options but no question.
+
+    It is not judged, since the question may decide the answer.
+    """
     if len({c.row["text"] for c in cases}) > 1:
         seen = _pixels(cases, views)
         yield _Line("all pictures, not the question", "pictures", False, _UNASKED, seen, pictured=True)

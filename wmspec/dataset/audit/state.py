@@ -102,7 +102,10 @@ def struck_out(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
 
 
 def framed(cases: Sequence[Case]) -> bool:
-    """Whether the options reveal the initial state: some differ from the truth in the action alone and share its start."""
+    """Whether the options reveal the initial state.
+
+    They do if some differ from the truth in the action alone and so begin in the same state.
+    """
     return any("action" in case.row["option_kind"] for case in cases)
 
 

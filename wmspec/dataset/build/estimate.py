@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter
 
+from wmspec.core.crash import Crash
 from wmspec.dataset.build.generate import job_of, nothing
 from wmspec.dataset.build.manifest import by_reason
 from wmspec.dataset.build.plan import Plan, Task
@@ -15,7 +16,7 @@ from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.shards import parquet
 from wmspec.dataset.build.units import Piece, units, weight
 from wmspec.dataset.build.worker import Balance, Job, Outcome, work
-from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.questions.model import FAILED, Rejected
 from wmspec.runtime.workers.pool import Effort, Lost, in_order
 
 #: Number of units timed for a task. The cost of an instance may depend on what differs between units, such as the
@@ -31,7 +32,8 @@ class Cost:
 
     `seconds` is the time of one worker for an instance, `error` its standard error over units (None for a single unit
     of several). `size` is the number of bytes of an instance's questions in Parquet. `rejected` of the `questions` were
-    rejected, with counts in `reasons` and one example each. `balance` is the cost of balancing answers, if any.
+    rejected, with counts in `reasons` and one example each. `balance` is the cost of balancing answers, if any. `failed` of
+    the tried instances ended as internal errors, crashes or timeouts; `crash` is the first unexpected error.
     """
 
     task: str
@@ -45,6 +47,8 @@ class Cost:
     reasons: dict[str, int]
     examples: dict[str, Rejected]
     balance: Balance | None = None
+    failed: int = 0
+    crash: Crash | None = field(default=None, repr=False)
 
     def hours(self, workers: int) -> float:
         """Return the hours that `workers` workers need for the whole task."""
@@ -166,6 +170,8 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
         reasons=reasons,
         examples=examples,
         balance=sum((trial.balance for trial in whole), Balance()) if task.spec.plan.balance else None,
+        failed=len({r.index for r in rejected if r.reason in FAILED}),
+        crash=next((trial.crash for _, trial in trials if isinstance(trial, Lost) and trial.crash), None),
     )
 
 

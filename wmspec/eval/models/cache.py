@@ -1,4 +1,4 @@
-"""Replies by the content of what was asked, for all runs that share the file: the same request is not paid twice."""
+"""Cache of replies by request content, shared by all runs that name the same file."""
 
 from __future__ import annotations
 
@@ -11,28 +11,29 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import make_folders
 from wmspec.eval.models.model import Model, Reply
 from wmspec.eval.models.request import Ask
 
 
 class Cached:
-    """A model whose replies are kept in a file. What is taken from there costs nothing."""
+    """A model with a cache of its replies in a file. Cached replies cost nothing."""
 
     def __init__(self, model: Model, parameters: dict[str, Any], path: Path) -> None:
-        """Raises WmsError if the file is no cache or cannot be written."""
+        """Open or create the cache. Raises WmsError if the file is no cache or cannot be written."""
         self.identity, self.asks = model.identity, model.asks
         self._model, self._path = model, path
         self._identity = json.dumps([model.identity, parameters], sort_keys=True)
         self._turn = threading.Lock()
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folders(path.parent)
             self._file = sqlite3.connect(path, timeout=60, check_same_thread=False)
             self._file.execute("CREATE TABLE IF NOT EXISTS replies (key TEXT PRIMARY KEY, reply TEXT NOT NULL)")
         except (OSError, sqlite3.Error) as error:
             raise WmsError(f"--cache {path}: cannot be used ({error}); name another file") from None
 
     def reply(self, ask: Ask) -> Reply:
-        """The reply kept, or the model's, which is kept unless it is an error."""
+        """Return the cached reply, or the model's, which is cached unless it is an error."""
         key = hashlib.sha256(f"{self._identity}\n{ask.request.digest}\n{ask.sample}".encode()).hexdigest()
         known = self._run("SELECT reply FROM replies WHERE key = ?", key)
         if known:

@@ -1,7 +1,7 @@
-"""The replies of a run that is not over, on disk as soon as they come: killed at any moment, none is lost or doubled.
+"""Journal of an unfinished run: every reply is on disk as soon as it arrives, and none is lost or duplicated.
 
-A file of JSON lines that only grows. The first line says what is asked, each other is a reply; a line that a kill cut
-off is taken back when the file is opened again. Of an asking that has several replies the last one counts.
+An append-only file of JSON lines. The first line holds the settings of the run, each other line a reply. A truncated
+last line is dropped when the file is opened. If an ask has several replies, the last one counts.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import explained
 from wmspec.eval.models.model import Reply
 
@@ -28,16 +29,16 @@ _REPLY = TypeAdapter(Reply)
 
 
 class Journal:
-    """An open journal; `replies` are those that it had when it was opened."""
+    """An open journal; `replies` are those found when it was opened."""
 
     def __init__(self, path: Path, asked: dict[str, Any]) -> None:
-        """Open a journal, or begin one, for what is `asked`; no other process can while it is open.
+        """Open or create a journal for the run `asked`, with an exclusive lock.
 
-        Raises WmsError if it is of something else, open elsewhere, or cannot be written.
+        Raises WmsError if it belongs to another run, is open elsewhere, or cannot be written.
         """
         self.path = path
         with explained(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folders(path.parent)
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
             try:
                 self._lock()
@@ -73,7 +74,7 @@ class Journal:
         return dict(_record(_loaded(line, self.path), self.path) for line in lines)
 
     def keep(self, key: Key, reply: Reply) -> None:
-        """Write a reply down; when this returns it outlasts a kill and a power cut. Raises WmsError if it cannot."""
+        """Append a reply and flush it to disk. Raises WmsError if that fails."""
         id, permutation, sample = key
         with explained(self.path):
             self._append({"id": id, "permutation": permutation, "sample": sample, **asdict(reply)})
@@ -85,13 +86,13 @@ class Journal:
         os.fsync(self._file)
 
     def discard(self) -> None:
-        """Remove the file: what it holds is elsewhere."""
+        """Remove the file after its replies have been saved elsewhere."""
         with explained(self.path):
             self.path.unlink()
 
 
 def same(before: Any, asked: dict[str, Any], path: Path) -> None:
-    """Raises WmsError, which names what differs, if results at `path` are not of what is `asked`."""
+    """Raise WmsError, with the differences, if results at `path` belong to another run than `asked`."""
     before = before if isinstance(before, dict) else {}
     differing = [key for key in asked if before.get(key) != asked[key]]
     if differing:

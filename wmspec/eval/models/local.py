@@ -1,4 +1,4 @@
-"""Models whose weights are on this machine, by `transformers`."""
+"""Local models, run by `transformers`."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ _INSTALL = "install it with `pip install 'wmspec[local]'`"
 
 
 class LocalModel:
-    """A model that looks at pictures, in a folder as `save_pretrained` writes it. It is asked one thing at a time."""
+    """A vision-language model in a folder written by `save_pretrained`. It takes one request at a time."""
 
     asks = 1
 
     def __init__(self, path: Path, parameters: dict[str, Any]) -> None:
-        """Raises WmsError if transformers is missing or cannot open what is there."""
+        """Load the model. Raises WmsError if transformers is missing or cannot load it."""
         try:
             import torch
             import transformers
@@ -46,7 +46,7 @@ class LocalModel:
         self._turn = threading.Lock()
 
     def reply(self, ask: Ask) -> Reply:
-        """What the model writes. Raises WmsError for a film: pictures work with every model, films do not."""
+        """Return the generated text. Raises WmsError for a video, which not all models support."""
         import torch
 
         messages, began = _messages(ask.request), time.monotonic()
@@ -71,7 +71,7 @@ class LocalModel:
 
 
 def _generation(parameters: dict[str, Any]) -> dict[str, Any]:
-    """Parameters as `generate` calls them."""
+    """Return parameters by the names of `generate`."""
     options = dict(parameters)
     tokens, temperature = options.pop("max_tokens", 1024), options.pop("temperature", 0)
     warm = {"do_sample": True, "temperature": float(temperature)} if temperature else {"do_sample": False}
@@ -93,7 +93,7 @@ def _messages(request: Request) -> list[dict[str, Any]]:
 
 
 def _digest(path: Path) -> str:
-    """Twelve hex digits that tell weights from others: of every file its name and size, of small ones the content."""
+    """Return twelve hex digits that identify weights: names and sizes of all files, content of small ones."""
     digest = hashlib.sha256()
     for file in sorted(
         f for f in path.iterdir() if f.is_file() and f.suffix in {".json", ".safetensors", ".bin", ".jinja"}

@@ -1,16 +1,20 @@
-"""What a reply chooses: the one parser of replies, for every model and every tool. Standard library only.
+"""The parser of replies, shared by all models and exported tools. Standard library only.
 
-Options have places from 0 in the order in which they are shown. A reply is read by the first rule that finds exactly
-one option in it (`docs/evaluate.md` has examples):
+Options have positions from 0 in the order shown. A reply is parsed by the first rule that finds exactly one option in
+it (`docs/evaluate.md` has examples):
 
-1. the reply is nothing but an option's label, its place or its words;
+1. the reply is only an option's label, position or words;
+
 2. it announces one: "the answer is (B)", "I choose the third option"; the last announcement counts;
-3. it begins with one: "B. the red cube", "No, they do not";
-4. it mentions one label only, in parentheses or as a capital that stands alone;
-5. it has the words of one option only.
 
-What is denied ("not B") is not chosen. Where options have letters, "picture 2" is none of them. What is thought aloud
-in <think> is not the reply. Nothing is guessed: a reply that no rule reads has no option.
+3. it begins with one: "B. the red cube", "No, they do not";
+
+4. it mentions one label only, in parentheses or as an isolated capital;
+
+5. it contains the words of one option only.
+
+A negated option ("not B") is not chosen. Where options have letters, "picture 2" is not an option. Reasoning inside
+<think> is ignored. Nothing is guessed: if no rule applies, the reply has no option.
 """
 
 from __future__ import annotations
@@ -21,9 +25,9 @@ import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-#: Told with every result: replies read by another version of these rules may be read otherwise.
+#: Version of these rules, recorded with every result.
 VERSION = 1
-#: What is looked at of a reply, in characters.
+#: Maximum number of characters of a reply that are parsed.
 LONGEST = 65_536
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -31,7 +35,7 @@ ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "
 _SHORT = ("1st", "2nd", "3rd", "4th", "5th", "6th", "7th", "8th")
 _COUNTED = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
 
-#: SI unit -> the units of the same quantity, without the s of the plural, and their sizes in it.
+#: SI unit -> singular names of the units of its quantity, and their sizes in the SI unit.
 _SIZES: dict[str, dict[str, float]] = {
     "m": {"m": 1, "metre": 1, "meter": 1, "km": 1e3, "dm": 0.1, "cm": 0.01, "centimetre": 0.01, "centimeter": 0.01}
     | {
@@ -55,7 +59,7 @@ _UNITS = {name: (unit, size) for unit, sizes in _SIZES.items() for name, size in
 
 @dataclass(frozen=True)
 class Mark:
-    """What a reply came to: the place that it chooses (as shown) or its number, None if unread; and if it is right."""
+    """A scored reply: the chosen position (as shown) or number, None if unparsed, and whether it is right."""
 
     place: int | None
     number: float | None
@@ -63,7 +67,7 @@ class Mark:
 
     @property
     def parsed(self) -> bool:
-        """Whether the reply could be read."""
+        """Whether the reply could be parsed."""
         return self.place is not None or self.number is not None
 
 
@@ -76,10 +80,10 @@ def mark(
     unit: str | None = None,
     within: float | None = None,
 ) -> Mark:
-    """Read a reply and hold it against the truth.
+    """Parse and score a reply.
 
-    `options` are the words of each as shown, None for a picture; `answer` the place of the true one as shown. Without
-    options the question is open, and right is what is `within` of `number` (SI `unit`).
+    `options` are the words of each option as shown, None for a picture; `answer` is the position of the true one as
+    shown. Without options the question is open, and a number `within` of `number` (SI `unit`) is right.
     """
     if options:
         place = choice(text, options, labels)
@@ -90,7 +94,7 @@ def mark(
 
 
 def near(value: float, truth: float, within: float, unit: str = "") -> bool:
-    """Whether a number is right; of angles (rad) the shorter way round counts."""
+    """Whether a number is right; for angles (rad) the shorter way round counts."""
     apart = abs(math.remainder(value - truth, math.tau)) if unit == "rad" else abs(value - truth)
     return apart <= within * (1 + 1e-9)
 
@@ -100,13 +104,13 @@ def near(value: float, truth: float, within: float, unit: str = "") -> bool:
 
 @dataclass(frozen=True)
 class _Shown:
-    """The options as they were shown: their words, none for pictures; and whether they had letters or numbers."""
+    """The options as shown: their words (empty for pictures), and whether labels are letters or numbers."""
 
     words: tuple[str, ...]
     numbered: bool
 
     def label(self, text: str) -> int | None:
-        """The place that a label or number names. A letter and a number are both understood, if they mean one thing."""
+        """Return the position of a label. Letters and numbers are both accepted if unambiguous."""
         if len(text) == 1 and text.upper() in LETTERS:
             place = LETTERS.index(text.upper())
         elif text.isdecimal() and len(text) < 4 and (self.numbered or not any(re.search(r"\d", w) for w in self.words)):
@@ -116,7 +120,7 @@ class _Shown:
         return place if 0 <= place < len(self.words) else None
 
     def ordinal(self, text: str) -> int | None:
-        """The place that an ordinal names."""
+        """Return the position of an ordinal."""
         if text == "last":
             return len(self.words) - 1
         place = next((names.index(text) for names in (ORDINALS, _SHORT) if text in names), len(self.words))
@@ -124,9 +128,9 @@ class _Shown:
 
 
 def choice(text: str, options: Sequence[str | None], labels: str = "letters") -> int | None:
-    """The place of the option that a reply chooses, None if no rule of this file reads it.
+    """Return the position of the chosen option, None if no rule applies.
 
-    `labels` says what the options were shown with: "letters" or "numbers".
+    `labels` are those shown with the options: "letters" or "numbers".
     """
     reply = cleaned(text)
     shown = _Shown(tuple(_plain(words or "") for words in options), labels == "numbers")
@@ -140,7 +144,7 @@ def choice(text: str, options: Sequence[str | None], labels: str = "letters") ->
 
 
 def cleaned(text: str) -> str:
-    """A reply without what was thought aloud, without markup, in ordinary characters."""
+    """Return a reply without reasoning and markup, with normalized characters."""
     reply = unicodedata.normalize("NFKC", text[-LONGEST:])
     reply = re.sub(r"(?is)^.*</think(?:ing)?>", "", reply)
     reply = re.sub(r"(?is)<think(?:ing)?>.*", "", reply)
@@ -151,7 +155,7 @@ def cleaned(text: str) -> str:
 
 
 def _plain(words: str) -> str:
-    """Words without case, article, and marks around them."""
+    """Return words in lower case, without article and surrounding marks."""
     return re.sub(r"^(?:the|an?)\s+", "", re.sub(r"\s+", " ", words.casefold()).strip(" .,:;!?()'[]{}"))
 
 
@@ -167,7 +171,7 @@ _LABEL = (
 
 
 def _alone(reply: str, shown: _Shown) -> set[int]:
-    """The reply is nothing but an option."""
+    """The reply is only an option."""
     return _named(reply, shown) if len(reply) < 500 else set()
 
 
@@ -230,7 +234,7 @@ def _place(match: re.Match[str], shown: _Shown) -> int | None:
 
 
 def _mentioned(reply: str, shown: _Shown) -> set[int]:
-    """Labels in parentheses, or capitals (in a numbered list: numbers) that stand alone and are not denied."""
+    """Labels in parentheses, or isolated capitals (in a numbered list: numbers) that are not negated."""
     kept = _DENIED.sub(" ", reply)
     labels = [match["inside"] or match["bare"] or match["after"] for match in _MENTIONED.finditer(kept)]
     wanted = [s for s in labels if s.isdecimal() == shown.numbered and (s.isupper() or s.isdecimal())]
@@ -238,7 +242,7 @@ def _mentioned(reply: str, shown: _Shown) -> set[int]:
 
 
 def _worded(reply: str, shown: _Shown) -> set[int]:
-    """Options whose words occur and are not denied; words within longer ones of another option do not count."""
+    """Options whose words occur and are not negated; words inside longer ones of another option do not count."""
     text = re.sub(r"\s+", " ", reply.casefold())
     places, taken = set(), text
     for place, words in sorted(enumerate(shown.words), key=lambda each: -len(each[1])):
@@ -266,9 +270,9 @@ _IN_WORDS = re.compile(rf"(?i)\b(?P<value>{'|'.join(_COUNTED)})\b{_UNIT}")
 
 
 def number_in(text: str, unit: str = "") -> float | None:
-    """The number that a reply gives, in the SI `unit` asked for; None if it gives none, several, or another quantity.
+    """Return the number in a reply, in the SI `unit`; None if there is none, several, or another quantity.
 
-    What follows the last "answer" counts, if there is a number; else the only number of the reply.
+    A number after the last "answer" counts; otherwise the only number of the reply.
     """
     reply = cleaned(text)
     after = re.split(r"(?i)\banswer\b", reply)[-1]
@@ -278,7 +282,7 @@ def number_in(text: str, unit: str = "") -> float | None:
 
 
 def _values(text: str, unit: str) -> Iterator[float]:
-    """The numbers of a text that may be of this unit; those in words only if there are none in digits."""
+    """Yield the numbers of a text that may have this unit; those in words only if there are none in digits."""
     matches = list(_NUMBER.finditer(text)) or list(_IN_WORDS.finditer(text))
     for match in matches:
         digits = match["value"].casefold().replace(",", "")

@@ -1,4 +1,4 @@
-"""Results: one row a reply in Parquet, what was asked beside them in JSON. They can be scored again from the texts."""
+"""Results: one row a reply in Parquet, with the settings in a JSON file. They can be scored again from the texts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_file_name, read_bytes, regular_file
+from wmspec.core.safe_io import is_file_name, make_folders, read_bytes, regular_file
 from wmspec.dataset.build.files import explained
 from wmspec.eval.models import reply as replies
 from wmspec.eval.models.journal import Key, Replies
@@ -28,7 +28,7 @@ from wmspec.eval.models.request import Ask
 Row = dict[str, Any]
 Status = Literal["ok", "unparsed", "refused", "error"]
 
-#: The columns of results: type, and what they hold.
+#: The columns of results: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "id": (pa.string(), "the question's id in the dataset"),
     "task": (pa.string(), "the task"),
@@ -69,7 +69,7 @@ _ABOUT = b"wmspec"
 
 @dataclass(frozen=True)
 class Counts:
-    """How a run came out: replies by status, those right, and the share that guessing gets right (None if open)."""
+    """Counts of a run: replies by status, right ones, and the accuracy of guessing (None if open)."""
 
     replies: int
     right: int
@@ -81,7 +81,7 @@ class Counts:
 
 
 def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
-    """The row of a reply, scored."""
+    """Return the scored row of a reply."""
     question: Question = ask.question
     is_open = not question.options
     return scored(
@@ -120,7 +120,7 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
 
 
 def scored(row: Row) -> Row:
-    """A row with what its text comes to: `parsed`, `number`, `right` and `status`. Nothing but the row is needed."""
+    """Return a row with `parsed`, `number`, `right` and `status` computed from its text and other columns."""
     order = row["order"]
     mark = replies.mark(
         row["text"],
@@ -143,7 +143,7 @@ def scored(row: Row) -> Row:
 
 
 def counts(rows: Sequence[Row]) -> Counts:
-    """Count rows."""
+    """Return the counts of rows."""
     shares = [1 / len(row["options"]) for row in rows if row["options"]]
     costs = [row["cost"] for row in rows if row["cost"] is not None]
     return Counts(
@@ -161,12 +161,12 @@ def counts(rows: Sequence[Row]) -> Counts:
 
 
 def sidecar(path: Path) -> Path:
-    """Where what was asked is said, beside the results."""
+    """Return the path of the settings file of results."""
     return path.with_suffix(".json")
 
 
 def check_free(path: Path) -> None:
-    """Raises WmsError if what would be written beside results is there, and is something else."""
+    """Raise WmsError if a foreign file is in the way of the settings file."""
     beside = sidecar(path)
     try:
         ours = "asked" in json.loads(read_bytes(beside))
@@ -180,7 +180,7 @@ def check_free(path: Path) -> None:
 
 
 def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
-    """Write results, and what they are about. Raises WmsError, and leaves what was there, if that fails."""
+    """Write results with their settings. Raises WmsError, and leaves the previous files, if that fails."""
     metadata = json.dumps(about, indent=1, ensure_ascii=False) + "\n"
     table = pa.Table.from_pylist(list(rows), schema=SCHEMA).replace_schema_metadata({_ABOUT: metadata})
     sink = pa.BufferOutputStream()
@@ -192,7 +192,7 @@ def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
 def _whole(path: Path, content: bytes) -> None:
     part = path.with_name(f"{path.name}.part")
     with explained(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(path.parent)
         with part.open("wb") as file:
             file.write(content)
             file.flush()
@@ -201,7 +201,7 @@ def _whole(path: Path, content: bytes) -> None:
 
 
 def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
-    """The rows of results and what they are about. Raises WmsError if the file is none of ours."""
+    """Return the rows and settings of results. Raises WmsError if the file is not one of results."""
     try:
         table = pq.read_table(regular_file(path))
         about = json.loads((table.schema.metadata or {})[_ABOUT])
@@ -214,7 +214,7 @@ def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
     return checked(table, path).to_pylist(), about
 
 
-#: Columns in which every row has something; names among them; and words that can be shown, whoever chose them.
+#: Columns with a value in every row; columns of names; columns of text that is displayed.
 _FILLED = ("id", "task", "dimension", "engine", "index", "group", "model", "prompt", "permutation", "sample", "order",
            "labels", "options", "text", "right", "status")  # fmt: skip
 _NAMES = ("task", "engine")
@@ -223,7 +223,7 @@ _WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{0,300}")
 
 
 def checked(table: pa.Table, path: Path) -> pa.Table:
-    """The columns of results that a table has, each of its type. Raises WmsError for a row that no run writes."""
+    """Return the result columns of a table, each with its type. Raises WmsError for an invalid row."""
     known = [name for name in SCHEMA.names if name in table.column_names]
     try:
         table = table.select(known).cast(pa.schema([SCHEMA.field(name) for name in known]))
@@ -236,7 +236,7 @@ def checked(table: pa.Table, path: Path) -> pa.Table:
 
 
 def _fault(table: pa.Table) -> str:
-    """What is wrong with rows of the right types: empty if nothing is."""
+    """Return the first problem of rows with the right types, or ''."""
     for name in _FILLED:
         if name in table.column_names and table[name].null_count:
             return f"row {pc.index(pc.is_null(table[name]), True).as_py() + 1}: `{name}` is null"
@@ -256,7 +256,7 @@ def _fault(table: pa.Table) -> str:
 
 
 def known(rows: Iterable[Row]) -> Replies:
-    """The replies of rows."""
+    """Return the replies of rows."""
     return {_key(row): _reply(row) for row in rows}
 
 
@@ -271,7 +271,7 @@ def _reply(row: Row) -> Reply:
 
 
 def rescore(path: Path) -> tuple[Counts, int]:
-    """Score results again from their texts, in place. Returns the counts, and how many scores have changed."""
+    """Score results again from their texts, in place. Returns the counts and the number of changed scores."""
     rows, about = read(path)
     again = [scored(row) for row in rows]
     write(path, again, about | {"parser": replies.VERSION, "right": sum(row["right"] for row in again)})

@@ -1,4 +1,4 @@
-"""A run: which askings there are, which of them still want a reply, and the results in the end."""
+"""Runs: the requests of an evaluation, those still without a reply, and the results."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from wmspec.eval.models.question import Question, Selection, questions
 from wmspec.eval.models.request import Ablation, Ask
 from wmspec.eval.models.results import Counts
 
-#: Told of every reply: how many are right so far, of how many, and what they cost.
+#: Called after every reply with the number of right replies, the number of replies, and the cost.
 Progress = Callable[[int, int, float], None]
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What determines the requests, whichever of them are sent: two runs with the same settings share their replies."""
+    """The settings that determine the requests; two runs with equal settings share their replies."""
 
     model: str
     prompt_name: str
@@ -42,7 +42,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Run:
-    """Which questions are asked how often: every circular permutation of the options, and so many samples of each."""
+    """The questions of a run, with every circular permutation of the options if `permute`, and `samples` of each."""
 
     dataset: DatasetReader
     settings: Settings
@@ -52,7 +52,7 @@ class Run:
     limits: Limits = field(default_factory=Limits)
 
     def asked(self) -> dict[str, Any]:
-        """The settings as JSON values, with the digest of the dataset's manifest. No secret is among them."""
+        """The settings as JSON values, with the digest of the dataset's manifest. Contains no secret."""
         settings = self.settings
         return {
             "dataset": files.digest(self.dataset.folder / files.MANIFEST),
@@ -66,17 +66,17 @@ class Run:
         }
 
     def chosen(self) -> list[Question]:
-        """The questions, without their pictures. Raises WmsError if the dataset lacks what is wanted of it."""
+        """Return the questions, without pictures. Raises WmsError if the dataset lacks a task or engine."""
         return list(questions(self.dataset, self.selection.ids(self.dataset), pictures=False))
 
     def first(self) -> Ask | None:
-        """The first asking, with pictures, None if there is none."""
+        """Return the first request, with pictures; None if there is none."""
         for question in questions(self.dataset, self.selection.ids(self.dataset)[:1]):
             return next(self.asks(question))
         return None
 
     def asks(self, question: Question) -> Iterator[Ask]:
-        """All askings of a question."""
+        """Yield all requests of a question."""
         turns = len(question.options) if self.permute and question.options else 1
         for permutation in range(turns):
             for sample in range(self.samples):
@@ -85,16 +85,17 @@ class Run:
 
 @dataclass(frozen=True)
 class Ended:
-    """How a run ended: the counts of all results, and how many askings have no reply because a limit was reached."""
+    """The end of a run: the counts of all results, and the number of requests left out because of a limit."""
 
     counts: Counts
     missing: int
+    error: str = ""
 
 
 def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> Ended:
-    """Ask what has no reply yet and write results to `output`; what was kept of a run that was killed is taken up.
+    """Send the requests without a reply and write results to `output`, resuming an interrupted run.
 
-    Raises WmsError if nothing more can come of it; the replies are kept then, and the same run goes on with them.
+    Raises WmsError if the run cannot go on. Replies are kept, and the same run resumes from them.
     """
     results.check_free(output)
     asked, chosen = run.asked(), run.chosen()
@@ -106,11 +107,11 @@ def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> Ended:
         missing = sum(key not in have for key in wanted)
         results.write(output, rows, _about(run, asked, rows, missing))
         journal.discard()
-    return Ended(results.counts(rows), missing)
+    return Ended(results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), ""))
 
 
 def _before(output: Path, asked: dict[str, Any]) -> Replies:
-    """The replies that are in results already."""
+    """Return the replies in existing results."""
     if not output.exists():
         return {}
     rows, about = results.read(output)
@@ -119,7 +120,7 @@ def _before(output: Path, asked: dict[str, Any]) -> Replies:
 
 
 def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal: Journal, progress: Progress) -> None:
-    """Ask all that has no reply, several at a time; `have` gains the replies."""
+    """Send all requests without a reply, several at a time; replies are added to `have`."""
     meter = Meter(run.limits, spent=sum(reply.cost or 0.0 for reply in have.values()))
     pace = Pace(run.limits.a_minute)
     right = total = 0
@@ -160,14 +161,14 @@ def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal:
 
 
 def _rescue(flying: dict[Future[Reply], Ask], journal: Journal) -> None:
-    """Keep the replies that came while another went wrong."""
+    """Save the replies that arrived while another request failed."""
     for future, ask in flying.items():
         if future.exception() is None:
             journal.keep(ask.key, future.result())
 
 
 def _open(run: Run, chosen: list[Question], have: Replies) -> Iterator[Ask]:
-    """The askings without a reply, in order; the pictures of few questions in memory at a time."""
+    """Yield the requests without a reply, in order; the pictures of few questions are in memory at a time."""
 
     def wanting(question: Question) -> list[Ask]:
         return [ask for ask in run.asks(question) if ask.key not in have or have[ask.key].outcome == "error"]
@@ -178,7 +179,7 @@ def _open(run: Run, chosen: list[Question], have: Replies) -> Iterator[Ask]:
 
 
 def _rows(run: Run, have: Replies) -> Iterator[results.Row]:
-    """The rows of all replies, whatever asked for them, in the dataset's order, then by permutation and sample."""
+    """Yield the rows of all replies in dataset order, then by permutation and sample."""
     turns: dict[str, list[tuple[int, int]]] = {}
     for id, permutation, sample in have:
         turns.setdefault(id, []).append((permutation, sample))
@@ -191,7 +192,7 @@ def _rows(run: Run, have: Replies) -> Iterator[results.Row]:
 
 
 def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: int) -> dict[str, Any]:
-    """What is said beside the results."""
+    """Return the content of the settings file."""
     counted = results.counts(rows)
     manifest = run.dataset.manifest
     template = run.settings.prompt.model_dump(mode="json")

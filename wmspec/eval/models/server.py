@@ -1,4 +1,4 @@
-"""Models behind an OpenAI-compatible server: the `openai` client, which tries again what may pass."""
+"""Models behind an OpenAI-compatible server, by the `openai` client, which retries transient errors."""
 
 from __future__ import annotations
 
@@ -14,19 +14,18 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.eval.models.model import Lost, Reply, kept
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 
-#: Where the key of a server is, and the server itself if none is named.
+#: Environment variables with the key of a server, and with the server if none is named.
 KEY, ADDRESS = "OPENAI_API_KEY", "OPENAI_BASE_URL"
 _OPENAI = "https://api.openai.com/v1"
-#: What is read of an answer of the server, in bytes: many times what a reply of `LONGEST` characters takes.
+#: Maximum size of a response (bytes), far above a reply of `LONGEST` characters.
 LARGEST = 4 << 20
 
 
 @dataclass(frozen=True)
 class Server:
-    """How a server is reached.
+    """The connection to a server.
 
-    Its address, the seconds that it may take, how often a request is tried again, and what a million tokens cost, sent
-    and received.
+    Its address, timeout (s), number of retries, and the prices of a million tokens, sent and received.
     """
 
     address: str
@@ -36,7 +35,7 @@ class Server:
 
 
 def address(base_url: str | None) -> str:
-    """The address of the server meant. Raises WmsError for one that holds a key, or that is none."""
+    """Return the address of the server. Raises WmsError for one that contains a key, or is invalid."""
     url = base_url or os.environ.get(ADDRESS) or _OPENAI
     parts = urlsplit(url)
     if parts.scheme not in {"http", "https"} or not parts.hostname:
@@ -47,10 +46,10 @@ def address(base_url: str | None) -> str:
 
 
 class ServerModel:
-    """A model of a server. `parameters` go into every request as they are."""
+    """A model of a server. `parameters` are part of every request."""
 
     def __init__(self, name: str, server: Server, parameters: dict[str, Any], asks: int) -> None:
-        """Raises WmsError if the client or the key is missing."""
+        """Create the client. Raises WmsError if the client package or the key is missing."""
         try:
             import openai
         except ImportError:
@@ -70,7 +69,7 @@ class ServerModel:
         )
 
     def reply(self, ask: Ask) -> Reply:
-        """The server's reply, or the error that remained when all tries were used up. Raises Lost as Model says."""
+        """Return the server's reply, or the error after all retries. Raises Lost if no request can succeed."""
         import openai
 
         messages, began = _messages(ask.request), time.monotonic()
@@ -88,7 +87,7 @@ class ServerModel:
         return replace(reply, seconds=round(time.monotonic() - began, 3))
 
     def _read(self, done: Any) -> Reply:
-        """What the server answered. Raises ValueError and the like for what is no chat completion."""
+        """Return the reply in a response. Raises ValueError and others if it is no chat completion."""
         if not done.choices:
             return Reply(outcome="error", error="the server answered without a choice")
         chosen = done.choices[0]
@@ -116,7 +115,7 @@ class ServerModel:
         }
 
     def _hidden(self, text: str) -> str:
-        """A text without the key, should a server repeat it."""
+        """Return a text with the key removed, in case a server echoes it."""
         return text.replace(self._key, "[key]") if self._key else text
 
 
@@ -132,7 +131,7 @@ def _cause(error: BaseException) -> str:
 
 
 def _client(openai: Any) -> Any:
-    """A client that reads at most `LARGEST` bytes of an answer."""
+    """Return a client that reads at most `LARGEST` bytes of a response."""
     import httpx2
 
     class Bounded(httpx2.SyncByteStream):  # type: ignore[misc]

@@ -1,4 +1,4 @@
-"""How systems choose: by the place of an option, otherwise when options are permuted, and which wrong outcome."""
+"""Choices of systems: by option position, under permutation of options, and among wrong outcomes."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from wmspec.eval.report.intervals import Estimate, estimate, means, ratio, resam
 from wmspec.eval.report.replies import Replies
 from wmspec.runtime.questions.model import HYPOTHETICAL
 
-#: What a counterfactual may change, beside several at once. A change is written as its kind and what it changed.
+#: Labels for changes of several kinds, and for other kinds. A change is written as its kind and its object.
 BOTH, OTHER = "both", "other"
 
 
 @dataclass(frozen=True)
 class Position:
-    """Of questions with `options` options, those whose true one is shown at `place` (from 0).
+    """Accuracy of questions with `options` options whose true one is shown at `place` (from 0).
 
-    The accuracy there, and how often the option at that place is chosen.
+    `chosen` is the share of choices of that position.
     """
 
     system: str
@@ -32,7 +32,7 @@ class Position:
 
 @dataclass(frozen=True)
 class Flips:
-    """Of questions that were asked with their options in several orders, how often two orders got different answers.
+    """The share of pairs of option orders with different answers, over questions asked in several orders.
 
     `always` is the share of questions that are right in all orders.
     """
@@ -46,10 +46,9 @@ class Flips:
 
 @dataclass(frozen=True)
 class Mistaken:
-    """Of wrong answers to a task of prediction, which share chose an outcome in which `changed` was otherwise.
+    """The share of wrong answers to a prediction task that chose an outcome with `changed` altered.
 
-    `offered` is the share of such outcomes among the wrong options of the same questions: what carelessness would
-    choose.
+    `offered` is the share of such outcomes among the wrong options of the same questions, as expected from guessing.
     """
 
     task: str
@@ -61,22 +60,22 @@ class Mistaken:
 
 
 def positions(replies: Replies) -> tuple[Position, ...]:
-    """Accuracy and choices by place, for each number of options and system."""
+    """Return accuracy and choices by position, for each number of options and system."""
     table = _shown(replies)
     return tuple(p for count, of_one in table.groupby("options") for p in _positions(int(str(count)), of_one))
 
 
 def _shown(replies: Replies) -> pd.DataFrame:
-    """Replies to questions with options, with the places as shown of the true option and of the one chosen (-1:
+    """Return replies to questions with options, with the positions as shown of the true and chosen option.
 
-    none).
+    The chosen position is -1 if there is none.
     """
     table = replies.table[(replies.table["options"] > 0) & replies.table["answer"].notna()]
     return pd.concat([_placed(of_one) for _, of_one in table.groupby("options")]) if len(table) else table
 
 
 def _placed(table: pd.DataFrame) -> pd.DataFrame:
-    """Of replies to questions with equally many options."""
+    """Return positions for replies to questions with equally many options."""
     order = np.stack([np.asarray(o, dtype=int) for o in table["order"]])
     true, chosen = (order == table[c].fillna(-1).to_numpy(dtype=int)[:, None] for c in ("answer", "parsed"))
     return table.assign(true=true.argmax(1), chosen=np.where(chosen.any(1), chosen.argmax(1), -1))
@@ -100,7 +99,7 @@ def _positions(options: int, table: pd.DataFrame) -> Iterator[Position]:
 
 
 def flips(replies: Replies) -> tuple[Flips, ...]:
-    """For each task and system that was asked in several orders, and for all tasks together ("")."""
+    """Return the flips of each task and system with several orders, and of all tasks together ('')."""
     table = _shown(replies)
     key = ["id", "system", "sample"]
     several = table[table.groupby(key)["permutation"].transform("nunique") > 1]
@@ -130,7 +129,7 @@ def _flips(task: str, system: str, pairs: pd.DataFrame) -> Flips:
 
 
 def mistaken(replies: Replies) -> tuple[Mistaken, ...]:
-    """For each task whose wrong options are counterfactuals, and each system that chose some. Needs the dataset."""
+    """Return the mistakes of each system in tasks with counterfactual options. Requires the dataset."""
     if replies.questions is None:
         return ()
     known = replies.questions.table
@@ -159,9 +158,9 @@ def _mistaken(task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tu
 
 
 def change(changes: str | None) -> str:
-    """What an `option_change` says was changed: an action, a state, both, something other; "" for the truth.
+    """Return the kind of an `option_change`: an action, a state, both, other; '' for the truth.
 
-    An action left out or added and another order of actions are changes of actions.
+    Actions omitted, added or reordered are changes of actions.
     """
     kinds = {part.split()[0] for part in (changes or "").split("; ") if part.strip()}
     names = {"action": "action", "without": "action", "order": "action", "add": "action", "state": "state"}

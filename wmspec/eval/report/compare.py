@@ -1,4 +1,4 @@
-"""Models in pairs, on the questions that both answered: who is better, by how much, and is it more than luck?"""
+"""Pairwise comparisons of systems on the questions that both answered."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ from wmspec.eval.report.replies import Replies
 
 @dataclass(frozen=True)
 class Comparison:
-    """`difference` is the accuracy of `first` minus that of `second`, each question counting once.
+    """`difference` is the accuracy of `first` minus that of `second`, each question with equal weight.
 
-    `p` is the probability of a difference so large by chance, by a t-test with errors robust to clusters, `corrected`
-    the same after Holm among all comparisons of the kind. `first_only` and `second_only` count the questions that only
-    one of them gets right.
+    `p` is the p-value of a t-test with cluster-robust errors, `corrected` the same after Holm's correction over all
+    comparisons of the kind. `first_only` and `second_only` count the questions that only one system answers correctly.
     """
 
     kind: str
@@ -33,7 +32,7 @@ class Comparison:
 
 
 def comparisons(replies: Replies) -> tuple[Comparison, ...]:
-    """Every pair of systems, for each kind of task."""
+    """Return the comparison of every pair of systems, for each kind of task."""
     kind = replies.asked["dimension"].str.split(".").str[0]
     return tuple(c for k in sorted(kind.unique()) for c in _corrected(_of_kind(replies, k, kind == k)))
 
@@ -56,7 +55,9 @@ def _pair(kind: str, a: str, b: str, scores: pd.DataFrame, cluster: pd.Series[st
 
 
 def _robust(gaps: Floats, cluster: pd.Series[str]) -> tuple[Estimate, float | None]:
-    """The mean of gaps, its interval and its p-value. Without enough clusters, or any gap, there is nothing to test."""
+    """Return the mean of gaps with its interval, and the p-value; without interval if clusters are few or gaps are
+    constant.
+    """
     import statsmodels.api as sm
 
     mean, codes = float(gaps.mean()), pd.factorize(cluster)[0]

@@ -1,8 +1,8 @@
-"""Stimulus-difference curves: the smaller the difference, the harder the question. Where is the threshold?
+"""Psychometric curves: accuracy as a function of the stimulus difference, and thresholds.
 
-Accuracy at a difference x is γ + (1 − γ − λ) σ(β (x − α)): guessing γ is chance, the lapses λ are at most 6 % (Wichmann
-and Hill, 2001), α is the threshold, half-way between guessing and the most that is reached. Fitted by maximum
-likelihood: the best of a grid, polished with scipy. Intervals of α by cluster bootstrap, every draw fitted on the grid.
+Accuracy at a difference x is γ + (1 − γ − λ) σ(β (x − α)). Guessing γ is chance, the lapse rate λ is at most 6 %
+(Wichmann and Hill, 2001), and α is the threshold, half-way between guessing and the maximum. Fitted by maximum
+likelihood on a grid, refined with scipy. Intervals of α come from a cluster bootstrap with fits on the grid.
 """
 
 from __future__ import annotations
@@ -17,23 +17,22 @@ from numpy.typing import NDArray
 from wmspec.eval.report.intervals import CONFIDENCE, LEAST_CLUSTERS, Floats, resampled, sums
 from wmspec.eval.report.replies import Replies
 
-#: The most lapses; how often clusters are drawn; how many differences a curve needs; how many points are
-#: shown.
+#: Maximum lapse rate; number of bootstrap draws; minimum number of differences for a curve; number of points shown.
 LAPSES, DRAWS, LEAST_LEVELS, POINTS = 0.06, 1000, 3, 8
-#: Of more different differences, neighbours are joined.
+#: Maximum number of distinct differences; beyond it neighbours are merged.
 MOST_LEVELS = 40
-#: A system is not asked for its threshold if its accuracy is as likely as this not to hang on the difference at all.
+#: No threshold is reported if the p-value of a flat curve exceeds this.
 FLAT = 0.05
 
 
 @dataclass(frozen=True)
 class Curve:
-    """How a system's accuracy on a task hangs on the stimulus difference, on an axis `scale` linear or log.
+    """A system's accuracy on a task as a function of the stimulus difference, on a linear or log `scale`.
 
-    `points` are (difference, accuracy, questions), neighbours joined. `alpha`, `beta`, `lapse` are the fit on that axis
-    (the logarithm to base 2 if `log`), None without one. `threshold` is α as a difference in `unit`, None where it is
-    outside of what was shown; `low` and `high` are its interval, None where it reaches out of that. `flat` is the
-    probability of accuracies that differ so much between differences although nothing hangs on them.
+    `points` are (difference, accuracy, questions), with neighbours merged. `alpha`, `beta`, `lapse` are the fit on that
+    axis (the logarithm to base 2 if `log`), None without one. `threshold` is α as a difference in `unit`, None outside
+    the range shown; `low` and `high` are its interval, None where it exceeds the range. `flat` is the p-value of a flat
+    curve.
     """
 
     task: str
@@ -53,7 +52,7 @@ class Curve:
     high: float | None
 
     def at(self, x: Floats) -> Floats:
-        """The fitted accuracy at differences."""
+        """Return the fitted accuracy at differences."""
         from scipy.special import expit
 
         assert self.alpha is not None
@@ -65,7 +64,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Fit:
-    """α, β and λ on the axis from 0 (the least difference) to 1 (the most), and the log-likelihood."""
+    """α, β and λ on the axis from 0 (smallest difference) to 1 (largest), and the log-likelihood."""
 
     alpha: float
     beta: float
@@ -74,10 +73,10 @@ class Fit:
 
 
 def curves(replies: Replies) -> tuple[Curve, ...]:
-    """For each question with a stimulus difference, and each system. Needs the dataset.
+    """Return a curve for each question with a stimulus difference, and each system. Requires the dataset.
 
-    A difference counts by its size, a ratio by how far it is from 1. Questions in which there is none ("neither is
-    faster") ask something else, and are left out.
+    A difference counts by its size, a ratio by its distance from 1. Questions without a difference ("neither is
+    faster") are excluded, since they test something else.
     """
     if replies.questions is None:
         return ()
@@ -93,7 +92,7 @@ def curves(replies: Replies) -> tuple[Curve, ...]:
 
 
 def strength(quantity: str, value: Floats) -> tuple[Floats, str]:
-    """How strong differences are, NaN for none, and on which axis: ratios count from 1, and logarithmically."""
+    """Return the strengths of differences, NaN for none, and the scale: log for ratios, measured from 1."""
     if " / " in quantity:
         with np.errstate(divide="ignore"):
             ratios = np.exp2(abs(np.log2(abs(value))))
@@ -150,7 +149,7 @@ def _curve(
 
 
 def _points(levels: Floats, right: Floats, count: Floats) -> tuple[tuple[float, float, int], ...]:
-    """At most POINTS points, of about as many questions each."""
+    """Return at most POINTS points with about equal numbers of questions."""
     total = np.cumsum(count)
     bins = np.minimum((total - count / 2) / total[-1] * POINTS, POINTS - 1).astype(int)
     bins = np.arange(len(levels)) if len(levels) <= POINTS else bins
@@ -161,7 +160,7 @@ def _points(levels: Floats, right: Floats, count: Floats) -> tuple[tuple[float, 
 
 
 def _joined(x: Floats) -> Floats:
-    """Differences, each as the mean of its neighbours if there are more than MOST_LEVELS of them."""
+    """Return differences, replaced by the mean of their neighbours if there are more than MOST_LEVELS."""
     from scipy.stats import rankdata
 
     if len(np.unique(x)) <= MOST_LEVELS:
@@ -171,7 +170,9 @@ def _joined(x: Floats) -> Floats:
 
 
 class Grid:
-    """Curves over differences `x` (l,), from 0 to 1, with guessing at `chance`: rising and falling, flat and steep."""
+    """Candidate curves over differences `x` (l,), from 0 to 1, with guessing at `chance`: rising, falling, flat and
+    steep.
+    """
 
     def __init__(self, x: Floats, chance: float) -> None:
         alpha = np.linspace(-1, 2, 151)
@@ -189,7 +190,7 @@ class Grid:
         return np.asarray(np.clip(p, 1e-9, 1 - 1e-9))
 
     def fit(self, right: Floats, count: Floats) -> Fit:
-        """The most likely curve through `right` of `count` (l,) questions."""
+        """Return the most likely curve through `right` of `count` (l,) questions."""
         from scipy.optimize import minimize
 
         def surprise(q: Floats) -> float:
@@ -203,7 +204,7 @@ class Grid:
         return Fit(alpha, beta, lapse, float(-solution.fun))
 
     def thresholds(self, right: Floats, count: Floats) -> Floats:
-        """α of the most likely curve of every draw (d, l)."""
+        """Return α of the most likely curve of every draw (d, l)."""
         return np.asarray(self._curves[self._best(right, count), 0])
 
     def _best(self, right: Floats, count: Floats) -> NDArray[np.intp]:
@@ -212,7 +213,7 @@ class Grid:
 
 
 def _flat(best: Fit, right: Floats, count: Floats) -> float:
-    """The likelihood ratio of the curve against one accuracy everywhere, as a probability (two parameters more)."""
+    """Return the p-value of the likelihood-ratio test against constant accuracy (two more parameters)."""
     from scipy.special import xlogy
     from scipy.stats import chi2
 

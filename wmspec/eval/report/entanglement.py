@@ -1,8 +1,8 @@
-"""s-RE, the standardized relative entanglement of the paper: does accuracy hang on what the question is not about?
+"""s-RE, the standardized relative entanglement of the paper: dependence of accuracy on irrelevant factors.
 
-Of a factor with N levels, p_i the accuracy at level i and p̄ the mean of the p_i, it is the mean of |1 − p_i / p̄|
-(Gao et al., 2025, section 5). Even a system that does not look at the factor has some, by chance: so it is told beside
-what it is when the levels are shuffled over the instances.
+For a factor with N levels, p_i the accuracy at level i and p̄ the mean of the p_i, it is the mean of |1 − p_i / p̄|
+(Gao et al., 2025, section 5). A system that ignores the factor has a positive value by chance. Therefore the value with
+shuffled levels is reported as well.
 """
 
 from __future__ import annotations
@@ -20,13 +20,12 @@ from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import Replies
 from wmspec.lang.check.tables.vocabulary import WORDS
 
-#: How often levels are shuffled; how many levels a factor may have, and how many questions each must have.
+#: Number of shuffles; maximum number of levels of a factor; minimum number of questions at each level.
 SHUFFLES, MOST_LEVELS, LEAST_QUESTIONS = 300, 12, 5
-#: Stimulus differences are not the same if they are this much of their mean apart; answers go with a factor from this
-#: V on.
+#: Relative difference from which stimulus differences are distinct; Cramér's V from which answers depend on a factor.
 LEAST_STEP, LEAST_ASSOCIATION = 0.1, 0.3
 
-#: The paper's five dimensions, each with the words by which names of factors tell it where their values do not.
+#: The paper's five dimensions, with the words in factor names that identify them if values do not.
 DIMENSIONS: dict[str, frozenset[str]] = {
     "colour": frozenset(["color", "colors", "colour", "colours", "tone", "shade", "hue", "warm", "cold"]),
     "shape": frozenset(["shape", "shapes", "form", "forms", "kind"]),
@@ -79,11 +78,10 @@ DIMENSIONS: dict[str, frozenset[str]] = {
 
 @dataclass(frozen=True)
 class Entangled:
-    """s-RE of a task by one factor: `value`, and when shuffled its `mean` and the `bound` that 95 % stay below.
+    """s-RE of a task by one factor: `value`, and with shuffled levels its `mean` and 95 % quantile `bound`.
 
-    `p` is how often shuffling yields as much. `dimension` is the one of the paper's five that the factor is of, or "".
-    If it is `asked`, the answer or the stimulus difference hangs on it: it is what the question is about, and
-    accuracy may hang on it.
+    `p` is the share of shuffles with at least this value. `dimension` is one of the paper's five, or ''. If `asked`,
+    the answer or the stimulus difference depends on the factor; then accuracy may depend on it too.
     """
 
     task: str
@@ -101,7 +99,7 @@ class Entangled:
 
 
 def entanglement(replies: Replies) -> tuple[Entangled, ...]:
-    """For each task, question, factor or nuisance with a few levels, and system. Needs the dataset."""
+    """Return s-RE for each task, question, factor or nuisance with few levels, and system. Requires the dataset."""
     if replies.questions is None:
         return ()
     asked = replies.asked
@@ -143,9 +141,9 @@ def _factor(
 
 
 def _asked(questions: Questions, task: str, factor: str, ids: pd.Index[str]) -> bool:
-    """Whether the answer or the difference is another where the factor alone is.
+    """Whether the answer or the difference changes with this factor alone.
 
-    Where no two such questions were asked, whether answers go with the factor's levels.
+    Without such pairs of questions, whether answers are associated with the factor's levels.
     """
     if factor not in questions.groups[task]:
         return False  # a nuisance
@@ -163,7 +161,7 @@ def _asked(questions: Questions, task: str, factor: str, ids: pd.Index[str]) -> 
 
 
 def _association(first: pd.Series[str], second: pd.Series[str]) -> float:
-    """Cramér's V of two lists of words."""
+    """Return Cramér's V of two text columns."""
     from scipy.stats.contingency import association
 
     table = pd.crosstab(first, second).to_numpy()
@@ -171,7 +169,7 @@ def _association(first: pd.Series[str], second: pd.Series[str]) -> float:
 
 
 def spread(codes: NDArray[np.intp], scores: Floats) -> Floats:
-    """s-RE of scores (n, m) by levels (n,): (m,), NaN where a level was not asked or nothing is right."""
+    """Return s-RE of scores (n, m) by levels (n,): (m,), NaN if a level has no scores or nothing is right."""
     at = np.zeros((int(codes.max()) + 1, len(codes)))
     at[codes, np.arange(len(codes))] = 1
     p = ratio(at @ np.nan_to_num(scores), at @ (~np.isnan(scores)).astype(float))
@@ -181,14 +179,14 @@ def spread(codes: NDArray[np.intp], scores: Floats) -> Floats:
 
 
 def _shuffled(codes: NDArray[np.intp], scores: Floats, instance: NDArray[np.int64], key: object) -> Floats:
-    """s-RE (SHUFFLES, m) with levels dealt out anew: the rows of an instance, of several engines, keep one level."""
+    """Return s-RE (SHUFFLES, m) with shuffled levels; the rows of an instance in several engines keep one level."""
     _, first, which = np.unique(instance, return_index=True, return_inverse=True)
     generator = rng("shuffle", *np.atleast_1d(np.asarray(key, dtype=str)))
     return np.stack([spread(generator.permutation(codes[first])[which], scores) for _ in range(SHUFFLES)])
 
 
 def dimension(factor: str, values: pd.Series[str]) -> str:
-    """Which of the paper's five dimensions a factor is of: by its values, else by the words of its name; "" of none."""
+    """Return the paper's dimension of a factor, by its values or else by the words of its name; '' if none."""
     levels = {str(v) for v in values.unique()}
     for name, words in (("colour", "color"), ("shape", "shape"), ("material", "material")):
         if levels <= set(WORDS[words]):

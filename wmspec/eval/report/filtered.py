@@ -1,8 +1,8 @@
-"""Perception-filtered prediction: does a system foresee better what it has seen rightly?
+"""Perception-filtered prediction: accuracy of predictions given correct perception.
 
-In tasks of prediction, questions about what is seen are asked of the same episode (does anything move, which colour,
-which shape is it?). Accuracy is taken on all predictions, and on those of whose episode all such questions were
-answered rightly: by the system itself, and, as the paper does, by all models.
+Prediction tasks have companion questions about the same episode (does anything move, which colour, which shape is it?).
+Accuracy is taken over all predictions, and over those of episodes whose companion questions were all answered
+correctly. The latter is judged by the system's own answers and, as in the paper, by those of all models.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from numpy.typing import NDArray
 from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resampled, sums
 from wmspec.eval.report.replies import Replies
 
-#: Whose perception a prediction is filtered by.
+#: The system whose perception filters the predictions.
 ITS_OWN, EVERYONES = "its own", "all models'"
 
 
 @dataclass(frozen=True)
 class Filtered:
-    """A system's accuracy on all predictions of a task, on those perceived rightly `by`, and the gain Δ to these.
+    """A system's accuracy on all predictions of a task, on those perceived correctly `by`, and the gain Δ.
 
-    `kept` is the share of predictions that are left.
+    `kept` is the share of predictions that remain.
     """
 
     task: str
@@ -39,7 +39,7 @@ class Filtered:
 
 
 def filtered(replies: Replies) -> tuple[Filtered, ...]:
-    """For each task of prediction with queries, and each system that answered them. Needs the dataset."""
+    """Return the result of each prediction task with companion questions and each system. Requires the dataset."""
     if replies.questions is None or not replies.about["query"].any():
         return ()
     queried = sorted(replies.about.loc[replies.about["query"], "task"].unique())
@@ -71,7 +71,7 @@ def _episode(about: pd.DataFrame) -> pd.Series[str]:
 
 
 def _seen(replies: Replies, about: pd.DataFrame) -> pd.DataFrame:
-    """Of every episode, for each system: 1 if it answered all queries rightly, 0 if not, NaN if one was not asked."""
+    """Return, for every episode and system: 1 if all companion questions were right, 0 if not, NaN if one is missing."""
     queries = about[about["query"]]
     right = (replies.scores.loc[queries.index] >= 1).where(replies.scores.loc[queries.index].notna()).astype(float)
     return right.groupby(_episode(queries)).min()

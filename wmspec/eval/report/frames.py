@@ -1,4 +1,4 @@
-"""What a report tells as tables: long ones for programs (CSV), wide ones for papers (LaTeX)."""
+"""Tables of a report: long ones for programs (CSV), wide ones for papers (LaTeX)."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import pandas as pd
 from wmspec.eval.report.report import Report
 from wmspec.eval.report.tables import Table
 
-#: How LaTeX writes a gain.
+#: The gain in LaTeX.
 DELTA = r"$\Delta$"
 
 
 def long(report: Report) -> dict[str, pd.DataFrame]:
-    """Every analysis that has something to tell, by name, a row for each number told. Estimates become four columns."""
+    """Return every non-empty analysis by name, one row a number. Estimates become four columns."""
     parts: dict[str, Iterable[Any]] = {
         "replies": report.accounts,
         "comparisons": report.comparisons,
@@ -52,7 +52,7 @@ def _accuracies(table: Table) -> Iterable[dict[str, Any]]:
 
 
 def _flat(row: dict[str, Any]) -> dict[str, Any]:
-    """A row in which estimates are columns, `gain`, `gain low`, ...; sequences are left to the JSON."""
+    """Return a row with estimates as columns `gain`, `gain low`, ...; sequences are left to the JSON."""
     flat: dict[str, Any] = {}
     for key, value in row.items():
         if isinstance(value, dict) and "value" in value:
@@ -64,7 +64,7 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def wide(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
-    """Tables as a paper prints them, by name, each with its caption; numbers are written out, in percent."""
+    """Return tables as in a paper, by name, each with its caption; numbers are formatted in percent."""
     made = {t.kind: (f"Accuracy (%) in tasks of {t.kind}.", accuracy(t)) for t in report.tables}
     if report.pairs:
         made["pairs"] = (
@@ -92,7 +92,7 @@ def wide(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
 
 
 def accuracy(table: Table) -> pd.DataFrame:
-    """The table of accuracies in percent as it is printed: a row for each system, then chance; averages right."""
+    """Return the table of accuracies in percent: a row for each system, then chance; averages on the right."""
     heads = [("average", "", d) for d in ("all", *table.dimensions)]
     heads += [(c.dimension, c.letters, c.task) for c in table.columns]
     rows = {}
@@ -110,7 +110,7 @@ def _crossed(cells: Iterable[tuple[str, str, str]], systems: tuple[str, ...]) ->
 
 
 def latex(caption: str, frame: pd.DataFrame) -> str:
-    """A table in LaTeX, for the packages booktabs and multirow; what LaTeX would read as a command is escaped."""
+    """Return a table in LaTeX, for the packages booktabs and multirow; special characters are escaped."""
     escaped = frame.rename(index=_escaped, columns=_escaped).map(_escaped)
     escaped.index.name = None
     escaped.columns.names = [None] * escaped.columns.nlevels
@@ -122,7 +122,7 @@ def _escaped(text: str) -> str:
     return text.translate(_LATEX).replace(" · ", r" $\cdot$ ")
 
 
-#: What LaTeX would read otherwise: whoever named a model must not write the paper.
+#: Special characters of LaTeX, escaped because names of models are untrusted.
 _LATEX = str.maketrans(
     {c: f"\\{c}" for c in "_%&#${}"}
     | {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "–": "--", "−": "$-$"}
@@ -133,7 +133,7 @@ _LATEX = str.maketrans(
 
 
 def percent(share: float | None) -> str:
-    """A share in percent with a decimal; a dash for none."""
+    """Return a share in percent with one decimal; a dash for None."""
     return "–" if share is None or math.isnan(share) else f"{100 * share:.1f}"
 
 

@@ -1,4 +1,4 @@
-"""The report as one page that opens anywhere: tables, figures, and how to read them."""
+"""The report as a self-contained page: tables, figures, and explanations."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from wmspec.eval.report.replies import BASELINES, PEOPLE
 from wmspec.eval.report.report import Report
 from wmspec.eval.report.tables import Table
 
-#: Tables as a paper prints them: caption and cells by name.
+#: Formatted tables: caption and cells by name.
 Wide = dict[str, tuple[str, pd.DataFrame]]
 
-#: What each section of the page is called.
+#: Titles of the sections.
 TITLES = {
     "results": "Results",
     "compared": "Compared",
@@ -29,12 +29,12 @@ TITLES = {
 }
 
 
-#: The tables of a section that are folded away, for who needs the numbers.
+#: Collapsed tables of each section.
 TABLES_OF = {"choices": ("pairs",), "analyses": ("filtered", "thresholds", "entanglement")}
 
 
 def page(report: Report, figures: dict[str, tuple[Drawn, ...]], wide: Wide) -> str:
-    """The page: HTML with its style and figures inside, the same for the same report."""
+    """Return the page: HTML with style and figures inside; deterministic."""
     order = (*report.systems, *(a.system for a in report.accounts))
     return webpage(
         "wmspec.eval.report",
@@ -62,7 +62,7 @@ def _picture(svg: str) -> str:
 
 
 def _shade(estimate: Estimate, chance: Estimate | None) -> str:
-    """The colour of a cell: from chance (white) to all right (blue) or all wrong (red)."""
+    """Return the colour of a cell: chance is white, all right blue, all wrong red."""
     guess = 0.0 if chance is None or math.isnan(chance.value) else chance.value
     above = (estimate.value - guess) / (1 - guess) if estimate.value >= guess else (estimate.value - guess) / guess
     tone = "0, 114, 178" if above >= 0 else "213, 94, 0"
@@ -70,7 +70,7 @@ def _shade(estimate: Estimate, chance: Estimate | None) -> str:
 
 
 def summary(report: Report) -> list[str]:
-    """What matters most, in sentences."""
+    """Return the main results, in sentences."""
     return [sentence for table in report.tables if (sentence := _summed_up(table))]
 
 
@@ -92,7 +92,7 @@ def _with_interval(estimate: Estimate) -> str:
 
 
 def warnings(report: Report) -> list[str]:
-    """What a reader must know before believing the numbers."""
+    """Return caveats for the interpretation of the numbers."""
     sentences = []
     failed = sum(a.failed for a in report.accounts)
     if failed:

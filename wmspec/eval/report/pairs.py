@@ -1,7 +1,7 @@
-"""Pair accuracy: two instances that differ in one factor and have different answers count only if both are right.
+"""Pair accuracy: two instances that differ in one factor and in their answers count only if both are right.
 
-What answers one of two without looking at what differs fails the other; see IntPhys 2 (Bordes et al., 2025) and MVP
-(Krojer et al., 2025).
+A system that answers one of two without regard to the difference fails the other; see IntPhys 2 (Bordes et al., 2025)
+and MVP (Krojer et al., 2025).
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from wmspec.eval.report.replies import Replies
 
 @dataclass(frozen=True)
 class Pair:
-    """Of a task's pairs, `both` is the share of which both are right, `single` the accuracy on the questions in them.
+    """`both` is the share of a task's pairs with two right answers, `single` the accuracy on their questions.
 
-    `chance` is what guessing yields.
+    `chance` is the pair accuracy of guessing.
     """
 
     task: str
@@ -30,7 +30,7 @@ class Pair:
 
 
 def pairs(replies: Replies) -> tuple[Pair, ...]:
-    """For each task with pairs, and each system that answered some. Needs the dataset."""
+    """Return the pair accuracy of each task with pairs, and each system. Requires the dataset."""
     if replies.questions is None:
         return ()
     return tuple(p for task in sorted(replies.asked["task"].unique()) for p in _task(replies, task))
@@ -62,7 +62,7 @@ def _task(replies: Replies, task: str) -> list[Pair]:
 
 
 def _members(replies: Replies, task: str) -> pd.DataFrame:
-    """Every question in every control group in which answers differ: `id`, `options`, `truth` and `group`."""
+    """Return every question in every control group with differing answers: `id`, `options`, `truth` and `group`."""
     assert replies.questions is not None
     asked = replies.asked[replies.asked["task"] == task]
     known = replies.questions.table.loc[asked.index]
@@ -83,7 +83,7 @@ def _members(replies: Replies, task: str) -> pd.DataFrame:
 
 
 def _pairs(values: Floats, table: pd.DataFrame) -> Floats:
-    """In each group, the sum over pairs with different truths of the products of their values: (groups, systems)."""
+    """Return, for each group, the sum over pairs with different truths of the products of values: (groups, systems)."""
     frame = pd.DataFrame(values)
     group, truth = table["group"].to_numpy(), table["truth"].to_numpy()
     whole = frame.groupby(group).sum() ** 2

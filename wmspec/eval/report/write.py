@@ -1,4 +1,4 @@
-"""A report on disk: the page, the figures, the tables, and everything as JSON."""
+"""Writes a report: page, figures, tables and JSON."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import explained
 from wmspec.eval.report.figures.all import figures
 from wmspec.eval.report.frames import latex, long, wide
@@ -16,7 +17,7 @@ from wmspec.eval.report.report import Report
 
 
 def write(report: Report, folder: Path) -> Path:
-    """Write everything to a folder, and return the page's path. Raises WmsError if it cannot be written."""
+    """Write a report to a folder and return the page's path. Raises WmsError if it cannot be written."""
     drawn, printed = figures(report), wide(report)
     content = {"report.json": text(report), "report.html": page(report, drawn, printed)}
     content |= {f"figures/{f.name}.svg": f.svg for section in drawn.values() for f in section}
@@ -29,13 +30,13 @@ def write(report: Report, folder: Path) -> Path:
     for name, written in content.items():
         path = folder / name
         with explained(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folders(path.parent)
             path.write_text(written, encoding="utf-8")
     return folder / "report.html"
 
 
 def text(report: Report) -> str:
-    """The report as JSON; what has no value is null."""
+    """Return the report as JSON; missing values are null."""
     return json.dumps(_plain(asdict(report)), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 

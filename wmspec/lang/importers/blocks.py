@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from wmspec.core.diagnostics import Diagnostic
-from wmspec.lang.check.tables.property_schema import LOOKS
+from wmspec.lang.check.tables.property_schema import APPEARANCE
 from wmspec.lang.importers import model
 from wmspec.lang.importers.model import MOST_FAULTS, Form, Joint, Link, MeshFile, Refused, Shape
 from wmspec.lang.importers.tree import Placed, Tree
@@ -19,7 +19,7 @@ from wmspec.sim.shapes import shape_word
 
 #: Properties of links, and of joints, that a spec may override.
 OF_LINK = (
-    *LOOKS, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed", "velocity",
+    *APPEARANCE, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed", "velocity",
     "spin", "passes",
 )  # fmt: skip
 OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "touching")
@@ -85,7 +85,7 @@ class Blocks:
         if link.fixed:
             where["fixed"] = self.write.truth(True)
         whole = {p.name.id for p in self.base.properties}
-        common = ("present", *_COMMON, *(look for look in LOOKS if look in whole))
+        common = ("present", *_COMMON, *(look for look in APPEARANCE if look in whole))
         shared = self.write.properties({name: self.write.of(base, name) for name in common} | self._by_file(link))
         properties = _instead((*self.write.properties(where), *shared), self._of(link))
         made = (*properties, *self.write.properties(self._matter(link, properties)))
@@ -125,7 +125,7 @@ class Blocks:
 
     def _parts(self, link: Link, properties: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
         names = {p.name.id for p in properties}
-        looks = set(LOOKS) - names if not names.intersection(model.LOOKS) else set()
+        looks = set(APPEARANCE) - names if not names.intersection(model.LOOKS) else set()
         ways = (*self.overrides.get(plain(link.name), ()), *self.base.properties)
         touched = next((p.value for p in ways if p.name.id == "collision"), None)
         spec = {p.name.id for p in (*self.base.properties, *self._of(link))}

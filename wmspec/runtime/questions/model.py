@@ -189,6 +189,9 @@ Reason = Literal[
 #: Reasons that depend on the machine: the instance may succeed another time.
 TRANSIENT: Final = frozenset[Reason](("crashed", "timeout"))
 
+#: Reasons that no gate gives: the making itself failed.
+FAILED: Final = frozenset[Reason](("error", *PASSING))
+
 
 @dataclass(frozen=True)
 class Rejected:

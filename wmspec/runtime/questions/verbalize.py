@@ -101,7 +101,7 @@ def question_text(question: ir.Question, env: Environment, values: Values) -> st
     return fill_template(question.text, env, values)
 
 
-def fill_template(parts: Sequence[str | ir.Said], env: Environment, values: Values) -> str:
+def fill_template(parts: Sequence[str | ir.Interpolation], env: Environment, values: Values) -> str:
     """Return a text with its values; an article in the text replaces that of an object."""
     text = ""
     for part in parts:
@@ -112,7 +112,7 @@ def fill_template(parts: Sequence[str | ir.Said], env: Environment, values: Valu
     return text
 
 
-def _interpolated(part: ir.Said, env: Environment, values: Values) -> str:
+def _interpolated(part: ir.Interpolation, env: Environment, values: Values) -> str:
     """Return an interpolated value in words, by its name if the factor names its values."""
     value = evaluate(part.value, env)
     factor = next((f for f in values.spec.factors if part.value == ir.Ref(name=f.name)), None)

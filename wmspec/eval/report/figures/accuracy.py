@@ -1,4 +1,4 @@
-"""Figures of how much is right: averages, dimensions, comparisons."""
+"""Figures of accuracy: averages, dimensions, comparisons."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from wmspec.eval.report.replies import PEOPLE
 from wmspec.eval.report.report import Report
 from wmspec.eval.report.tables import Table
 
-#: Below this a difference is told as more than luck.
+#: Significance level of a difference.
 SURE = 0.05
-#: The most systems with a panel each.
+#: Maximum number of systems with a panel each.
 MOST_PANELS = 12
 
 
 def averages(report: Report) -> Iterator[Drawn]:
-    """Every system's average, a panel for each kind of task."""
+    """Yield every system's average, a panel for each kind of task."""
     high = 0.6 + 0.28 * len(report.systems)
     figure, axes = panels(len(report.tables), 4.6, high, 3)
     for ax, table in zip(axes, report.tables, strict=True):
@@ -60,7 +60,7 @@ def _averages(ax: Axes, table: Table, systems: tuple[str, ...]) -> None:
 
 
 def dimensions(report: Report) -> Iterator[Drawn]:
-    """Every system's accuracy by dimension, a panel each, perception above prediction; people beside each."""
+    """Yield every system's accuracy by dimension, a panel each, perception above prediction, with people."""
     rows = [(t, d) for t in report.tables for d in t.dimensions]
     shown = [s for s in report.systems if s != PEOPLE][:MOST_PANELS]
     if len(rows) < 2 or not shown:
@@ -96,7 +96,7 @@ def dimensions(report: Report) -> Iterator[Drawn]:
 
 
 def comparisons(report: Report) -> Iterator[Drawn]:
-    """Who is better than whom: a square for each pair of systems."""
+    """Yield a matrix of pairwise differences."""
     kinds = list(dict.fromkeys(c.kind for c in report.comparisons))
     if not kinds or len(report.systems) > 24:
         return

@@ -1,4 +1,4 @@
-"""All figures, in the order in which the page shows them."""
+"""All figures, in page order."""
 
 from __future__ import annotations
 
@@ -17,6 +17,6 @@ SECTIONS = {
 
 
 def figures(report: Report) -> dict[str, tuple[Drawn, ...]]:
-    """The figures of each section: those that the results allow."""
+    """Return the available figures of each section."""
     with settings():
         return {name: tuple(f for draw in draws for f in draw(report)) for name, draws in SECTIONS.items()}

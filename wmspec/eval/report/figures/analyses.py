@@ -1,4 +1,4 @@
-"""Figures of the paper's analyses: entanglement, stimulus differences, filtered prediction; and of items."""
+"""Figures of the paper's analyses (entanglement, stimulus differences, filtered prediction) and of items."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Grid = NDArray[np.float64]
 
 
 def entanglement(report: Report) -> Iterator[Drawn]:
-    """s-RE of tasks by the paper's dimensions, measured beside shuffled; then of each model by dimension."""
+    """Yield s-RE of tasks by the paper's dimensions, measured and shuffled; then of each model by dimension."""
     models = [s for s in report.systems if s not in (*BASELINES, PEOPLE)]
     mine = [e for e in report.entanglement if e.system in models and e.dimension and not e.asked]
     if not mine:
@@ -61,7 +61,7 @@ def entanglement(report: Report) -> Iterator[Drawn]:
 
 
 def _grid(mine: list[Entangled], tasks: list[str], columns: list[str], which: str) -> Grid:
-    """Of each task and dimension, the mean over models for the factor whose s-RE is furthest above its shuffled one."""
+    """Return, for each task and dimension, the mean over models for the factor with the largest excess s-RE."""
     grid = np.full((len(tasks), len(columns)), np.nan)
     for i, task in enumerate(tasks):
         for j, column in enumerate(columns):
@@ -105,7 +105,7 @@ def _by_model(mine: list[Entangled], models: list[str], columns: list[str]) -> I
 
 
 def curves(report: Report) -> Iterator[Drawn]:
-    """Accuracy against the stimulus difference, a panel for each question, with fitted curves."""
+    """Yield accuracy against the stimulus difference, a panel for each question, with fitted curves."""
     shown = [s for s in lines(report.systems) if any(c.system == s for c in report.curves)]
     keys = list(dict.fromkeys((c.task, c.question, c.quantity) for c in report.curves))
     if not keys or not shown:
@@ -154,7 +154,7 @@ def _curves(ax: Axes, mine: list[Curve], systems: tuple[str, ...]) -> None:
 
 
 def filtered(report: Report) -> Iterator[Drawn]:
-    """Prediction on all episodes, and on those perceived rightly: a panel for each task."""
+    """Yield accuracy on all episodes, and on those perceived correctly: a panel for each task."""
     mine = [f for f in report.filtered if f.by == ITS_OWN and not np.isnan(f.perceived.value)]
     tasks = sorted({f.task for f in mine})
     if not tasks:
@@ -192,7 +192,7 @@ def filtered(report: Report) -> Iterator[Drawn]:
 
 
 def items(report: Report) -> Iterator[Drawn]:
-    """Difficulty of questions beside ability of systems; and how good a short form is."""
+    """Yield the difficulty of questions beside the ability of systems, and the error of short forms."""
     if report.items is None:
         return
     difficulty = [i.difficulty for i in report.items.items]

@@ -1,4 +1,4 @@
-"""Figures of how systems choose: in pairs, by place, in other orders, and which wrong outcome."""
+"""Figures of choices: pair accuracy, option position, option order, and wrong outcomes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from wmspec.eval.report.report import Report
 
 
 def pairs(report: Report) -> Iterator[Drawn]:
-    """Pair accuracy beside plain accuracy, as a mean over tasks."""
+    """Yield pair accuracy beside single accuracy, as a mean over tasks."""
     tasks = sorted({p.task for p in report.pairs})
     if not tasks:
         return
@@ -54,7 +54,7 @@ def pairs(report: Report) -> Iterator[Drawn]:
 
 
 def flips(report: Report) -> Iterator[Drawn]:
-    """How often another order of the options gets another answer."""
+    """Yield how often another order of the options changes the answer."""
     whole = [f for s in report.systems for f in report.flips if f.system == s and not f.task]
     if not whole:
         return
@@ -79,7 +79,7 @@ def flips(report: Report) -> Iterator[Drawn]:
 
 
 def positions(report: Report) -> Iterator[Drawn]:
-    """Accuracy by the place of the true option."""
+    """Yield accuracy by the position of the true option."""
     counts = sorted({p.options for p in report.positions})
     shown = [s for s in lines(report.systems) if any(p.system == s for p in report.positions)]
     if not counts or not shown:
@@ -113,7 +113,7 @@ def _letter(place: int) -> str:
 
 
 def mistakes(report: Report) -> Iterator[Drawn]:
-    """What was otherwise in the wrong outcomes that were chosen."""
+    """Yield the kinds of change in the wrong outcomes chosen."""
     if not report.mistaken:
         return
     systems = [s for s in report.systems if any(m.system == s for m in report.mistaken)]
@@ -148,7 +148,7 @@ def mistakes(report: Report) -> Iterator[Drawn]:
 
 
 def _share(report: Report, system: str) -> dict[str, tuple[float, float]]:
-    """Over all tasks, each mistake counting once: the shares chosen and offered, by what was changed."""
+    """Return the shares chosen and offered by kind of change, over all tasks, each mistake with equal weight."""
     mine = [m for m in report.mistaken if m.system == system]
     total = sum({m.task: m.mistakes for m in mine}.values())
     kinds = {m.changed for m in mine}

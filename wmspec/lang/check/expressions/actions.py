@@ -9,8 +9,8 @@ from wmspec.core.diagnostics import suggestion
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions.typed import Failed, Typed
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.tables.verbs import OTHERWISE, ROBOTS, UNAIDED, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import Slot
+from wmspec.lang.check.tables.verbs import VERB_ALIASES, ROBOTS, OBJECT_VERBS, VERBS, Verb
+from wmspec.lang.check.tables.vocabulary import PropertySpec
 from wmspec.lang.check.types.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, OBJECT, ROBOT, Type
 from wmspec.lang.parse import syntax as s
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
 #: The timings of an action, as properties.
-START = Slot((A_TIME,), "when it starts", "0 s", least=0)
-DURATION = Slot((A_TIME,), "how long it lasts", least=0)
+START = PropertySpec((A_TIME,), "when it starts", "0 s", least=0)
+DURATION = PropertySpec((A_TIME,), "how long it lasts", least=0)
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Act:
     call: s.Call
 
     @property
-    def slots(self) -> dict[str, Slot]:
+    def slots(self) -> dict[str, PropertySpec]:
         """Arguments and timings, which counterfactuals can change."""
         timings = {"start": START} | ({"duration": DURATION} if self.verb.lasts else {})
         return self.verb.arguments | timings
@@ -68,10 +68,10 @@ def act(check: Expressions, action: s.Action) -> Act:
     name = call.function.id
     if name not in VERBS:
         able = [f"{'an' if model[0] in 'aeiou' else 'a'} {model}" for model, verbs in ROBOTS.items() if name in verbs]
-        hint = f"did you mean `{OTHERWISE[name]}`?" if name in OTHERWISE else suggestion(name, VERBS)
+        hint = f"did you mean `{VERB_ALIASES[name]}`?" if name in VERB_ALIASES else suggestion(name, VERBS)
         if able:
             hint = f"robots can: `ROBOT.{name}(...)` of {' or '.join(able)}"
-            hint += f"; nobody is needed for `{UNAIDED[name]}(...)`" if name in UNAIDED else ""
+            hint += f"; nobody is needed for `{OBJECT_VERBS[name]}(...)`" if name in OBJECT_VERBS else ""
         check.fail("WMS204", f"there is no verb `{name}`", call.function.span, hint)
     return Act(name, VERBS[name], "", call)
 
@@ -124,7 +124,7 @@ def property_(check: Expressions, name: str, member: s.Name) -> Typed:
     return Typed(expr, AN_ANGLE if kind == DIRECTION and AN_ANGLE in slot.types else kind)
 
 
-def slot_of(check: Expressions, name: str, member: s.Name) -> Slot:
+def slot_of(check: Expressions, name: str, member: s.Name) -> PropertySpec:
     """Return the table row of an action's argument or timing, or report an error."""
     does = act(check, named(check, name))
     if member.id not in does.slots:
@@ -144,7 +144,7 @@ def argument(check: Expressions, action: s.Action, does: Act, name: str) -> Type
         check.subject = subject(check, action, does) if name != "object" else None
         return check.value(written.value, _types(check, action, does, name, slot), f"`{name}`")
 
-    return check.once((action.name.id, name), written.span, make)
+    return check.memoized((action.name.id, name), written.span, make)
 
 
 def subject(check: Expressions, action: s.Action, does: Act) -> ir.Expr | None:
@@ -152,7 +152,7 @@ def subject(check: Expressions, action: s.Action, does: Act) -> ir.Expr | None:
     return argument(check, action, does, "object").expr if "object" in does.written else None
 
 
-def _types(check: Expressions, action: s.Action, does: Act, name: str, slot: Slot) -> tuple[Type, ...]:
+def _types(check: Expressions, action: s.Action, does: Act, name: str, slot: PropertySpec) -> tuple[Type, ...]:
     """Return the types that an argument accepts; the amount of a joint's motion depends on the joint."""
     if name not in ("target", "far") or "joint" not in does.written:
         return slot.types
@@ -171,7 +171,7 @@ def start(check: Expressions, action: s.Action) -> tuple[Typed, Span]:
     span = timing.value.span
     if timing.kind == "at":
         return check.value(timing.value, (A_TIME,), "`at`"), span
-    return check.once((action.name.id, timing.kind), span, lambda: _relative(check, timing)), span
+    return check.memoized((action.name.id, timing.kind), span, lambda: _relative(check, timing)), span
 
 
 def _relative(check: Expressions, timing: s.Timing) -> Typed:

@@ -9,7 +9,7 @@ from wmspec.core.places import Span
 from wmspec.lang.check.expressions.typed import Failed, Typed, constant, fits, joined
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.tables.functions import FUNCTIONS, OTHERWISE, Function
+from wmspec.lang.check.tables.functions import FUNCTIONS, FUNCTION_ALIASES, Function
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import JOINTS
 from wmspec.lang.check.types.types import (
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
 #: Parameter types of the function table that stand for several types.
-_MEANT: dict[Type, tuple[Type, ...]] = {COUNTED: (List(OBJECT), List(TRUTH)), VIEWER: (CAMERA, OBJECT)}
+_TYPE_ALIASES: dict[Type, tuple[Type, ...]] = {COUNTED: (List(OBJECT), List(TRUTH)), VIEWER: (CAMERA, OBJECT)}
 
 #: How to turn a value of another type into a quantity.
 _AS_QUANTITY: dict[Type, str] = {
@@ -46,7 +46,7 @@ _AS_QUANTITY: dict[Type, str] = {
 }
 
 #: Measures of joints: the joint kind of each, and the measure of the other kind.
-MOVES = {"angle": ("hinge", "extension"), "extension": ("slider", "angle")}
+JOINT_MEASURES = {"angle": ("hinge", "extension"), "extension": ("slider", "angle")}
 
 
 def call(check: Expressions, e: s.Call) -> Typed:
@@ -60,12 +60,12 @@ def call(check: Expressions, e: s.Call) -> Typed:
     if len(positional) != least and not (function.repeated and len(positional) >= least):
         check.fail("WMS205", f"`{name}` takes {_many(function)}, not {len(positional)}", e.span,
                    f"write `{signature(name, function)}`")  # fmt: skip
-    wanted = function.parameters + function.parameters[-1:] * (len(positional) - least)
-    given = [_argument(check, name, a, kind) for a, kind in zip(positional, wanted, strict=True)]
+    expected = function.parameters + function.parameters[-1:] * (len(positional) - least)
+    given = [_argument(check, name, a, kind) for a, kind in zip(positional, expected, strict=True)]
     if function.repeated:
-        given = _pooled(check, name, positional, given)
+        given = _flattened(check, name, positional, given)
     options = _options(check, e, name, function)
-    each = _each(check, name, function, positional, given)
+    each = _list_argument(check, name, function, positional, given)
     if each is not None:
         given[each] = Typed(given[each].expr, _item(given[each].type))
     arguments = tuple(g.expr for g in given)
@@ -73,17 +73,17 @@ def call(check: Expressions, e: s.Call) -> Typed:
         if check.subject is None:
             check.fail("WMS205", "`toward` needs an acting object: it is for the arguments of actions", e.span)
         arguments = (check.subject, *arguments)
-    _unlike(check, name, arguments, positional[-1].span if positional else e.span)
+    _check_distinct(check, name, arguments, positional[-1].span if positional else e.span)
     kind = _result(check, name, function, positional, given)
     if kind == OBJECT and options:  # ties yield `neither`
         kind = LABEL
     if JOINT in function.parameters:
-        _moves(check, name, positional[0], given[0])
+        _check_joint_measure(check, name, positional[0], given[0])
     expr = ir.Call(function=name, arguments=arguments, options=options, each=each)
     return Typed(expr, kind if each is None else List(kind))
 
 
-def _pooled(check: Expressions, name: str, written: list[s.Argument], given: list[Typed]) -> list[Typed]:
+def _flattened(check: Expressions, name: str, written: list[s.Argument], given: list[Typed]) -> list[Typed]:
     """Flatten quantities and lists of quantities for a function of several; a single quantity is an error."""
     if len(given) == 1 and not isinstance(given[0].type, List):
         remedy = f"give it several, as in `{name}(a, b)`, or a list"
@@ -91,7 +91,7 @@ def _pooled(check: Expressions, name: str, written: list[s.Argument], given: lis
     return [Typed(g.expr, _item(g.type)) if isinstance(g.type, List) else g for g in given]
 
 
-def _unlike(check: Expressions, name: str, arguments: tuple[ir.Expr, ...], span: Span) -> None:
+def _check_distinct(check: Expressions, name: str, arguments: tuple[ir.Expr, ...], span: Span) -> None:
     """Report a comparison of an object with itself."""
     if len(arguments) < 2 or not isinstance(arguments[0], ir.Value) or not isinstance(arguments[0].value, str):
         return
@@ -104,26 +104,26 @@ def _unlike(check: Expressions, name: str, arguments: tuple[ir.Expr, ...], span:
 def _function(check: Expressions, e: s.Call) -> tuple[str, Function]:
     if not isinstance(e.function, s.Name) or e.function.id not in FUNCTIONS:
         shown = e.function.span.text
-        check.fail("WMS204", f"there is no function `{shown}`", e.function.span, _instead(e, shown))
+        check.fail("WMS204", f"there is no function `{shown}`", e.function.span, _remedy(e, shown))
     return e.function.id, FUNCTIONS[e.function.id]
 
 
-def _instead(e: s.Call, shown: str) -> str:
+def _remedy(e: s.Call, shown: str) -> str:
     """Return the remedy for an unknown function: `ball.contact(box)` begins with its function."""
     if isinstance(e.function, s.Member):
-        name = OTHERWISE.get(e.function.name.id, e.function.name.id)
+        name = FUNCTION_ALIASES.get(e.function.name.id, e.function.name.id)
         if name in FUNCTIONS:
             return f"write `{name}({', '.join(x.span.text for x in (e.function.value, *e.arguments))})`"
     if isinstance(e.function, s.Member) or shown in VERBS:
         return "a verb stands in an action: `action NAME = ...`"
-    if (other := OTHERWISE.get(shown)) is not None:
+    if (other := FUNCTION_ALIASES.get(shown)) is not None:
         return f"did you mean `{other}`?" if other in FUNCTIONS else other
     return suggestion(shown, FUNCTIONS)
 
 
 def _result(check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]) -> Type:
     if function.result == QUANTITY:
-        return _common(check, name, written, given)
+        return _common_type(check, name, written, given)
     if function.result == ITEM:
         items = given[0].type
         assert isinstance(items, List)
@@ -132,23 +132,23 @@ def _result(check: Expressions, name: str, function: Function, written: list[s.A
     return function.result
 
 
-def _each(
+def _list_argument(
     check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]
 ) -> int | None:
     """Return the index of a list argument in place of a single value; the result then holds for each item."""
-    lists = [i for i, typed in enumerate(given) if _listed(function, i) and isinstance(typed.type, List)]
+    lists = [i for i, typed in enumerate(given) if _accepts_list(function, i) and isinstance(typed.type, List)]
     if len(lists) > 1:
         check.fail("WMS302", f"`{name}` is measured of each item of one list, and this is a second",
                    written[lists[1]].span, "name one thing here")  # fmt: skip
     return lists[0] if lists else None
 
 
-def _listed(function: Function, i: int) -> bool:
+def _accepts_list(function: Function, i: int) -> bool:
     """Whether parameter `i` accepts a list of values, with one result for each."""
-    return not function.repeated and function.parameters[i] in (OBJECT, JOINT, QUANTITY) and _spread(function.result)
+    return not function.repeated and function.parameters[i] in (OBJECT, JOINT, QUANTITY) and _maps_over_lists(function.result)
 
 
-def _spread(result: Type) -> bool:
+def _maps_over_lists(result: Type) -> bool:
     return result in (TRUTH, QUANTITY) or isinstance(result, Quantity | Word)
 
 
@@ -158,20 +158,20 @@ def _item(kind: Type) -> Type:
     return kind.item
 
 
-def _moves(check: Expressions, name: str, written: s.Argument, joint: Typed) -> None:
+def _check_joint_measure(check: Expressions, name: str, written: s.Argument, joint: Typed) -> None:
     """Report a measure that the joint lacks: hinges have angles, sliders extensions."""
     for part in parts(joint.expr):
         block = check.scope.names.get(str(part.value)) if isinstance(part, ir.Value) else None
         if not isinstance(block, s.Block) or block.model is None or block.kind != "joint":
             continue
-        kind, (wanted, other) = block.model.id, MOVES[name]
+        kind, (expected, other) = block.model.id, JOINT_MEASURES[name]
         if kind not in JOINTS:  # already reported
             raise Failed
-        if kind != wanted:
+        if kind != expected:
             remedy = (
-                f"write `{other}({written.span.text})`" if kind == MOVES[other][0] else "ask of a body that it moves"
+                f"write `{other}({written.span.text})`" if kind == JOINT_MEASURES[other][0] else "ask of a body that it moves"
             )
-            what = f"`{name}` is of a {wanted}, and `{written.span.text}` is a {kind} joint"
+            what = f"`{name}` is of a {expected}, and `{written.span.text}` is a {kind} joint"
             check.fail("WMS302", what, written.span, remedy)
 
 
@@ -181,8 +181,8 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
         if not isinstance(typed.type, List) or typed.type.item is None:
             check.fail("WMS302", f"`{function}` wants a list of items to choose from", argument.span, "write `[a, b]`")
         return typed
-    if kind in _MEANT:
-        return check.value(argument.value, _MEANT[kind], f"`{function}`")
+    if kind in _TYPE_ALIASES:
+        return check.value(argument.value, _TYPE_ALIASES[kind], f"`{function}`")
     if kind != QUANTITY:
         return _one_or_each(check, function, argument, kind)
     typed = check.infer(argument.value)
@@ -196,23 +196,23 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
 
 def _one_or_each(check: Expressions, function: str, argument: s.Argument, kind: Type) -> Typed:
     """Check an argument of a type, or a list of objects or joints if the function maps over lists."""
-    if kind not in (OBJECT, JOINT) or not _spread(FUNCTIONS[function].result):
+    if kind not in (OBJECT, JOINT) or not _maps_over_lists(FUNCTIONS[function].result):
         return check.value(argument.value, (kind,), f"`{function}`")
     typed = check.infer(argument.value, (kind,))
     if fits(typed.type, List(kind)) and typed.type != List(None):
         return Typed(typed.expr, List(kind))
     if not fits(typed.type, kind):
-        check.misfit(argument.value, typed.type, (kind,), f"`{function}`")
+        check.type_mismatch(argument.value, typed.type, (kind,), f"`{function}`")
     return Typed(typed.expr, kind)
 
 
-def _common(check: Expressions, function: str, written: list[s.Argument], given: list[Typed]) -> Type:
+def _common_type(check: Expressions, function: str, written: list[s.Argument], given: list[Typed]) -> Type:
     """Return the common type of quantities."""
     kind = given[0].type
     for argument, typed in zip(written[1:], given[1:], strict=True):
         common = joined(kind, typed.type)
         if common is None:
-            check.misfit(argument.value, typed.type, (kind,), f"`{function}`, like its first argument,")
+            check.type_mismatch(argument.value, typed.type, (kind,), f"`{function}`, like its first argument,")
         kind = common
     return kind
 
@@ -232,13 +232,13 @@ def _options(check: Expressions, e: s.Call, name: str, function: Function) -> tu
         if option.id in given:
             check.fail("WMS205", f"`{option.id}` is given twice", argument.span, "remove one")
         kind = function.options[option.id]
-        given[option.id] = check.value(argument.value, _MEANT.get(kind, (kind,)), f"`{option.id}`").expr
+        given[option.id] = check.value(argument.value, _TYPE_ALIASES.get(kind, (kind,)), f"`{option.id}`").expr
         spans[option.id] = argument.span
-    _in_order(check, name, given, spans)
+    _check_time_span(check, name, given, spans)
     return tuple(ir.Option(name=option, value=given[option]) for option in function.options if option in given)
 
 
-def _in_order(check: Expressions, name: str, given: dict[str, ir.Expr], spans: dict[str, Span]) -> None:
+def _check_time_span(check: Expressions, name: str, given: dict[str, ir.Expr], spans: dict[str, Span]) -> None:
     """Report a time next to a time span, and a span that ends before it begins."""
     if "at" in given and (span := spans.get("from", spans.get("to"))):
         check.fail("WMS205", f"`{name}` is measured at a time or during a span, not both", span, "remove it, or `at`")

@@ -13,7 +13,7 @@ from typing import NoReturn
 from wmspec.core.diagnostics import Note, Remedy, Report
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions import calls, lists, members, names, operators
-from wmspec.lang.check.expressions.libraries import having
+from wmspec.lang.check.expressions.libraries import library_declaring
 from wmspec.lang.check.expressions.scope import Scope
 from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.lang.check.ir import ir
@@ -25,7 +25,7 @@ from wmspec.lang.parse import syntax as s
 __all__ = ["ZERO", "Expressions", "Failed", "Typed", "constant", "fits"]
 
 #: Maximum nesting of expressions, including those behind names: evaluation is recursive.
-MOST_DEPTH = 120
+MAX_DEPTH = 120
 
 
 class Expressions:
@@ -39,9 +39,9 @@ class Expressions:
         self.report = report
         self.subject: ir.Expr | None = None  # the acting object, inside an action's arguments
         self._unknown = unknown
-        self.doubtful: set[str] = set()
+        self.tainted: set[str] = set()
         """Named values that may be wrong themselves: their type mismatches are not reported again."""
-        self._blamed: set[Span] = set()
+        self._reported: set[Span] = set()
         """Library arguments of a wrong type, each reported once."""
         self.measured = False  # whether measured functions are allowed
         self._known: dict[tuple[str, str], Typed | None] = {}
@@ -50,31 +50,31 @@ class Expressions:
         self._height: dict[tuple[str, str], int] = {}
         self.domain_of: Callable[[s.Factor], Type]  # set by `Factors`, which checks domains
 
-    def value(self, e: s.Expr, wanted: tuple[Type, ...], what: str) -> Typed:
+    def value(self, e: s.Expr, expected: tuple[Type, ...], what: str) -> Typed:
         """Check an expression that must have one of the expected types. `what` names the place in messages."""
-        typed = self.infer(e, wanted)
-        for kind in wanted:
+        typed = self.infer(e, expected)
+        for kind in expected:
             if fits(typed.type, kind):
                 return Typed(typed.expr, kind)
-        self.misfit(e, typed.type, wanted, what)
+        self.type_mismatch(e, typed.type, expected, what)
 
-    def infer(self, e: s.Expr, wanted: tuple[Type, ...] = ()) -> Typed:
+    def infer(self, e: s.Expr, expected: tuple[Type, ...] = ()) -> Typed:
         """Check an expression of any type; the expected types resolve bare words and improve suggestions."""
         self._depth += 1
         try:
             self._deepen(0, e.span)
-            return self._infer(e, wanted)
+            return self._infer(e, expected)
         finally:
             self._depth -= 1
 
-    def _infer(self, e: s.Expr, wanted: tuple[Type, ...]) -> Typed:
+    def _infer(self, e: s.Expr, expected: tuple[Type, ...]) -> Typed:
         match e:
             case s.Number():
-                return self._number(e, wanted)
+                return self._number(e, expected)
             case s.Text() | s.Truth():
                 return Typed(ir.Value(value=e.value), TEXT if isinstance(e, s.Text) else TRUTH)
             case s.Name():
-                return names.name(self, e, wanted)
+                return names.name(self, e, expected)
             case s.Member():
                 return members.member(self, e)
             case s.Index():
@@ -82,17 +82,17 @@ class Expressions:
             case s.Call():
                 return calls.call(self, e)
             case s.Operation():
-                return operators.operation_of(self, e, wanted)
+                return operators.operation_of(self, e, expected)
             case s.Items() | s.Called():
-                return lists.items(self, e, wanted)
+                return lists.items(self, e, expected)
             case s.Range():
                 return lists.range_(self, e)
 
-    def measuring(self, e: s.Expr, wanted: tuple[Type, ...] = (), what: str = "") -> Typed:
+    def measuring(self, e: s.Expr, expected: tuple[Type, ...] = (), what: str = "") -> Typed:
         """Check an expression that may contain measured functions; of any type if none is expected."""
         before, self.measured = self.measured, True
         try:
-            return self.value(e, wanted, what) if wanted else self.infer(e)
+            return self.value(e, expected, what) if expected else self.infer(e)
         finally:
             self.measured = before
 
@@ -108,7 +108,7 @@ class Expressions:
             raise Failed
         self._unknown.add(e.id)
         if self.scope.alone and "did you mean" not in help:
-            library, brought = having(self.scope.strange())
+            library, brought = library_declaring(self.scope.strange())
             if e.id in brought:
                 self._unknown |= brought
                 self.fail(code, message, e.span, f"write `use {library}` above, which has it")
@@ -117,74 +117,74 @@ class Expressions:
         notes = (Note("it is declared here", close.name.span),) if close is not None and near else ()
         self.fail(code, message, e.span, help, notes)
 
-    def misfit(
-        self, e: s.Expr, actual: Type, wanted: tuple[Type, ...], what: str, beside: s.Expr | None = None
+    def type_mismatch(
+        self, e: s.Expr, actual: Type, expected: tuple[Type, ...], what: str, beside: s.Expr | None = None
     ) -> NoReturn:
         """Report a value of the wrong type, possibly caused by the expression `beside` it.
 
         Where a named value is involved, its declaration may be the error; each is reported once.
         """
         span = e.span
-        wants = either([article(str(k)) for k in wanted])
-        examples = [f"`{example(k)}`" for k in wanted[:2] if example(k)]
-        quantities = isinstance(actual, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector)
+        wants = either([article(str(k)) for k in expected])
+        examples = [f"`{example(k)}`" for k in expected[:2] if example(k)]
+        quantities = isinstance(actual, Quantity | Vector) and isinstance(expected[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
-        if isinstance(e, s.Text) and e.value in names.fitting(self, wanted):
+        if isinstance(e, s.Text) and e.value in names.names_of_types(self, expected):
             help = Remedy.of(f"write `{e.value}`, without quotes", span.text, e.value)
-        if actual == OBJECT and DIRECTION in wanted:
+        if actual == OBJECT and DIRECTION in expected:
             help = f"write `toward({span.text})`"
         elif isinstance(e, s.Name):
-            help = names.instead(self, e, wanted) or help
+            help = names.suggest_replacement(self, e, expected) or help
         shown = "a bare 0" if actual == Quantity(ZERO) else article(str(actual))
         message = f"{what} wants {wants}, but this is {shown}"
-        if isinstance(e, s.Name) and names.undeclared(self, e, actual) and set(wanted) & set(names.BLOCKS.values()):
+        if isinstance(e, s.Name) and names.undeclared(self, e, actual) and set(expected) & set(names.BLOCKS.values()):
             self.unknown(e, message, help, "WMS302")
         named = {n.id: d for n in s.names((e, beside)) if isinstance(d := self.scope.names.get(n.id), s.Let | s.Factor)}
-        if named.keys() & self.doubtful:
+        if named.keys() & self.tainted:
             raise Failed
-        self.doubtful |= named.keys()
+        self.tainted |= named.keys()
         own = (d for d in named.values() if d.name.span.source is span.source)
         notes = tuple(Note(f"`{d.name.id}` is declared here", d.name.span) for d in own)
         code = "WMS301" if quantities else "WMS302"
         if (given := next((n for n in s.numbers((e, beside)) if n.span.source is not span.source), None)) is not None:
-            if given.span in self._blamed:
+            if given.span in self._reported:
                 raise Failed
-            self._blamed.add(given.span)
+            self._reported.add(given.span)
             self.fail(code, f"where this is used, {message}", given.span, "", (Note("it is used here", span),))
         self.fail(code, message, span, help, notes[:2])
 
-    def _number(self, e: s.Number, wanted: tuple[Type, ...]) -> Typed:
-        scale, dimension = self.unit(e.unit, e.span, wanted) if e.unit else (1.0, NUMBER)
+    def _number(self, e: s.Number, expected: tuple[Type, ...]) -> Typed:
+        scale, dimension = self.unit(e.unit, e.span, expected) if e.unit else (1.0, NUMBER)
         if not math.isfinite(e.value * scale):
             self.fail("WMS304", "this number is too large", e.span)
         if e.value == 0 and e.unit is None:
             dimension = ZERO
         return Typed(ir.Value(value=units.convert(e.value, scale)), Quantity(dimension))
 
-    def unit(self, unit: str, span: Span, wanted: tuple[Type, ...] = ()) -> tuple[float, Dimension]:
+    def unit(self, unit: str, span: Span, expected: tuple[Type, ...] = ()) -> tuple[float, Dimension]:
         """Return the SI value and dimension of a unit."""
         try:
             return units.parse_unit(unit)
         except units.UnknownUnit as error:
-            dimensions = [kind.dimension for kind in wanted if isinstance(kind, Quantity | Vector)]
+            dimensions = [kind.dimension for kind in expected if isinstance(kind, Quantity | Vector)]
             help = units.remedy(str(error), span.text, dimensions)
             self.fail("WMS103", f"unknown unit `{error}`", span, help)
 
-    def once(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed:
+    def memoized(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed:
         """Check a declaration on first use; a cycle of declarations is an error."""
         if any(key == k for k, _ in self._open):
             notes = tuple(Note(f"`{'.'.join(k)}` needs this", where) for k, where in self._open[1:])
             self._known[key] = None
             self.fail("WMS209", "this value depends on itself", span, "break the circle with a constant", notes)
         if key not in self._known:
-            self._known[key] = self._made(key, span, make)
+            self._known[key] = self._evaluated(key, span, make)
         known = self._known[key]
         if known is None:
             raise Failed
         self._deepen(self._height[key], span)
         return known
 
-    def _made(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed | None:
+    def _evaluated(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed | None:
         """Check a declaration independently of the action or answer that refers to it."""
         before = self.subject, self.measured, self._deepest
         self.subject, self.measured, self._deepest = None, False, self._depth
@@ -203,5 +203,5 @@ class Expressions:
 
     def _deepen(self, more: int, span: Span) -> None:
         self._deepest = max(self._deepest, self._depth + more)
-        if self._depth + more > MOST_DEPTH:
+        if self._depth + more > MAX_DEPTH:
             self.fail("WMS105", "too many values depend on one another here", span, "make the chain shorter")

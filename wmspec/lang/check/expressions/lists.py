@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
 #: Maximum number of values of a range.
-MOST_VALUES = 10_000
+MAX_VALUES = 10_000
 
 
-def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -> Typed:
+def items(check: Expressions, e: s.Items | s.Called, expected: tuple[Type, ...]) -> Typed:
     """Check a list of values of one type, or a tuple of two or three quantities. Labelled items belong to domains."""
     if isinstance(e, s.Called):
         what = "only the values of a factor or nuisance have names, where it lists them"
         check.fail("WMS302", what, e.text.span, "remove the name")
-    inner = tuple(k.item for k in wanted if isinstance(k, List) and k.item) or wanted
+    inner = tuple(k.item for k in expected if isinstance(k, List) and k.item) or expected
     checked: list[Typed] = []
     for item in e.items:
         checked.append(check.infer(item, inner or tuple(first.type for first in checked[:1])))
@@ -39,8 +39,8 @@ def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -
         common = joined(kind, typed.type) if kind else None
         if kind is not None and common is None:
             if names.undeclared(check, e.items[0], kind):  # the declared name may be misspelled
-                check.misfit(e.items[0], kind, (typed.type,), f"this {e.kind}, like its other items,")
-            check.misfit(written, typed.type, (kind,), f"this {e.kind}, like its first item,")
+                check.type_mismatch(e.items[0], kind, (typed.type,), f"this {e.kind}, like its other items,")
+            check.type_mismatch(written, typed.type, (kind,), f"this {e.kind}, like its first item,")
         kind = common
     expr = ir.Items(items=tuple(i.expr for i in checked))
     if e.kind == "list":
@@ -67,7 +67,7 @@ def range_(check: Expressions, e: s.Range) -> Typed:
     start, stop = check.infer(e.start), check.infer(e.stop)
     kind = joined(start.type, stop.type)
     if not isinstance(kind, Quantity):
-        check.misfit(e.stop, stop.type, (start.type,), "`..`, like its start,")
+        check.type_mismatch(e.stop, stop.type, (start.type,), "`..`, like its start,")
     if e.step is not None:
         step = check.value(e.step, (kind,), "`by`")
         return Typed(_steps(check, e, start.expr, stop.expr, step.expr), List(kind))
@@ -77,8 +77,8 @@ def range_(check: Expressions, e: s.Range) -> Typed:
 
 def _count(check: Expressions, e: s.Expr) -> int:
     count = constant(check.value(e, (A_NUMBER,), "`in`").expr)
-    if count is None or count != int(count) or not 2 <= count <= MOST_VALUES:
-        check.fail("WMS304", f"the number of values is a whole constant from 2 to {MOST_VALUES}", e.span)
+    if count is None or count != int(count) or not 2 <= count <= MAX_VALUES:
+        check.fail("WMS304", f"the number of values is a whole constant from 2 to {MAX_VALUES}", e.span)
     return int(count)
 
 
@@ -89,9 +89,9 @@ def _steps(check: Expressions, e: s.Range, start: ir.Expr, stop: ir.Expr, step: 
     if by <= 0 or b < a:
         check.fail("WMS401", "this range is empty: it goes up from its start to its end", e.span)
     steps = (b - a) / by + 1e-9
-    if not steps < MOST_VALUES:
+    if not steps < MAX_VALUES:
         count = f"{int(steps) + 1}" if math.isfinite(steps) else "endlessly many"
-        message = f"this range has {count} values; {MOST_VALUES} are the most"
+        message = f"this range has {count} values; {MAX_VALUES} are the most"
         check.fail("WMS401", message, e.span, "take a larger step")
     return ir.Items(items=tuple(ir.Value(value=round(a + i * by, 12)) for i in range(int(steps) + 1)))
 

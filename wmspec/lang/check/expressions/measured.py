@@ -7,7 +7,7 @@ from wmspec.lang.check.ir.ir import Call, Expr, Ref, TaskSpec
 from wmspec.lang.check.tables.functions import FUNCTIONS
 
 
-def measured(spec: TaskSpec, expr: Expr) -> bool:
+def is_measured(spec: TaskSpec, expr: Expr) -> bool:
     """Whether an expression contains a measurement of the executed episode."""
     return bool(_measures(spec, expr))
 

@@ -11,7 +11,7 @@ from wmspec.lang.check.expressions.owners import Owner, owner, parts
 from wmspec.lang.check.expressions.typed import Failed, Typed, constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.functions import FUNCTIONS
-from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, PROPERTIES, SETS, Slot
+from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, PROPERTIES, SETS, PropertySpec
 from wmspec.lang.check.types.types import (
     A_NUMBER,
     ACTION,
@@ -41,7 +41,7 @@ def member(check: Expressions, e: s.Member) -> Typed:
         return actions.property_(check, str(whole.expr.value), e.name)
     if whole.type not in _OWNERS:
         if undeclared(check, e.value, whole.type):
-            check.misfit(e.value, whole.type, (OBJECT,), f"`.{e.name.id}`")
+            check.type_mismatch(e.value, whole.type, (OBJECT,), f"`.{e.name.id}`")
         check.fail("WMS203", f"{article(str(whole.type))} has no properties", e.name.span)
     kind = _OWNERS[whole.type]
     if not isinstance(whole.expr, ir.Value):  # depends on a factor
@@ -83,7 +83,7 @@ def _parts(check: Expressions, name: str) -> dict[str, Owner]:
     return {part.name: part for part in parts(block)}
 
 
-def _row(check: Expressions, table: dict[str, Slot], e: s.Member, what: str) -> Slot:
+def _row(check: Expressions, table: dict[str, PropertySpec], e: s.Member, what: str) -> PropertySpec:
     name = e.name
     if name.id not in table:
         message = f"{article(what)} has no property `{name.id}`"
@@ -124,10 +124,10 @@ def _type(check: Expressions, of: Owner, e: s.Member) -> Type:
     return slot.types[0]
 
 
-def setting(check: Expressions, of: Owner, p: s.Property, slot: Slot) -> Typed:
+def setting(check: Expressions, of: Owner, p: s.Property, slot: PropertySpec) -> Typed:
     """Return the value of a written property."""
     key = (of.name, p.name.id)
-    return check.once(key, p.name.span, lambda: check.value(p.value, slot.types, f"`{p.name.id}`"))
+    return check.memoized(key, p.name.span, lambda: check.value(p.value, slot.types, f"`{p.name.id}`"))
 
 
 def index(check: Expressions, e: s.Index) -> Typed:

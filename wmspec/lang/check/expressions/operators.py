@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 COMPARISONS = ("==", "!=", "<", "<=", ">", ">=")
 
 
-def operation_of(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -> Typed:
+def operation_of(check: Expressions, e: s.Operation, expected: tuple[Type, ...]) -> Typed:
     """Check an operation."""
     if e.operator == "if":
-        return _conditional(check, e, wanted)
+        return _conditional(check, e, expected)
     if e.operator in ("and", "or", "not"):
         return _truth(check, e)
     if e.operator in COMPARISONS:
@@ -34,12 +34,12 @@ def _truth(check: Expressions, e: s.Operation) -> Typed:
     return operation(e.operator, operands, TRUTH)
 
 
-def _conditional(check: Expressions, e: s.Operation, wanted: tuple[Type, ...]) -> Typed:
+def _conditional(check: Expressions, e: s.Operation, expected: tuple[Type, ...]) -> Typed:
     condition = check.value(e.operands[0], (TRUTH,), "`if`")
-    yes, no = (check.infer(o, wanted) for o in e.operands[1:])
+    yes, no = (check.infer(o, expected) for o in e.operands[1:])
     kind = joined(yes.type, no.type)
     if kind is None:
-        check.misfit(e.operands[2], no.type, (yes.type,), "`else`, like its `then`,", e.operands[1])
+        check.type_mismatch(e.operands[2], no.type, (yes.type,), "`else`, like its `then`,", e.operands[1])
     return operation("if", [condition, yes, no], kind)
 
 
@@ -51,7 +51,7 @@ def _comparison(check: Expressions, e: s.Operation) -> Typed:
         left, right = Typed(left.expr, _single(left.type)), Typed(right.expr, _single(right.type))
     if joined(left.type, right.type) is None:
         what = f"`{e.operator}`, after {article(str(left.type))},"
-        check.misfit(e.operands[1], right.type, (left.type,), what, e.operands[0])
+        check.type_mismatch(e.operands[1], right.type, (left.type,), what, e.operands[0])
     if e.operator not in ("==", "!=") and not isinstance(left.type, Quantity):
         check.fail("WMS302", f"`{e.operator}` compares quantities, not {left.type}s", e.span, "use `==` or `!=`")
     return operation(e.operator, [left, right], TRUTH if each is None else List(TRUTH), each)
@@ -95,5 +95,5 @@ def _arithmetic_of(check: Expressions, e: s.Operation, operands: list[Typed], ea
     kind = joined(*kinds)
     if kind is None:
         what = f"`{e.operator}`, after {article(str(kinds[0]))},"
-        check.misfit(e.operands[1], kinds[1], (kinds[0],), what, e.operands[0])
+        check.type_mismatch(e.operands[1], kinds[1], (kinds[0],), what, e.operands[0])
     return operation(e.operator, operands, kind, each)

@@ -8,8 +8,8 @@ from functools import cached_property
 
 from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.tables.property_schema import ThingType, remedy, slots, thing_type, unfit
-from wmspec.lang.check.tables.vocabulary import OTHERWISE, Slot
+from wmspec.lang.check.tables.property_schema import EntityType, remedy, allowed_properties, entity_type, exclusion_reason
+from wmspec.lang.check.tables.vocabulary import PROPERTY_ALIASES, PropertySpec
 from wmspec.lang.parse import syntax as s
 
 
@@ -18,15 +18,15 @@ class Owner:
     """A block or part: its IR name, its type, and its written properties."""
 
     name: str
-    type: ThingType
+    type: EntityType
     written: tuple[s.Property, ...]
     span: Span
     parts: tuple[str, ...] = ()
 
     @property
-    def slots(self) -> dict[str, Slot]:
+    def allowed_properties(self) -> dict[str, PropertySpec]:
         """The properties that it can have."""
-        return slots(self.type)
+        return allowed_properties(self.type)
 
     @cached_property
     def said(self) -> dict[str, s.Property]:
@@ -45,7 +45,7 @@ class Owner:
 
     def lacks(self, name: s.Name) -> tuple[str, str, Span, str]:
         """Return the error about a property that is not allowed: code, message, span and remedy."""
-        if reason := unfit(self.type, name.id):
+        if reason := exclusion_reason(self.type, name.id):
             return "WMS203", reason, name.span, remedy(self.type, name.id)
         kind = self.type.kind
         message = f"{'an' if kind == 'object' else 'a'} {kind} has no property `{name.id}`"
@@ -59,7 +59,7 @@ class Owner:
 
 def _meant(name: str, known: list[str]) -> str:
     """Return a suggestion for a property: its alias or the most similar name."""
-    other = OTHERWISE.get(name)
+    other = PROPERTY_ALIASES.get(name)
     return f"did you mean `{other}`?" if other in known else suggestion(name, known)
 
 
@@ -67,7 +67,7 @@ def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
     """Return a block as an owner; `members` are the links and joints of an asset, for suggestions."""
     written = {p.name.id for p in block.properties}
     model = block.model.id if block.model is not None and block.kind in ("joint", "robot") else ""
-    of = thing_type(block.kind, written, model, bool(block.parts), bool(block.whole))
+    of = entity_type(block.kind, written, model, bool(block.parts), bool(block.whole))
     names = (*members, *(part.name.id for part in block.parts))
     return Owner(block.name.id, of, block.properties, block.name.span, names)
 
@@ -75,5 +75,5 @@ def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
 def parts(block: s.Block) -> Iterator[Owner]:
     """Yield the parts of an object as owners."""
     for part in block.parts:
-        of = thing_type("part", {p.name.id for p in part.properties})
+        of = entity_type("part", {p.name.id for p in part.properties})
         yield Owner(f"{block.name.id}.{part.name.id}", of, part.properties, part.name.span)

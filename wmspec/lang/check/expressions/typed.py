@@ -30,9 +30,9 @@ class Typed:
     type: Type
 
 
-def fits(given: Type, wanted: Type) -> bool:
+def fits(given: Type, expected: Type) -> bool:
     """Whether a value of type `given` is allowed where the other is expected."""
-    return joined(given, wanted) == wanted
+    return joined(given, expected) == expected
 
 
 def joined(a: Type, b: Type) -> Type | None:

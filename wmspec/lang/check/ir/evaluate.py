@@ -52,7 +52,7 @@ _OPERATORS: dict[str, Callable[..., Any]] = {
 
 def evaluate(expr: Expr, env: Environment) -> Any:
     """Return the value: a float (SI), bool, str (words and names), or a tuple. Raises WmsError if there is none."""
-    return _KINDS[type(expr)](expr, env)
+    return _EVALUATORS[type(expr)](expr, env)
 
 
 def _items(expr: Items, env: Environment) -> tuple[Any, ...]:
@@ -61,7 +61,7 @@ def _items(expr: Items, env: Environment) -> tuple[Any, ...]:
 
 def _all(exprs: tuple[Expr, ...], env: Environment) -> list[Any]:
     """Return the values of several expressions, most of which are constants."""
-    return [e.value if type(e) is Value else _KINDS[type(e)](e, env) for e in exprs]
+    return [e.value if type(e) is Value else _EVALUATORS[type(e)](e, env) for e in exprs]
 
 
 def _operation(expr: Operation, env: Environment) -> Any:
@@ -73,7 +73,7 @@ def _operation(expr: Operation, env: Environment) -> Any:
 
 
 def _operate(operator: str, operands: tuple[Expr, ...], env: Environment) -> Any:
-    own = _OWN_WAY.get(operator)
+    own = _LAZY_OPERATORS.get(operator)
     return own(operands, env) if own else _OPERATORS[operator](*_all(operands, env))
 
 
@@ -96,7 +96,7 @@ def _minus(operands: tuple[Expr, ...], env: Environment) -> Any:
 
 
 #: Operators with lazily evaluated operands.
-_OWN_WAY: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
+_LAZY_OPERATORS: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
     "if": _if,
     "and": lambda operands, env: all(evaluate(e, env) for e in operands),
     "or": lambda operands, env: any(evaluate(e, env) for e in operands),
@@ -105,7 +105,7 @@ _OWN_WAY: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
 
 
 #: Evaluators by expression class.
-_KINDS: dict[type, Callable[[Any, Environment], Any]] = {
+_EVALUATORS: dict[type, Callable[[Any, Environment], Any]] = {
     Value: lambda expr, _: expr.value,
     Ref: lambda expr, env: env.ref(expr.name),
     Property: lambda expr, env: env.property(evaluate(expr.owner, env), expr.name),

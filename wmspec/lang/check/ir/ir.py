@@ -178,10 +178,10 @@ class Setting(Node):
     place: Location
 
 
-ThingKind = Literal["object", "part", "camera", "light", "joint", "robot", "world", "action"]
+EntityKind = Literal["object", "part", "camera", "light", "joint", "robot", "world", "action"]
 
 
-class Thing(Node):
+class Entity(Node):
     """An owner of properties: an object, camera, light, joint, robot, the world, an action, or a part of an object.
 
     `verb` is set for actions; an `added` action occurs only under the counterfactual that adds it. `model` is the kind
@@ -192,7 +192,7 @@ class Thing(Node):
     `of` is the asset's base. Their poses are relative to the asset's frame, with all joints at 0.
     """
 
-    kind: ThingKind
+    kind: EntityKind
     name: str
     verb: str = ""
     model: str = ""
@@ -215,7 +215,7 @@ class Observation(Node):
     place: Location
 
 
-def last_shown(observations: Iterable[Observation]) -> Call:
+def time_of_last_picture(observations: Iterable[Observation]) -> Call:
     """Return the time of the last picture, which ends a task without a `horizon`."""
     return Call(function="max", arguments=tuple(o.times for o in observations))
 
@@ -241,7 +241,7 @@ class Counterfactual(Node):
     place: Location
 
 
-class Varied(Node):
+class OrbitFactor(Node):
     """A factor of an orbit, and what depends on it: the initial state, the action, or both."""
 
     factor: str
@@ -270,18 +270,18 @@ class Margin(Node):
     place: Location
 
 
-class Said(Node):
+class Interpolation(Node):
     """A value inserted into a text; its type `sort` (`color`, `object`, `length`, …) determines the wording."""
 
     value: Expr
     sort: str
 
 
-class Filled(Node):
+class TextTemplate(Node):
     """A text with inserted values among options and answers; `text` is the value that stands for it."""
 
     text: str
-    parts: tuple[str | Said, ...]
+    parts: tuple[str | Interpolation, ...]
 
 
 class Difference(Node):
@@ -308,7 +308,7 @@ class Question(Node):
     """
 
     name: str = ""
-    text: tuple[str | Said, ...]
+    text: tuple[str | Interpolation, ...]
     kind: QuestionKind
     sort: str
     options: Expr | None
@@ -320,11 +320,11 @@ class Question(Node):
     difference: Difference | None = None
     stable: Expr | None = None
     counterfactuals: tuple[Counterfactual, ...]
-    orbit: tuple[Varied, ...] = ()
+    orbit: tuple[OrbitFactor, ...] = ()
     kinds: tuple[Outcome, ...] = ()
     distinct_turn: Expr | None = None
     distinct_kinds: bool = False
-    texts: tuple[Filled, ...] = ()
+    texts: tuple[TextTemplate, ...] = ()
     place: Location
 
     def alternatives(self, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
@@ -373,7 +373,7 @@ class TaskSpec(Node):
     repeat: int
     plan: Plan = field(default_factory=Plan)
     tolerances: dict[str, float] = field(default_factory=dict)
-    things: tuple[Thing, ...]
+    things: tuple[Entity, ...]
     horizon: Expr
     observations: tuple[Observation, ...]
     questions: tuple[Question, ...]
@@ -382,6 +382,6 @@ class TaskSpec(Node):
         """Return the factor or nuisance of that name."""
         return next(f for f in self.factors if f.name == name)
 
-    def thing(self, name: str) -> Thing:
+    def thing(self, name: str) -> Entity:
         """Return the object, part, camera, light, joint, robot, action or world of that name."""
         return next(t for t in self.things if t.name == name)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from wmspec.core.diagnostics import Note, Report, suggestion
+from wmspec.core.limits import LIBRARIES, TooLarge
 from wmspec.core.node import Node
 from wmspec.core.places import Source, Span
 from wmspec.lang.check.tables.vocabulary import WORDS
@@ -103,6 +104,8 @@ class Modules:
         if (first := self._used.setdefault((path, outer + prefix), use)) is not use:
             self._again(use, first)
             return []
+        if len(self._used) > LIBRARIES.most:
+            raise TooLarge(f"the spec {LIBRARIES.sentence}", use.span, LIBRARIES.help)
         items = self._program.libraries[path].items
         values = self._given(use, [item for item in items if isinstance(item, s.Parameter)])
         statements = self._level([_replaced_before(item, values) for item in items], outer + prefix, {})

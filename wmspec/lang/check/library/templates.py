@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from wmspec.core.diagnostics import Note, Report, suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.expressions.libraries import having
+from wmspec.lang.check.expressions.libraries import library_declaring
 from wmspec.lang.check.library.substitute import Substitute, TooLarge
 from wmspec.lang.check.tables.vocabulary import PROPERTIES
 from wmspec.lang.parse import syntax as s
@@ -33,7 +33,7 @@ class Templates:
         name = statement.model
         bare = replace(statement, model=None)
         if name.id not in self.known:
-            library, _ = having({name.id})
+            library, _ = library_declaring({name.id})
             help = f"write `use {library}` above, which has it" if library else suggestion(name.id, self.known)
             self._report.add("WMS201", f"there is no template `{name.id}`", name.span, help)
             known = tuple(p for p in bare.properties if p.name.id in PROPERTIES["object"])

@@ -14,14 +14,14 @@ from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import Location
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.statements.defaults import default_value
-from wmspec.lang.check.tables.property_schema import ThingType, inherited, slots, thing_type, unfit
+from wmspec.lang.check.tables.property_schema import EntityType, inherited_appearance, allowed_properties, entity_type, exclusion_reason
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import JOINTS, TOLERANCES, Slot
+from wmspec.lang.check.tables.vocabulary import JOINTS, TOLERANCES, PropertySpec
 
 #: Location of nodes without source text.
 HERE = Location(file="<python>", line=1, column=1, start=0, end=0)
 
-Part = ir.Factor | ir.Let | ir.Require | ir.Thing | ir.Observation | ir.Question
+Part = ir.Factor | ir.Let | ir.Require | ir.Entity | ir.Observation | ir.Question
 _NODES = (ir.Value, ir.Ref, ir.Property, ir.Operation, ir.Call, ir.Items)
 
 
@@ -62,20 +62,20 @@ def let(name: str, value: Any) -> ir.Let:
 
 def thing(
     kind: Literal["object", "camera", "light", "world"], name: str, *, set: str = "", **properties: Any
-) -> ir.Thing:
+) -> ir.Entity:
     """Return an object, camera, light or the world. Raises WmsError for a disallowed or missing property."""
-    return _thing(name, thing_type(kind, properties), properties, set=set)
+    return _thing(name, entity_type(kind, properties), properties, set=set)
 
 
-def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: Any) -> tuple[ir.Thing, ...]:
+def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: Any) -> tuple[ir.Entity, ...]:
     """Return an object with parts (properties by part name), followed by the parts. Raises WmsError as `thing` does."""
-    whole = _thing(name, thing_type("object", properties, parts=True), properties)
+    whole = _thing(name, entity_type("object", properties, parts=True), properties)
     return whole, *(_part(whole, part, properties_of) for part, properties_of in parts.items())
 
 
 def objects(
     name: str, most: int, properties: Callable[[int], Mapping[str, Any]], count: Any = None
-) -> tuple[ir.Thing, ...]:
+) -> tuple[ir.Entity, ...]:
     """Return the members of a set, `name_0` to `name_{most - 1}`, with properties computed from their index.
 
     With a `count` expression, only the first `count` members are present.
@@ -84,23 +84,23 @@ def objects(
     return tuple(members if count is None else (_below(m, i, expression(count)) for i, m in enumerate(members)))
 
 
-def joint(name: str, model: str, **properties: Any) -> ir.Thing:
+def joint(name: str, model: str, **properties: Any) -> ir.Entity:
     """Return a joint of a model: hinge, slider, ball or fixed. Raises WmsError as `thing` does."""
     if model not in JOINTS:
         raise WmsError(f"there is no kind of joint `{model}`; {suggestion(model, JOINTS)}")
-    return _thing(name, thing_type("joint", properties, model), properties, model=model)
+    return _thing(name, entity_type("joint", properties, model), properties, model=model)
 
 
-def robot(name: str, model: str, **properties: Any) -> ir.Thing:
+def robot(name: str, model: str, **properties: Any) -> ir.Entity:
     """Return a robot of a model. Raises WmsError as `thing` does."""
     if model not in ROBOTS:
         raise WmsError(f"there is no kind of robot `{model}`; {suggestion(model, ROBOTS)}")
-    return _thing(name, thing_type("robot", properties, model), properties, model=model)
+    return _thing(name, entity_type("robot", properties, model), properties, model=model)
 
 
 def action(
-    name: str, verb: str, *, by: ir.Thing | None = None, start: Any = 0.0, duration: Any = None, **arguments: Any
-) -> ir.Thing:
+    name: str, verb: str, *, by: ir.Entity | None = None, start: Any = 0.0, duration: Any = None, **arguments: Any
+) -> ir.Entity:
     """Return an action with `start` (s), for lasting verbs `duration` (s), and the verb's arguments.
 
     `by` is the acting robot, for verbs of robots.
@@ -114,7 +114,7 @@ def action(
     if duration is not None:
         properties["duration"] = _setting(duration)
     of = by.name if by is not None else ""
-    return ir.Thing(kind="action", name=name, verb=verb, of=of, properties=properties, place=HERE)
+    return ir.Entity(kind="action", name=name, verb=verb, of=of, properties=properties, place=HERE)
 
 
 def observe(camera: str, times: Sequence[Any], channels: tuple[ir.Channel, ...] = ("rgb",)) -> ir.Observation:
@@ -154,10 +154,10 @@ def task(
         factors=tuple(by_type.get(ir.Factor, ())),
         lets=tuple(by_type.get(ir.Let, ())),
         requires=tuple(by_type.get(ir.Require, ())),
-        things=tuple(sorted(by_type.get(ir.Thing, ()), key=lambda t: t.kind == "action")),
+        things=tuple(sorted(by_type.get(ir.Entity, ()), key=lambda t: t.kind == "action")),
         observations=tuple(by_type.get(ir.Observation, ())),
         questions=tuple(by_type.get(ir.Question, ())),
-        horizon=expression(horizon) if horizon is not None else ir.last_shown(by_type.get(ir.Observation, [])),
+        horizon=expression(horizon) if horizon is not None else ir.time_of_last_picture(by_type.get(ir.Observation, [])),
         title=title or name,
         description=description,
         license=license,
@@ -169,26 +169,26 @@ def _setting(value: Any) -> ir.Setting:
     return ir.Setting(value=expression(value), place=HERE)
 
 
-def _thing(name: str, of: ThingType, properties: dict[str, Any], *, model: str = "", set: str = "") -> ir.Thing:
+def _thing(name: str, of: EntityType, properties: dict[str, Any], *, model: str = "", set: str = "") -> ir.Entity:
     """Return an entity of a type. Raises WmsError for a disallowed or missing property."""
     whose = f"the {of.kind} `{name}`"
     for key in properties:
-        if reason := unfit(of, key):
+        if reason := exclusion_reason(of, key):
             raise WmsError(f"of {whose}: {reason}")
-    filled = _filled(slots(of), properties, whose)
-    kind = cast(ir.ThingKind, of.kind)
-    return ir.Thing(kind=kind, name=name, model=model, set=set, properties=filled, place=HERE)
+    filled = _filled(allowed_properties(of), properties, whose)
+    kind = cast(ir.EntityKind, of.kind)
+    return ir.Entity(kind=kind, name=name, model=model, set=set, properties=filled, place=HERE)
 
 
-def _part(whole: ir.Thing, name: str, given: Mapping[str, Any]) -> ir.Thing:
+def _part(whole: ir.Entity, name: str, given: Mapping[str, Any]) -> ir.Entity:
     name = f"{whole.name}.{name}"
-    properties = _filled(slots(thing_type("part", given)), given, f"the part `{name}`")
-    for look in inherited(given, whole.properties):
+    properties = _filled(allowed_properties(entity_type("part", given)), given, f"the part `{name}`")
+    for look in inherited_appearance(given, whole.properties):
         properties[look] = _setting(ir.Property(owner=ir.Value(value=whole.name), name=look))
-    return ir.Thing(kind="part", name=name, of=whole.name, properties=properties, place=HERE)
+    return ir.Entity(kind="part", name=name, of=whole.name, properties=properties, place=HERE)
 
 
-def _below(member: ir.Thing, index: int, count: ir.Expr) -> ir.Thing:
+def _below(member: ir.Entity, index: int, count: ir.Expr) -> ir.Entity:
     """Return the member, present where its index is below `count`."""
     there: ir.Expr = ir.Operation(operator="<", operands=(ir.Value(value=float(index)), count))
     present = member.properties["present"].value
@@ -197,7 +197,7 @@ def _below(member: ir.Thing, index: int, count: ir.Expr) -> ir.Thing:
     return replace(member, properties=member.properties | {"present": _setting(there)})
 
 
-def _filled(table: Mapping[str, Slot], given: Mapping[str, Any], whose: str) -> dict[str, ir.Setting]:
+def _filled(table: Mapping[str, PropertySpec], given: Mapping[str, Any], whose: str) -> dict[str, ir.Setting]:
     for key in given:
         if key not in table:
             raise WmsError(f"{whose} has no `{key}`; {suggestion(key, table)}")

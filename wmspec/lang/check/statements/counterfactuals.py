@@ -8,14 +8,14 @@ from typing import cast
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location
 from wmspec.lang.check.expressions import actions
-from wmspec.lang.check.expressions.bounds import within
+from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.members import named
 from wmspec.lang.check.expressions.typed import Typed, constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.files import beside
 from wmspec.lang.check.statements.objects import Things
-from wmspec.lang.check.tables.vocabulary import FILES, Slot
+from wmspec.lang.check.tables.vocabulary import FILES, PropertySpec
 from wmspec.lang.check.types.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
 from wmspec.lang.parse import syntax as s
 
@@ -29,7 +29,7 @@ class Counterfactuals:
     def __init__(self, check: Expressions, things: Things) -> None:
         self.check = check
         self.things = things
-        self.added: list[ir.Thing] = []
+        self.added: list[ir.Entity] = []
         """The actions that counterfactuals add."""
 
     def counterfactual(self, written: s.Counterfactual) -> ir.Counterfactual:
@@ -117,13 +117,13 @@ class Counterfactuals:
         assert change.value is not None
         owner, prop, slot = self._target(change)
         typed = self._value(change, change.value, owner, slot, prop)
-        within(self.check, typed.expr, slot, change.value.span, f"`{prop}`")
+        check_bounds(self.check, typed.expr, slot, change.value.span, f"`{prop}`")
         expr = beside(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
         if expr == ir.Property(owner=ir.Value(value=owner), name=prop):
             self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
         return self._made(name, change, owner, prop, expr, str(typed.type))
 
-    def _value(self, change: s.Change, value: s.Expr, owner: str, slot: Slot, prop: str) -> Typed:
+    def _value(self, change: s.Change, value: s.Expr, owner: str, slot: PropertySpec, prop: str) -> Typed:
         if change.kind == "action":
             action = actions.named(self.check, owner)
             self.check.subject = actions.subject(self.check, action, actions.act(self.check, action))
@@ -132,7 +132,7 @@ class Counterfactuals:
         finally:
             self.check.subject = None
 
-    def _target(self, change: s.Change) -> tuple[str, str, Slot]:
+    def _target(self, change: s.Change) -> tuple[str, str, PropertySpec]:
         """Return the target of a change: its owner, its name and its slot."""
         target = change.target
         example = "push.speed" if change.kind == "action" else "ball.mass"
@@ -140,12 +140,12 @@ class Counterfactuals:
             message = f"`{change.kind}` changes one named value"
             self.check.fail("WMS503", message, target.span, f"write something like `{example}`")
         owner = self.check.infer(target.value)
-        wanted = (ACTION,) if change.kind == "action" else _CHANGED
-        if owner.type not in wanted or not isinstance(owner.expr, ir.Value):
+        expected = (ACTION,) if change.kind == "action" else _CHANGED
+        if owner.type not in expected or not isinstance(owner.expr, ir.Value):
             what = "an action" if change.kind == "action" else "an object or camera"
             actual = article(str(owner.type))
             message = f"`{change.kind}` changes {what}, but this is {actual}"
-            if owner.type in wanted:
+            if owner.type in expected:
                 message = f"`{change.kind}` changes one named value, and which {owner.type} this is depends on a factor"
             self.check.fail("WMS503", message, target.value.span)
         name, prop = str(owner.expr.value), target.name

@@ -6,12 +6,12 @@ from typing import cast
 
 from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Location, Span
-from wmspec.lang.check.expressions.domains import Level, Written, conditions, names, read
+from wmspec.lang.check.expressions.domains import Level, WrittenDomain, conditions, labels, read_domain
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import ZERO, Failed, constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.tables.vocabulary import PLANS
+from wmspec.lang.check.tables.vocabulary import DESIGNS
 from wmspec.lang.check.types.types import A_NUMBER, TRUTH, Quantity, Type, Vector
 from wmspec.lang.parse import syntax as s
 
@@ -30,13 +30,13 @@ class Factors:
 
     def type_of(self, factor: s.Factor) -> Type:
         """Return the type of a factor's values."""
-        return read(self.check, factor.domain).type
+        return read_domain(self.check, factor.domain).type
 
     # ------------------------------------------------------------ factors
 
     def factor(self, factor: s.Factor) -> ir.Factor:
         """Return a factor or nuisance with its domain."""
-        written = read(self.check, factor.domain)
+        written = read_domain(self.check, factor.domain)
         domain = self._drawn(factor, written) if factor.nuisance else self._studied(factor, written)
         kind = written.type
         dimension = kind.dimension if isinstance(kind, Quantity | Vector) and kind.dimension != ZERO else None
@@ -48,7 +48,7 @@ class Factors:
             place=Location.of(factor.name.span),
         )
 
-    def _drawn(self, factor: s.Factor, written: Written) -> ir.Domain:
+    def _drawn(self, factor: s.Factor, written: WrittenDomain) -> ir.Domain:
         """Return the domain of a nuisance. It cannot depend on factors, or neighbours would differ in two variables."""
         name = factor.name.id
         if written.conditional:
@@ -56,9 +56,9 @@ class Factors:
             remedy = "draw from each domain by itself, and choose between the nuisances with `let`"
             self.check.fail("WMS407", message, factor.domain.span, remedy)
         values = tuple(o.value for o in written.options)
-        return written.spread or ir.Choices(values=values, weights=written.weights, names=names(written))
+        return written.spread or ir.Choices(values=values, weights=written.weights, names=labels(written))
 
-    def _studied(self, factor: s.Factor, written: Written) -> ir.Domain:
+    def _studied(self, factor: s.Factor, written: WrittenDomain) -> ir.Domain:
         """Return the values of a factor; only a Latin hypercube accepts intervals and distributions."""
         name, span = factor.name.id, factor.domain.span
         if written.weights is not None:
@@ -71,17 +71,17 @@ class Factors:
                 self.check.fail("WMS401", message, span, remedy)
             return written.spread
         if not written.conditional:
-            return ir.Choices(values=tuple(o.value for o in written.options), names=names(written))
+            return ir.Choices(values=tuple(o.value for o in written.options), names=labels(written))
         values, when = zip(*conditions(self.check, written), strict=True)
         if any(part == ir.Ref(name=name) for condition in when for part in parts(condition)):
             self.check.fail("WMS209", f"the values of `{name}` depend on itself", span, "let them depend on others")
-        return ir.Choices(values=values, when=when, names=names(written))
+        return ir.Choices(values=values, when=when, names=labels(written))
 
     # ------------------------------------------------------------ lets and requires
 
     def let(self, let: s.Let) -> ir.Let:
         """Return a named value."""
-        typed = self.check.once(("let", let.name.id), let.name.span, lambda: self.check.infer(let.value))
+        typed = self.check.memoized(("let", let.name.id), let.name.span, lambda: self.check.infer(let.value))
         return ir.Let(name=let.name.id, value=typed.expr, place=Location.of(let.name.span))
 
     def require(self, require: s.Require) -> ir.Require:
@@ -108,13 +108,13 @@ class Factors:
 
     def _plan(self, design: s.Design) -> ir.Plan:
         kind, name = design.kind.id, design.kind
-        if kind not in PLANS:
-            self.check.fail("WMS201", f"there is no design `{kind}`", name.span, suggestion(kind, PLANS))
-        if PLANS[kind].counted and design.count is None:
+        if kind not in DESIGNS:
+            self.check.fail("WMS201", f"there is no design `{kind}`", name.span, suggestion(kind, DESIGNS))
+        if DESIGNS[kind].counted and design.count is None:
             self.check.fail(
                 "WMS408", f"`{kind}` does not say of how many instances", name.span, f"write `design {kind} of 500`"
             )
-        if design.count is not None and not PLANS[kind].counted:
+        if design.count is not None and not DESIGNS[kind].counted:
             remedy = "write `design sample of N` for N of them"
             self.check.fail(
                 "WMS408", f"the number of instances of `{kind}` follows from the factors", design.count.span, remedy
@@ -195,7 +195,7 @@ class Factors:
 
     def _level(self, factor: s.Factor, e: s.Expr) -> Level:
         """Return one of the values of a factor."""
-        written = read(self.check, factor.domain)
+        written = read_domain(self.check, factor.domain)
         expr = self.check.value(e, (written.type,), f"`{factor.name.id}`").expr
         for option in written.options:
             if _same(option.value, expr):

@@ -9,7 +9,7 @@ from wmspec.core.diagnostics import Note, Remedy, suggestion
 from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions import actions
 from wmspec.lang.check.expressions.actions import DURATION, START, Act
-from wmspec.lang.check.expressions.bounds import within
+from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.members import setting
 from wmspec.lang.check.expressions.owners import Owner, owner, parts
@@ -17,9 +17,9 @@ from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.files import beside, texts
 from wmspec.lang.check.statements.defaults import default_value
-from wmspec.lang.check.tables.property_schema import inherited
+from wmspec.lang.check.tables.property_schema import inherited_appearance
 from wmspec.lang.check.tables.verbs import ROBOTS
-from wmspec.lang.check.tables.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES, Slot
+from wmspec.lang.check.tables.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES, PropertySpec
 from wmspec.lang.check.types.types import A_TIME, article, either
 from wmspec.lang.parse import syntax as s
 from wmspec.sim.shapes import SHAPES
@@ -39,12 +39,12 @@ class Things:
 
     # ------------------------------------------------------------ blocks
 
-    def block(self, block: s.Block) -> tuple[ir.Thing, ...]:
+    def block(self, block: s.Block) -> tuple[ir.Entity, ...]:
         """Return an entity with its defaults, followed by the parts of an object."""
         self._fits_kind(block)
         of = owner(block)
-        whole = ir.Thing(
-            kind=cast(ir.ThingKind, block.kind),  # sets are already expanded
+        whole = ir.Entity(
+            kind=cast(ir.EntityKind, block.kind),  # sets are already expanded
             name=of.name,
             model=block.model.id if block.model else "",
             of=block.whole,
@@ -88,14 +88,14 @@ class Things:
             raise Failed
         self._reported.add(written.span)
 
-    def _part(self, whole: ir.Thing, of: Owner) -> ir.Thing:
+    def _part(self, whole: ir.Entity, of: Owner) -> ir.Entity:
         """Return a part; it inherits unset appearance properties from its object."""
         properties = self._properties(of)
-        for name in inherited(of.said, whole.properties):
+        for name in inherited_appearance(of.said, whole.properties):
             value = ir.Property(owner=ir.Value(value=whole.name), name=name)
             properties[name] = ir.Setting(value=value, place=Location.of(of.span))
         place = Location.of(of.span)
-        return ir.Thing(kind="part", name=of.name, of=whole.name, properties=properties, place=place)
+        return ir.Entity(kind="part", name=of.name, of=whole.name, properties=properties, place=place)
 
     def _properties(self, of: Owner) -> dict[str, ir.Setting]:
         """Return the written properties and the defaults of the others."""
@@ -159,7 +159,7 @@ class Things:
     def _setting(self, of: Owner, p: s.Property) -> ir.Setting:
         name, slot = p.name.id, of.slots[p.name.id]
         typed = setting(self.check, of, p, slot)
-        within(self.check, typed.expr, slot, p.value.span, f"`{name}`")
+        check_bounds(self.check, typed.expr, slot, p.value.span, f"`{name}`")
         if name in ("called", "plural"):
             self._noun(of, p)
         expr = beside(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
@@ -180,14 +180,14 @@ class Things:
                 what = f"texts put article and colour before what is said with `{p.name.id}`"
                 self.check.fail("WMS304", what, text.span, remedy)
 
-    def _joins_two(self, joint: ir.Thing, block: s.Block) -> None:
+    def _joins_two(self, joint: ir.Entity, block: s.Block) -> None:
         of, to = joint.properties.get("of"), joint.properties.get("to")
         if of is not None and to is not None and of.value == to.value and isinstance(of.value, ir.Value):
             self.check.fail("WMS304", f"`{joint.name}` joins `{of.value.value}` to itself", block.name.span)
 
     # ------------------------------------------------------------ actions
 
-    def action(self, action: s.Action) -> ir.Thing:
+    def action(self, action: s.Action) -> ir.Entity:
         """Return an action with its verb, arguments and timings."""
         does = actions.act(self.check, action)
         self._all_known(does)
@@ -204,7 +204,7 @@ class Things:
                 self.report.add("WMS205", f"`{does.name}` needs `{name}`: {slot.meaning}", does.call.span)
         if does.name == "drive" and not does.robot:
             self._driven(action, does)
-        return ir.Thing(
+        return ir.Entity(
             kind="action",
             name=action.name.id,
             verb=does.name,
@@ -213,10 +213,10 @@ class Things:
             place=Location.of(action.name.span),
         )
 
-    def _argument(self, action: s.Action, does: Act, name: str, slot: Slot) -> ir.Setting:
+    def _argument(self, action: s.Action, does: Act, name: str, slot: PropertySpec) -> ir.Setting:
         typed = actions.argument(self.check, action, does, name)
         span = does.written[name].value.span
-        within(self.check, typed.expr, slot, span, f"`{name}`")
+        check_bounds(self.check, typed.expr, slot, span, f"`{name}`")
         return ir.Setting(value=typed.expr, place=Location.of(span))
 
     def _all_known(self, does: Act) -> None:
@@ -253,7 +253,7 @@ class Things:
                 self.report.add("WMS202", f"{what} is said twice", timing.span, "remove one", notes)
             spans.setdefault(lasts, timing.span)
         begin, span = actions.start(self.check, action)
-        within(self.check, begin.expr, START, span, "`at`")
+        check_bounds(self.check, begin.expr, START, span, "`at`")
         settings = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}
         lasting = next((t for t in action.timings if t.kind == "for"), None)
         if lasting is None and does.verb.lasts:
@@ -264,6 +264,6 @@ class Things:
                 message = f"`{does.name}` happens at once and cannot last"
                 self.check.fail("WMS205", message, does.call.span, "remove `for`")
             typed = self.check.value(lasting.value, (A_TIME,), "`for`")
-            within(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
+            check_bounds(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
             settings["duration"] = ir.Setting(value=typed.expr, place=Location.of(lasting.value.span))
         return settings

@@ -14,7 +14,7 @@ from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.tables.vocabulary import PLANS
+from wmspec.lang.check.tables.vocabulary import DESIGNS
 from wmspec.lang.check.types import units
 from wmspec.lang.parse import syntax as s
 
@@ -32,7 +32,7 @@ class Orbits:
         factors: Iterable[ir.Factor],
         lets: Iterable[ir.Let],
         requires: Iterable[ir.Require],
-        things: Sequence[ir.Thing],
+        things: Sequence[ir.Entity],
     ) -> None:
         self.check = check
         self.plan = plan
@@ -43,10 +43,10 @@ class Orbits:
 
     # ------------------------------------------------------------ closed sets of options
 
-    def orbit(self, clause: s.Clause) -> tuple[tuple[ir.Varied, ...], tuple[ir.Counterfactual, ...]]:
+    def orbit(self, clause: s.Clause) -> tuple[tuple[ir.OrbitFactor, ...], tuple[ir.Counterfactual, ...]]:
         """Return the factors of `options orbit of ...`, and a counterfactual for every combination of their levels."""
         assert isinstance(clause.value, s.Items)
-        varied: dict[str, ir.Varied] = {}
+        varied: dict[str, ir.OrbitFactor] = {}
         for item in clause.value.items:
             name = item.span.text
             if name in varied:
@@ -60,9 +60,9 @@ class Orbits:
             self.check.fail("WMS508", what, clause.value.span, remedy)
         return tuple(varied.values()), tuple(self._siblings(tuple(varied), Location.of(clause.span)))
 
-    def _varied(self, name: str, span: Span) -> ir.Varied:
+    def _varied(self, name: str, span: Span) -> ir.OrbitFactor:
         factor = self._factor(name, span)
-        others = PLANS.keys() - {"groups"}
+        others = DESIGNS.keys() - {"groups"}
         if self.plan.kind != "groups" and any(d.kind.id not in others for d in self.check.scope.designs):
             raise Failed  # the design's error was reported
         if self.plan.kind != "groups":
@@ -85,7 +85,7 @@ class Orbits:
         if reads is None:
             what = f"nothing in the scene is said in terms of `{name}`, so siblings that differ in it look alike"
             self.check.fail("WMS508", what, span, "let an object or an action depend on it")
-        return ir.Varied(factor=name, reads=reads)
+        return ir.OrbitFactor(factor=name, reads=reads)
 
     def _reads(self, name: str) -> Literal["state", "action", "both"] | None:
         """Return whether the initial state, the action or both depend on a factor; None if neither."""
@@ -197,7 +197,7 @@ def level_words(factor: ir.Factor, level: ir.Level) -> str:
         case bool():
             return "yes" if level else "no"
         case float():
-            return units.told(level, units.parse_unit(factor.unit)[1])
+            return units.format_quantity(level, units.parse_unit(factor.unit)[1])
         case tuple():
             return f"({', '.join(level_words(factor, x) for x in level)})"
         case _:

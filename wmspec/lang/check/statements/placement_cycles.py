@@ -12,7 +12,7 @@ from wmspec.lang.check.expressions.members import named
 from wmspec.lang.check.ir import ir
 
 
-def no_circles(check: Expressions, things: Iterable[ir.Thing]) -> None:
+def no_circles(check: Expressions, things: Iterable[ir.Entity]) -> None:
     """Report every cycle among constant references; cycles that depend on factors appear in an instance."""
     needs = {t.name: dict(_needs(t)) for t in things if t.kind in ("object", "robot")}
     graph = dict(needs)
@@ -33,7 +33,7 @@ def _circle(graph: dict[str, dict[str, str]]) -> list[str]:
     return []
 
 
-def _needs(thing: ir.Thing) -> Iterator[tuple[str, str]]:
+def _needs(thing: ir.Entity) -> Iterator[tuple[str, str]]:
     """Yield the entities that determine this one's place, each with the property; for a link, its asset."""
     if thing.of:
         yield thing.of, "of"

@@ -10,8 +10,8 @@ from typing import TypeVar
 
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location, Span
-from wmspec.lang.check.expressions.bounds import within
-from wmspec.lang.check.expressions.domains import names, read
+from wmspec.lang.check.expressions.bounds import check_bounds
+from wmspec.lang.check.expressions.domains import labels, read_domain
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, joined
 from wmspec.lang.check.ir import ir
@@ -27,7 +27,7 @@ from wmspec.lang.check.statements.question_kinds import (
     broken,
     question_kind,
 )
-from wmspec.lang.check.tables.vocabulary import Slot
+from wmspec.lang.check.tables.vocabulary import PropertySpec
 from wmspec.lang.check.types.types import (
     A_LENGTH,
     AN_ANGLE,
@@ -52,8 +52,8 @@ C = TypeVar("C")
 _HOLE = re.compile(r"(?<!\\)\{([^{}]*)\}")
 _BRACE = re.compile(r"(?<!\\)[{}]")
 _ONCE = ("options", "orbit", "answer", "within", "difference", "stable")
-_APART = Slot((A_LENGTH,), "how far apart", above=0)
-_TURNED = Slot((AN_ANGLE,), "by what turn", above=0, most=pi)
+_APART = PropertySpec((A_LENGTH,), "how far apart", above=0)
+_TURNED = PropertySpec((AN_ANGLE,), "by what turn", above=0, most=pi)
 #: Value of `distinct by` next to quantities: the kind of the outcome.
 KIND = "kind"
 _YES_NO = ir.Items(items=(ir.Value(value=True), ir.Value(value=False)))
@@ -122,7 +122,7 @@ class Questions:
             texts=self._texts(clauses),
             kinds=tuple(kinds),
             orbit=varied,
-            within=self._within(clauses, answer),
+            check_bounds=self._within(clauses, answer),
             difference=next(iter(difference), None),
             stable=next(iter(stable), None),
             counterfactuals=(*changes, *siblings),
@@ -187,7 +187,7 @@ class Questions:
         options = self.check.infer(clause.value, (List(answer.type), List(LABEL)))
         common = joined(options.type, List(answer.type))
         if not isinstance(common, List) or common.item is None:
-            self.check.misfit(clause.value, options.type, (List(answer.type),), "`options`, like the answer,")
+            self.check.type_mismatch(clause.value, options.type, (List(answer.type),), "`options`, like the answer,")
         if isinstance(options.expr, ir.Items) and len(options.expr.items) < 2:
             self.check.fail("WMS502", "a question has two or more options", clause.value.span)
         self._once_each(clause.value, options.expr)
@@ -211,7 +211,7 @@ class Questions:
             return None
         clause = clauses["within"][0]
         typed = self.check.value(clause.value, (answer.type,), "`within`, like the answer,")
-        within(self.check, typed.expr, Slot((answer.type,), "", least=0), clause.value.span, "`within`")
+        check_bounds(self.check, typed.expr, PropertySpec((answer.type,), "", least=0), clause.value.span, "`within`")
         return typed.expr
 
     # ------------------------------------------------------------ gates and what is recorded
@@ -229,7 +229,7 @@ class Questions:
         ratio = kind.dimension == NUMBER
         if ratio and (factor := constant(bound.expr)) is not None and factor < 1:
             self.check.fail("WMS304", "a ratio is apart by a factor of 1 or more", clause.bound.span)
-        within(self.check, bound.expr, Slot((kind,), "", least=0), clause.bound.span, "`apart by`")
+        check_bounds(self.check, bound.expr, PropertySpec((kind,), "", least=0), clause.bound.span, "`apart by`")
         unless = self.check.measuring(clause.unless, (TRUTH,), "`unless`").expr if clause.unless else None
         return ir.Margin(value=value, bound=bound.expr, ratio=ratio, unless=unless, place=Location.of(clause.span))
 
@@ -304,20 +304,20 @@ class Questions:
         if turn is None:
             return apart, None
         typed = self.check.value(turn, _TURNED.types, "`distinct by`, after `or`,")
-        within(self.check, typed.expr, _TURNED, turn.span, "`distinct by`")
+        check_bounds(self.check, typed.expr, _TURNED, turn.span, "`distinct by`")
         return apart, typed.expr
 
     def apart(self, clause: s.Clause) -> ir.Expr:
         """Return the required distance of options, or the displacement of objects."""
         typed = self.check.value(clause.value, _APART.types, f"`{clause.kind} by`")
-        within(self.check, typed.expr, _APART, clause.value.span, f"`{clause.kind} by`")
+        check_bounds(self.check, typed.expr, _APART, clause.value.span, f"`{clause.kind} by`")
         return typed.expr
 
     # ------------------------------------------------------------ texts
 
-    def pieces(self, text: s.Pieces) -> tuple[str | ir.Said, ...]:
+    def pieces(self, text: s.Pieces) -> tuple[str | ir.Interpolation, ...]:
         """Return the whole text of a question, with its pieces joined."""
-        parts: list[str | ir.Said] = []
+        parts: list[str | ir.Interpolation] = []
         for part in (part for piece in text.pieces for part in (" ", *self.text(piece))):
             if isinstance(part, str) and parts and isinstance(parts[-1], str):
                 parts[-1] += part
@@ -325,9 +325,9 @@ class Questions:
                 parts.append(part)
         return tuple(parts)
 
-    def text(self, text: s.Text) -> tuple[str | ir.Said, ...]:
+    def text(self, text: s.Text) -> tuple[str | ir.Interpolation, ...]:
         """Split a text at its `{expression}`s and check these."""
-        parts: list[str | ir.Said] = []
+        parts: list[str | ir.Interpolation] = []
         raw = text.span.text
         end = 1
         for brace in _BRACE.finditer(_HOLE.sub(lambda hole: " " * len(hole[0]), raw)):
@@ -346,20 +346,20 @@ class Questions:
             sort = str(TEXT) if self._named(typed.expr) else _spoken(typed.type)
             if sort is None:
                 self.check.fail("WMS302", f"{article(str(typed.type))} cannot be said in a text", span)
-            parts.append(ir.Said(value=typed.expr, sort=sort))
+            parts.append(ir.Interpolation(value=typed.expr, sort=sort))
         parts.append(_unescape(raw[end:-1]))
         return tuple(part for part in parts if part != "")
 
-    def _texts(self, clauses: dict[str, list[s.Clause]]) -> tuple[ir.Filled, ...]:
+    def _texts(self, clauses: dict[str, list[s.Clause]]) -> tuple[ir.TextTemplate, ...]:
         """Return the texts with inserted values among options and answers."""
         written = [clause.value for kind in ("options", ANSWER) for clause in clauses.get(kind, [])]
         holes = {text.value: text for text in s.texts(tuple(written)) if _BRACE.search(text.span.text)}
-        return tuple(ir.Filled(text=value, parts=self.text(text)) for value, text in holes.items())
+        return tuple(ir.TextTemplate(text=value, parts=self.text(text)) for value, text in holes.items())
 
     def _named(self, expr: ir.Expr) -> bool:
         """Whether an expression is a factor or nuisance with labelled values."""
         factor = self.check.scope.names.get(expr.name) if isinstance(expr, ir.Ref) else None
-        return isinstance(factor, s.Factor) and names(read(self.check, factor.domain)) is not None
+        return isinstance(factor, s.Factor) and labels(read_domain(self.check, factor.domain)) is not None
 
 
 def _made_one(of: Type) -> str:

@@ -142,7 +142,7 @@ class _Task:
         self.check = Expressions(self.scope, report, unknown)
         guessed = {_line(d) for d in report.diagnostics}
         declared = (x.name for x in self.statements if isinstance(x, s.Let | s.Factor) and guessed)
-        self.check.doubtful = {n.id for n in declared if (n.span.source.name, n.span.line) in guessed}
+        self.check.tainted = {n.id for n in declared if (n.span.source.name, n.span.line) in guessed}
         self.factors = Factors(self.check)
         self.things = Things(self.check)
         self.questions = Questions(self.check, modules, self.things)
@@ -171,7 +171,7 @@ class _Task:
     def tolerances(self) -> dict[str, float]:
         return tolerances(self.check, (x for x in self.statements if isinstance(x, s.Tolerance)))
 
-    def blocks(self) -> list[ir.Thing]:
+    def blocks(self) -> list[ir.Entity]:
         """Return all entities. Unused templates are checked as well."""
         for block in self.unused:
             with suppress(Failed):
@@ -290,4 +290,4 @@ class _Task:
                 span = self._settings["horizon"].value.span
                 self.report.add("WMS304", f"`horizon` must be at most {EPISODE_SECONDS.most} s", span)
             return typed.expr
-        return ir.last_shown(observations)
+        return ir.time_of_last_picture(observations)

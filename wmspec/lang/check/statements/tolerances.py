@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.expressions.bounds import within
+from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed, constant
 from wmspec.lang.check.tables.vocabulary import TOLERANCES
@@ -36,7 +36,7 @@ def _tolerance(check: Expressions, tolerance: s.Tolerance) -> float:
         check.fail("WMS203", message, name.span, suggestion(name.id, TOLERANCES))
     slot = TOLERANCES[name.id]
     typed = check.value(tolerance.value, slot.types, f"`{name.id}`")
-    within(check, typed.expr, slot, tolerance.value.span, f"`{name.id}`")
+    check_bounds(check, typed.expr, slot, tolerance.value.span, f"`{name.id}`")
     value = constant(typed.expr)
     if value is None:
         check.fail("WMS304", "a tolerance is a constant", tolerance.value.span, "write a quantity")

@@ -18,7 +18,7 @@ def rgb(color: str) -> Color:
     return SHADES[color] if color in SHADES else COLORS[color]
 
 
-def word(parts: Color) -> str:
+def color_word(parts: Color) -> str:
     """Return the colour word of sRGB components, or `rgb:r,g,b`."""
     clipped = tuple(min(max(part, 0.0), 1.0) for part in parts)
     known_name = next((name for name, known in COLORS.items() if known == clipped), None)
@@ -45,4 +45,4 @@ def shade(color: str, share: float) -> str:
     """Return a shade of a colour, from darkest (0) to lightest (1), in equal sRGB steps."""
     share = min(max(share, 0.0), 1.0)
     r, g, b = ((1 - share) * _DARKEST * part + share * (1 - _LIGHTEST * (1 - part)) for part in rgb(color))
-    return word((r, g, b))
+    return color_word((r, g, b))

@@ -134,7 +134,7 @@ FUNCTIONS: dict[str, Function] = {
 }  # fmt: skip
 
 #: Functions of other languages and their names here, or the remedy for missing ones.
-OTHERWISE: dict[str, str] = {
+FUNCTION_ALIASES: dict[str, str] = {
     **dict.fromkeys(("len", "length", "number", "size", "num"), "count"),
     **dict.fromkeys(("collide", "collides", "collided", "collision", "touch", "touches", "touching", "hit", "hits"), "contact"),
     **dict.fromkeys(("collision_time", "hit_time", "touch_time", "time_of_contact"), "contact_time"),
@@ -162,7 +162,7 @@ OTHERWISE: dict[str, str] = {
 }  # fmt: skip
 
 #: The same for domains.
-DRAWN: dict[str, str] = {
+DOMAIN_REMEDIES: dict[str, str] = {
     **dict.fromkeys(("random", "rand", "randint", "choice", "range", "linspace"), "write `[a, b, c]`, `a .. b by c` or `a .. b in 5`; a nuisance is drawn from that, or from `a .. b`"),
     **dict.fromkeys(("gauss", "gaussian"), "did you mean `normal`?"),
 }  # fmt: skip

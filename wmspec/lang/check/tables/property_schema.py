@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cache
 
-from wmspec.lang.check.tables.vocabulary import MEASURES, PROPERTIES, Slot
+from wmspec.lang.check.tables.vocabulary import MEASURES, PROPERTIES, PropertySpec
 from wmspec.lang.check.types.types import A_LENGTH, AN_ANGLE
 
 _FORM = ("shape", *MEASURES)
@@ -14,7 +14,7 @@ _MESH = ("file", "scale", "collision")
 _TRAFFIC = ("roads", "lane", "keeps")
 _DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping", "pace", "strength")
 #: Properties that require another one, and the owner they are for.
-_NEEDS = {
+_REQUIREMENTS = {
     "scale": ("file", "a mesh"),
     "collision": ("file", "a mesh"),
     "axes": ("moments", "moments of inertia"),
@@ -23,11 +23,11 @@ _NEEDS = {
     "scatter": ("on", "what rests on something"),
 }
 #: Appearance properties that a part inherits from its object.
-LOOKS = ("color", "material", "image", "repeats", "roughness", "metallic")
+APPEARANCE = ("color", "material", "image", "repeats", "roughness", "metallic")
 
 
 @dataclass(frozen=True)
-class ThingType:
+class EntityType:
     """Determines the allowed properties: kind, model of a joint or robot, written properties, parts.
 
     `asset` marks links and joints of assets.
@@ -40,15 +40,15 @@ class ThingType:
     asset: bool = False
 
 
-def thing_type(
+def entity_type(
     kind: str, written: Collection[str], model: str = "", parts: bool = False, asset: bool = False
-) -> ThingType:
+) -> EntityType:
     """Return the type of an entity. Only properties that affect others are kept, so there are few types."""
     deciding = {"file", "image", "on", "scatter", "target", "moments"}
-    return ThingType(kind, frozenset(deciding & set(written)), model, parts, asset)
+    return EntityType(kind, frozenset(deciding & set(written)), model, parts, asset)
 
 
-def unfit(of: ThingType, name: str) -> str:
+def exclusion_reason(of: EntityType, name: str) -> str:
     """Return why an entity cannot have this property of its kind, or ''."""
     if of.kind in ("object", "part"):
         if of.parts and name in (*_FORM, *_MESH):
@@ -57,8 +57,8 @@ def unfit(of: ThingType, name: str) -> str:
             return f"{'an object' if of.kind == 'object' else 'a part'} that is a mesh from a file has no `{name}`"
         if name == "inside" and "on" in of.said:
             return "an object rests on something or inside it, not both"
-        if name in _NEEDS and _NEEDS[name][0] not in of.said:
-            other, what = _NEEDS[name]
+        if name in _REQUIREMENTS and _REQUIREMENTS[name][0] not in of.said:
+            other, what = _REQUIREMENTS[name]
             return f"`{name}` is for {what}, and there is no `{other}`"
     if of.kind == "joint" and of.model not in ("hinge", "slider") and name in _DRIVEN:
         return f"`{name}` is for a hinge or a slider"
@@ -71,19 +71,19 @@ def unfit(of: ThingType, name: str) -> str:
     return ""
 
 
-def remedy(of: ThingType, name: str) -> str:
+def remedy(of: EntityType, name: str) -> str:
     """Return the remedy for a disallowed property."""
-    lonely = of.kind in ("object", "part") and name in _NEEDS and _NEEDS[name][0] not in of.said
-    return f"add `{_NEEDS[name][0]}:` or remove this" if lonely and not of.parts else "remove it"
+    lonely = of.kind in ("object", "part") and name in _REQUIREMENTS and _REQUIREMENTS[name][0] not in of.said
+    return f"add `{_REQUIREMENTS[name][0]}:` or remove this" if lonely and not of.parts else "remove it"
 
 
 @cache
-def slots(of: ThingType) -> dict[str, Slot]:
+def allowed_properties(of: EntityType) -> dict[str, PropertySpec]:
     """Return the properties that an entity can have."""
-    return {name: _fitted(of, name, slot) for name, slot in PROPERTIES[of.kind].items() if not unfit(of, name)}
+    return {name: _fitted(of, name, slot) for name, slot in PROPERTIES[of.kind].items() if not exclusion_reason(of, name)}
 
 
-def _fitted(of: ThingType, name: str, slot: Slot) -> Slot:
+def _fitted(of: EntityType, name: str, slot: PropertySpec) -> PropertySpec:
     if of.kind == "joint" and AN_ANGLE in slot.types:
         return replace(slot, types=(AN_ANGLE if of.model == "hinge" else A_LENGTH,))
     if of.kind == "joint" and name == "stiffness" and "target" in of.said:
@@ -93,6 +93,6 @@ def _fitted(of: ThingType, name: str, slot: Slot) -> Slot:
     return slot
 
 
-def inherited(own: Collection[str], whole: Collection[str]) -> tuple[str, ...]:
+def inherited_appearance(own: Collection[str], whole: Collection[str]) -> tuple[str, ...]:
     """Return the appearance properties that a part inherits: those of its object (`whole`) without its `own`."""
-    return tuple(name for name in LOOKS if name in whole and name not in own)
+    return tuple(name for name in APPEARANCE if name in whole and name not in own)

@@ -98,7 +98,7 @@ EXAMPLES = {
 }
 
 #: Display units by dimension, each with its lower bound (SI).
-_TOLD = {
+_DISPLAY_UNITS = {
     LENGTH: (("km", 1000.0), ("m", 1.0), ("cm", 0.01), ("mm", 0.0)),
     MASS: (("kg", 1.0), ("g", 0.0)),
     TIME: (("s", 0.0),),
@@ -179,7 +179,7 @@ FOREIGN: dict[str, tuple[float, str]] = {
 }
 
 
-def remedy(unknown: str, text: str, wanted: Iterable[Dimension]) -> str:
+def remedy(unknown: str, text: str, expected: Iterable[Dimension]) -> str:
     """Return the remedy for an unknown unit in a text such as `8 inch`; among equals, an expected dimension wins."""
     if unknown in FOREIGN:
         scale, unit = FOREIGN[unknown]
@@ -187,7 +187,7 @@ def remedy(unknown: str, text: str, wanted: Iterable[Dimension]) -> str:
         if match and match[2] == unknown:
             return f"write `{float(match[1]) * scale:.6g} {unit}`"
         return f"write `{unit}`" if scale == 1 else f"1 {unknown} is {scale:g} {unit}"
-    dimensions = set(wanted)
+    dimensions = set(expected)
     fitting = [name for name, (_, dimension) in UNITS.items() if dimension in dimensions]
     close = closest_word(unknown, fitting, ("cm", "m", "s", "deg", "kg", "g", "N"), UNITS)
     return f"did you mean `{close}`?" if close else "the units are mm, cm, m, g, kg, ms, s, deg, N and others"
@@ -208,24 +208,24 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
     return scale, dimension
 
 
-def named(text: str) -> Dimension:
+def dimension_named(text: str) -> Dimension:
     """Return the dimension of a name or unit, such as `length` or `kg/s`."""
     return next((dimension for dimension, name in _NAMES.items() if name == text), None) or parse_unit(text)[1]
 
 
-def told(value: float, dimension: Dimension) -> str:
+def format_quantity(value: float, dimension: Dimension) -> str:
     """Return an SI value with its customary unit, such as `-5 cm` or `30 deg`."""
     small = 0.1 if dimension == LENGTH else 0.0  # zero is shown in cm
     least = abs(value) or small
-    unit = next((u for u, from_ in _TOLD.get(dimension, ()) if least >= from_ * (1 - 1e-9)), dimension.symbol)
+    unit = next((u for u, from_ in _DISPLAY_UNITS.get(dimension, ()) if least >= from_ * (1 - 1e-9)), dimension.symbol)
     number = value / parse_unit(unit)[0] if unit else value
     return f"{number + 0.0:.6g} {unit}".rstrip()  # turns -0.0 into 0.0
 
 
-def fitting(dimension: Dimension) -> tuple[str, ...]:
+def units_of(dimension: Dimension) -> tuple[str, ...]:
     """Return the units of a dimension: those of the table, then compound ones."""
     plain = [name for name, (_, of) in UNITS.items() if of == dimension]
-    made = [unit for unit, _ in _TOLD.get(dimension, ())]
+    made = [unit for unit, _ in _DISPLAY_UNITS.get(dimension, ())]
     made += [EXAMPLES[dimension].partition(" ")[2]] if dimension in EXAMPLES else []
     return tuple(dict.fromkeys(filter(None, (*plain, *made, dimension.symbol))))
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wmspec.compile.design.about import named
 from wmspec.lang.check.ir.evaluate import evaluate
-from wmspec.lang.check.ir.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
+from wmspec.lang.check.ir.ir import Counterfactual, Level, Outcome, Question, QuestionKind, OrbitFactor
 from wmspec.runtime.caches.cache_keys import look_key
 from wmspec.runtime.questions.changes import change_of
 from wmspec.runtime.questions.kinds.kind import Kind, OptionImage, OptionSet
@@ -247,7 +247,7 @@ def _outcome_kind(kinds: Sequence[Outcome], option: str, measured: Measured) -> 
     raise Reject("ensure", f"{option} matches none of the kinds {', '.join(kind.name for kind in kinds)}")
 
 
-def _kind(orbit: Sequence[Varied], change: Counterfactual, own: Mapping[str, Level]) -> OptionKind:
+def _kind(orbit: Sequence[OrbitFactor], change: Counterfactual, own: Mapping[str, Level]) -> OptionKind:
     """Return the kind of a wrong option; of a closed set, by its difference to the truth."""
     reads = {varied.reads for varied in orbit if change.levels[varied.factor] != own[varied.factor]}
     if not orbit:

@@ -99,7 +99,9 @@ class Pivot:
 
     def at(self, far: float) -> Pose2D:
         """So far turned."""
-        return Pose2D(self.start.x, self.start.y, self.start.heading + math.copysign(far / METRES_PER_RADIAN, self.angle))
+        return Pose2D(
+            self.start.x, self.start.y, self.start.heading + math.copysign(far / METRES_PER_RADIAN, self.angle)
+        )
 
 
 def pose_along(legs: Sequence[PathSegment], far: float) -> Pose2D:

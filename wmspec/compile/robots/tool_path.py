@@ -61,7 +61,10 @@ def smooth(s: float) -> float:
 def knot_times(duration: float) -> tuple[float, ...]:
     """The knots of a way, s."""
     n = max(2, round(duration * KNOT_RATE))
-    return (*(round(k / KNOT_RATE, KNOT_DECIMALS) for k in range(n) if k / KNOT_RATE < duration - 0.5 / KNOT_RATE), duration)
+    return (
+        *(round(k / KNOT_RATE, KNOT_DECIMALS) for k in range(n) if k / KNOT_RATE < duration - 0.5 / KNOT_RATE),
+        duration,
+    )
 
 
 def joint_knots(arm: Arm, base: Array, q: Array, width: float, legs: Sequence[ToolSegment]) -> Array:
