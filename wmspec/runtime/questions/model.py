@@ -190,7 +190,7 @@ Reason = Literal[
 TRANSIENT: Final = frozenset[Reason](("crashed", "timeout"))
 
 #: Reasons that no gate gives: the making itself failed.
-FAILED: Final = frozenset[Reason](("error", *PASSING))
+FAILED: Final = frozenset[Reason](("error", *TRANSIENT))
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ DURATION = PropertySpec((A_TIME,), "how long it lasts", least=0)
 
 
 @dataclass(frozen=True)
-class Act:
+class ResolvedAction:
     """A resolved action: its verb by name and table row, its robot (empty for verbs of objects), and the call."""
 
     name: str
@@ -58,13 +58,13 @@ class Act:
         return {name: argument for name, argument in reversed(self.assigned) if name}
 
 
-def act(check: Expressions, action: s.Action) -> Act:
+def resolve_action(check: Expressions, action: s.Action) -> ResolvedAction:
     """Return the resolved action, or report an error."""
     call = action.call
     if not isinstance(call, s.Call) or not isinstance(call.function, s.Name | s.Member):
         check.fail("WMS204", "an action is a verb with its arguments", call.span, "write `launch(ball, ...)`")
     if isinstance(call.function, s.Member):
-        return _robots(check, call, call.function)
+        return _resolve_robot_verb(check, call, call.function)
     name = call.function.id
     if name not in VERBS:
         able = [f"{'an' if model[0] in 'aeiou' else 'a'} {model}" for model, verbs in ROBOTS.items() if name in verbs]
@@ -73,10 +73,10 @@ def act(check: Expressions, action: s.Action) -> Act:
             hint = f"robots can: `ROBOT.{name}(...)` of {' or '.join(able)}"
             hint += f"; nobody is needed for `{OBJECT_VERBS[name]}(...)`" if name in OBJECT_VERBS else ""
         check.fail("WMS204", f"there is no verb `{name}`", call.function.span, hint)
-    return Act(name, VERBS[name], "", call)
+    return ResolvedAction(name, VERBS[name], "", call)
 
 
-def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
+def _resolve_robot_verb(check: Expressions, call: s.Call, function: s.Member) -> ResolvedAction:
     """Resolve a robot's verb."""
     who = check.infer(function.value, (ROBOT,))
     if who.type == OBJECT and function.name.id in VERBS:
@@ -96,7 +96,7 @@ def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
     if name not in verbs:
         message = f"`{robot.name.id}` has no verb `{name}`"
         check.fail("WMS204", message, function.name.span, suggestion(name, verbs))
-    return Act(name, verbs[name], robot.name.id, call)
+    return ResolvedAction(name, verbs[name], robot.name.id, call)
 
 
 def named(check: Expressions, name: str) -> s.Action:
@@ -111,7 +111,7 @@ def property_(check: Expressions, name: str, member: s.Name) -> Typed:
     action = named(check, name)
     slot = slot_of(check, name, member)
     expr = ir.Property(owner=ir.Value(value=name), name=member.id)
-    does = act(check, action)
+    does = resolve_action(check, action)
     if member.id in ("start", "duration"):
         return Typed(expr, A_TIME)
     if member.id not in does.written:
@@ -126,7 +126,7 @@ def property_(check: Expressions, name: str, member: s.Name) -> Typed:
 
 def slot_of(check: Expressions, name: str, member: s.Name) -> PropertySpec:
     """Return the table row of an action's argument or timing, or report an error."""
-    does = act(check, named(check, name))
+    does = resolve_action(check, named(check, name))
     if member.id not in does.slots:
         if member.id == "duration":
             check.fail("WMS203", f"`{does.name}` happens at once and has no duration", member.span)
@@ -135,7 +135,7 @@ def slot_of(check: Expressions, name: str, member: s.Name) -> PropertySpec:
     return does.slots[member.id]
 
 
-def argument(check: Expressions, action: s.Action, does: Act, name: str) -> Typed:
+def argument(check: Expressions, action: s.Action, does: ResolvedAction, name: str) -> Typed:
     """Return the value of a written argument."""
     written = does.written[name]
     slot = does.verb.arguments[name]
@@ -147,12 +147,12 @@ def argument(check: Expressions, action: s.Action, does: Act, name: str) -> Type
     return check.memoized((action.name.id, name), written.span, make)
 
 
-def subject(check: Expressions, action: s.Action, does: Act) -> ir.Expr | None:
+def subject(check: Expressions, action: s.Action, does: ResolvedAction) -> ir.Expr | None:
     """Return the object that an action moves, the origin of `toward`."""
     return argument(check, action, does, "object").expr if "object" in does.written else None
 
 
-def _types(check: Expressions, action: s.Action, does: Act, name: str, slot: PropertySpec) -> tuple[Type, ...]:
+def _types(check: Expressions, action: s.Action, does: ResolvedAction, name: str, slot: PropertySpec) -> tuple[Type, ...]:
     """Return the types that an argument accepts; the amount of a joint's motion depends on the joint."""
     if name not in ("target", "far") or "joint" not in does.written:
         return slot.types
@@ -182,7 +182,7 @@ def _relative(check: Expressions, timing: s.Timing) -> Typed:
     begin = ir.Property(owner=other, name="start")
     declared = named(check, str(other.value))
     start(check, declared)  # detects cycles
-    if timing.kind == "with" or not act(check, declared).verb.lasts:
+    if timing.kind == "with" or not resolve_action(check, declared).verb.lasts:
         return Typed(begin, A_TIME)
     duration = ir.Property(owner=other, name="duration")
     return Typed(ir.Operation(operator="+", operands=(begin, duration)), A_TIME)

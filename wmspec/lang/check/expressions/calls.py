@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.expressions.typed import Failed, Typed, constant, fits, joined
+from wmspec.lang.check.expressions.typed import Failed, Typed, constant, fits, common_type
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import parts
 from wmspec.lang.check.tables.functions import FUNCTIONS, FUNCTION_ALIASES, Function
@@ -210,7 +210,7 @@ def _common_type(check: Expressions, function: str, written: list[s.Argument], g
     """Return the common type of quantities."""
     kind = given[0].type
     for argument, typed in zip(written[1:], given[1:], strict=True):
-        common = joined(kind, typed.type)
+        common = common_type(kind, typed.type)
         if common is None:
             check.type_mismatch(argument.value, typed.type, (kind,), f"`{function}`, like its first argument,")
         kind = common

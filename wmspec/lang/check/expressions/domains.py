@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.lists import MAX_VALUES
-from wmspec.lang.check.expressions.typed import constant, joined
+from wmspec.lang.check.expressions.typed import constant, common_type
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.functions import DOMAIN_REMEDIES, FUNCTIONS
 from wmspec.lang.check.types.types import A_NUMBER, TRUTH, List, Quantity, Type, Vector, article
@@ -154,7 +154,7 @@ def _conditional(check: Expressions, e: s.Operation) -> WrittenDomain:
     """Check `if CONDITION then DOMAIN else DOMAIN`: the values of both, each with its condition."""
     condition, *branches = e.operands
     yes, no = (_separate(check, branch, "a choice between domains") for branch in branches)
-    kind = joined(yes.type, no.type)
+    kind = common_type(yes.type, no.type)
     if kind is None:
         check.type_mismatch(branches[1], no.type, (yes.type,), "`else`, like its `then`,")
     options = [
@@ -210,7 +210,7 @@ def _product(check: Expressions, e: s.Call) -> WrittenDomain:
     lists = [_separate(check, a, "`product`") for a in arguments]
     kind = lists[0].type
     for written, argument in zip(lists, arguments, strict=True):
-        common = joined(kind, written.type)
+        common = common_type(kind, written.type)
         if not isinstance(common, Quantity):
             expected = kind if isinstance(kind, Quantity) else A_NUMBER
             check.type_mismatch(argument, written.type, (expected,), "`product`")
@@ -287,7 +287,7 @@ def _numbers(check: Expressions, e: s.Call, what: str) -> tuple[Type, tuple[floa
     assert isinstance(e.function, s.Name)
     if not isinstance(a.type, Quantity):
         check.fail("WMS302", f"`{e.function.id}` wants quantities, but this is {article(str(a.type))}", first.span)
-    kind = joined(a.type, b.type)
+    kind = common_type(a.type, b.type)
     if kind is None:
         check.type_mismatch(second, b.type, (a.type,), f"`{e.function.id}`, like its first argument,")
     return kind, (_number(check, a.expr, first.span), _number(check, b.expr, second.span))

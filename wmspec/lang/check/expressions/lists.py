@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions import names
-from wmspec.lang.check.expressions.typed import Typed, constant, fits, joined
+from wmspec.lang.check.expressions.typed import Typed, constant, fits, common_type
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.types import units
 from wmspec.lang.check.types.types import A_NUMBER, List, Quantity, Type, Vector
@@ -36,9 +36,9 @@ def items(check: Expressions, e: s.Items | s.Called, expected: tuple[Type, ...])
         checked = [_scaled(check, i, unit, written.span) for i, written in zip(checked, e.items, strict=True)]
     kind = checked[0].type if checked else None
     for typed, written in zip(checked, e.items, strict=True):
-        common = joined(kind, typed.type) if kind else None
+        common = common_type(kind, typed.type) if kind else None
         if kind is not None and common is None:
-            if names.undeclared(check, e.items[0], kind):  # the declared name may be misspelled
+            if names.may_be_undeclared_name(check, e.items[0], kind):  # the declared name may be misspelled
                 check.type_mismatch(e.items[0], kind, (typed.type,), f"this {e.kind}, like its other items,")
             check.type_mismatch(written, typed.type, (kind,), f"this {e.kind}, like its first item,")
         kind = common
@@ -65,7 +65,7 @@ def _scaled(check: Expressions, item: Typed, unit: tuple[float, Dimension], span
 def range_(check: Expressions, e: s.Range) -> Typed:
     """Return the values of a range, or the two ends of an interval."""
     start, stop = check.infer(e.start), check.infer(e.stop)
-    kind = joined(start.type, stop.type)
+    kind = common_type(start.type, stop.type)
     if not isinstance(kind, Quantity):
         check.type_mismatch(e.stop, stop.type, (start.type,), "`..`, like its start,")
     if e.step is not None:

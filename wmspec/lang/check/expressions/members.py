@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import suggestion
 from wmspec.lang.check.expressions import actions
-from wmspec.lang.check.expressions.names import BLOCKS, present, undeclared
+from wmspec.lang.check.expressions.names import BLOCKS, present, may_be_undeclared_name
 from wmspec.lang.check.expressions.owners import Owner, owner, parts
 from wmspec.lang.check.expressions.typed import Failed, Typed, constant
 from wmspec.lang.check.ir import ir
@@ -40,7 +40,7 @@ def member(check: Expressions, e: s.Member) -> Typed:
     if whole.type == ACTION and isinstance(whole.expr, ir.Value):
         return actions.property_(check, str(whole.expr.value), e.name)
     if whole.type not in _OWNERS:
-        if undeclared(check, e.value, whole.type):
+        if may_be_undeclared_name(check, e.value, whole.type):
             check.type_mismatch(e.value, whole.type, (OBJECT,), f"`.{e.name.id}`")
         check.fail("WMS203", f"{article(str(whole.type))} has no properties", e.name.span)
     kind = _OWNERS[whole.type]

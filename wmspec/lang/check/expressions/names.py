@@ -60,7 +60,7 @@ def name(check: Expressions, e: s.Name, expected: tuple[Type, ...]) -> Typed:
     check.unknown(e, f"`{e.id}` is not known here", suggest(check, e.id, expected))
 
 
-def undeclared(check: Expressions, e: s.Expr, given: Type) -> bool:
+def may_be_undeclared_name(check: Expressions, e: s.Expr, given: Type) -> bool:
     """Whether an expression is a word of the language that may be meant as a declared name."""
     return isinstance(e, s.Name) and isinstance(given, Word) and e.id not in check.scope.names
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmspec.lang.check.expressions.typed import ZERO, Typed, joined, operation
+from wmspec.lang.check.expressions.typed import ZERO, Typed, common_type, operation
 from wmspec.lang.check.types.types import TRUTH, List, Plain, Quantity, Type, Word, article
 from wmspec.lang.check.types.units import NUMBER
 from wmspec.lang.parse import syntax as s
@@ -37,7 +37,7 @@ def _truth(check: Expressions, e: s.Operation) -> Typed:
 def _conditional(check: Expressions, e: s.Operation, expected: tuple[Type, ...]) -> Typed:
     condition = check.value(e.operands[0], (TRUTH,), "`if`")
     yes, no = (check.infer(o, expected) for o in e.operands[1:])
-    kind = joined(yes.type, no.type)
+    kind = common_type(yes.type, no.type)
     if kind is None:
         check.type_mismatch(e.operands[2], no.type, (yes.type,), "`else`, like its `then`,", e.operands[1])
     return operation("if", [condition, yes, no], kind)
@@ -49,7 +49,7 @@ def _comparison(check: Expressions, e: s.Operation) -> Typed:
     each = _each(check, e, [left, right])
     if each is not None:
         left, right = Typed(left.expr, _single(left.type)), Typed(right.expr, _single(right.type))
-    if joined(left.type, right.type) is None:
+    if common_type(left.type, right.type) is None:
         what = f"`{e.operator}`, after {article(str(left.type))},"
         check.type_mismatch(e.operands[1], right.type, (left.type,), what, e.operands[0])
     if e.operator not in ("==", "!=") and not isinstance(left.type, Quantity):
@@ -92,7 +92,7 @@ def _arithmetic_of(check: Expressions, e: s.Operation, operands: list[Typed], ea
         return operation("*", operands, Quantity(dimensions[0] * dimensions[1]), each)
     if e.operator == "/":
         return operation("/", operands, Quantity(dimensions[0] / dimensions[1]), each)
-    kind = joined(*kinds)
+    kind = common_type(*kinds)
     if kind is None:
         what = f"`{e.operator}`, after {article(str(kinds[0]))},"
         check.type_mismatch(e.operands[1], kinds[1], (kinds[0],), what, e.operands[0])

@@ -49,7 +49,7 @@ class Owner:
             return "WMS203", reason, name.span, remedy(self.type, name.id)
         kind = self.type.kind
         message = f"{'an' if kind == 'object' else 'a'} {kind} has no property `{name.id}`"
-        return "WMS203", message, name.span, _meant(name.id, [*self.slots, *self.parts])
+        return "WMS203", message, name.span, _suggest(name.id, [*self.slots, *self.parts])
 
     def silent(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
         """Return the error about an allowed property that has no value: code, message, span, remedy and notes."""
@@ -57,7 +57,7 @@ class Owner:
         return "WMS206", f"`{self.name}` does not say its {name.id}", name.span, f"add `{name.id}:` to it", notes
 
 
-def _meant(name: str, known: list[str]) -> str:
+def _suggest(name: str, known: list[str]) -> str:
     """Return a suggestion for a property: its alias or the most similar name."""
     other = PROPERTY_ALIASES.get(name)
     return f"did you mean `{other}`?" if other in known else suggestion(name, known)

@@ -32,10 +32,10 @@ class Typed:
 
 def fits(given: Type, expected: Type) -> bool:
     """Whether a value of type `given` is allowed where the other is expected."""
-    return joined(given, expected) == expected
+    return common_type(given, expected) == expected
 
 
-def joined(a: Type, b: Type) -> Type | None:
+def common_type(a: Type, b: Type) -> Type | None:
     """Return the common type of two values, or None. A bare zero and an empty list adapt to the other."""
     if a == b:
         return a
@@ -53,7 +53,7 @@ def joined(a: Type, b: Type) -> Type | None:
         case List(), List(None):
             return a
         case List(x), List(y) if x and y:
-            item = joined(x, y)
+            item = common_type(x, y)
             return List(item) if item else None
     return LABEL if _side_by_side(a, b) or _side_by_side(b, a) else None
 

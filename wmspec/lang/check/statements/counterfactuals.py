@@ -126,7 +126,7 @@ class Counterfactuals:
     def _value(self, change: s.Change, value: s.Expr, owner: str, slot: PropertySpec, prop: str) -> Typed:
         if change.kind == "action":
             action = actions.named(self.check, owner)
-            self.check.subject = actions.subject(self.check, action, actions.act(self.check, action))
+            self.check.subject = actions.subject(self.check, action, actions.resolve_action(self.check, action))
         try:
             return self.check.value(value, slot.types, f"`{prop}`")
         finally:

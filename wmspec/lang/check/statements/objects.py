@@ -8,7 +8,7 @@ from typing import cast
 from wmspec.core.diagnostics import Note, Remedy, suggestion
 from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions import actions
-from wmspec.lang.check.expressions.actions import DURATION, START, Act
+from wmspec.lang.check.expressions.actions import DURATION, START, ResolvedAction
 from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.members import setting
@@ -189,7 +189,7 @@ class Things:
 
     def action(self, action: s.Action) -> ir.Entity:
         """Return an action with its verb, arguments and timings."""
-        does = actions.act(self.check, action)
+        does = actions.resolve_action(self.check, action)
         self._all_known(does)
         properties: dict[str, ir.Setting] = {}
         for name, slot in does.verb.arguments.items():
@@ -213,13 +213,13 @@ class Things:
             place=Location.of(action.name.span),
         )
 
-    def _argument(self, action: s.Action, does: Act, name: str, slot: PropertySpec) -> ir.Setting:
+    def _argument(self, action: s.Action, does: ResolvedAction, name: str, slot: PropertySpec) -> ir.Setting:
         typed = actions.argument(self.check, action, does, name)
         span = does.written[name].value.span
         check_bounds(self.check, typed.expr, slot, span, f"`{name}`")
         return ir.Setting(value=typed.expr, place=Location.of(span))
 
-    def _all_known(self, does: Act) -> None:
+    def _all_known(self, does: ResolvedAction) -> None:
         """Report unknown and duplicate arguments."""
         given: set[str] = set()
         for name, argument in does.assigned:
@@ -231,7 +231,7 @@ class Things:
                 self.report.add("WMS205", f"`{name}` is given twice", argument.span, "remove one")
             given.add(name)
 
-    def _driven(self, action: s.Action, does: Act) -> None:
+    def _driven(self, action: s.Action, does: ResolvedAction) -> None:
         """Report a target for a joint without a drive."""
         joint = actions.argument(self.check, action, does, "joint").expr if "joint" in does.written else None
         block = self.scope.names.get(str(joint.value)) if isinstance(joint, ir.Value) else None
@@ -242,7 +242,7 @@ class Things:
             notes = (Note(f"`{block.name.id}` is declared here", block.name.span),)
             self.report.add("WMS206", message, does.call.span, "add `stiffness:` to the joint", notes)
 
-    def _timings(self, action: s.Action, does: Act) -> dict[str, ir.Setting]:
+    def _timings(self, action: s.Action, does: ResolvedAction) -> dict[str, ir.Setting]:
         """Return the start and duration of an action, from `at`, `for`, `after` and `with`."""
         spans: dict[bool, Span] = {}
         for timing in action.timings:

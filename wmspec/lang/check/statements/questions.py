@@ -13,7 +13,7 @@ from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.domains import labels, read_domain
 from wmspec.lang.check.expressions.expressions import Expressions
-from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, joined
+from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, common_type
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.modules import Modules
 from wmspec.lang.check.statements.counterfactuals import Counterfactuals
@@ -185,7 +185,7 @@ class Questions:
     def _options(self, clause: s.Clause, answer: Typed) -> tuple[ir.Expr, Typed]:
         """Return the options, and the answer converted to their common type."""
         options = self.check.infer(clause.value, (List(answer.type), List(LABEL)))
-        common = joined(options.type, List(answer.type))
+        common = common_type(options.type, List(answer.type))
         if not isinstance(common, List) or common.item is None:
             self.check.type_mismatch(clause.value, options.type, (List(answer.type),), "`options`, like the answer,")
         if isinstance(options.expr, ir.Items) and len(options.expr.items) < 2:
