@@ -16,17 +16,17 @@ from wmspec.lang.check.tables.property_schema import APPEARANCE, allowed_propert
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
 from wmspec.lang.check.tables.vocabulary import (
     CONDITIONAL_DOMAINS,
-    JOINTS,
+    CONTINUOUS_DOMAINS,
     DESIGNS,
+    FACTOR_DOMAINS,
+    JOINTS,
     PROPERTIES,
     SETTINGS,
-    CONTINUOUS_DOMAINS,
-    FACTOR_DOMAINS,
     TOLERANCES,
     WEIGHTED_DOMAINS,
     WORDS,
-    SyntaxForm,
     PropertySpec,
+    SyntaxForm,
 )
 from wmspec.lang.check.types.types import either
 from wmspec.lang.check.types.units import EXAMPLES, UNITS

@@ -32,7 +32,7 @@ def test_what_was_sealed_is_known_again_and_nothing_else(private: Path, tmp_path
     assert debug["seed"] == 0
     assert not {shard["sha256"] for shard in debug["shards"].values()} & {*ids}
 
-    done = wmspec("seal", private, "--check", tmp_path / "public" / "seal.json", folder=tmp_path)
+    done = wmspec("attest", private, "--check", tmp_path / "public" / "seal.json", folder=tmp_path)
     assert (done.returncode, done.stdout) == (0, "this is the dataset that was sealed\n")
     again = tmp_path / "again"
     generate(SPEED, again, per_task=2, backend="mujoco", size=64, seed=SEED, workers=0)

@@ -37,13 +37,13 @@ def test_every_rebuilt_task_has_at_least_the_papers_images_and_cases(tmp_path: P
 
 def test_a_dimension_is_chosen_by_its_path(tmp_path: Path) -> None:
     def listed(*dimensions: str) -> set[str]:
-        chosen = [part for d in dimensions for part in ("--only-dimension", d)]
+        chosen = [part for d in dimensions for part in ("--dimension", d)]
         return {r["task"] for r in json.loads(wmspec("list", "--json", *chosen, folder=tmp_path).stdout)}
 
     assert "speed_tabletop" in listed("perception.motion") - listed("prediction")
     assert "collide" in listed("prediction") - listed("perception.motion")
     assert listed("perception", "prediction") <= listed()
-    told = wmspec("list", "--only-dimension", "perception.moton", folder=tmp_path, code=2).stderr
+    told = wmspec("list", "--dimension", "perception.moton", folder=tmp_path, code=2).stderr
     assert "did you mean `perception.motion`?" in told
 
 
@@ -81,7 +81,7 @@ def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -
     [
         (["--full", "--per-task", 3, "-o", "out"], "give one of the two"),
         ([], "give the folder of the dataset with -o, or --dry-run"),
-        (["--only-dimension", "taste", "-o", "out"], "no task has the dimension `taste`"),
+        (["--dimension", "taste", "-o", "out"], "no task has the dimension `taste`"),
     ],
 )
 def test_what_cannot_be_generated_is_told(args: list[object], said: str, tmp_path: Path) -> None:

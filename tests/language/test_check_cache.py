@@ -172,9 +172,9 @@ def test_a_library_from_the_cache_is_the_library(path: Path) -> None:
     source = read_source(path)
     tree = parse(source, Report())
     library_cache.store(source, tree)
-    load_cached = library_cache.kept(source)
-    assert load_cached == tree
-    assert load_cached.span.source is source
+    cached = library_cache.load_cached(source)
+    assert cached == tree
+    assert cached.span.source is source
     assert library_cache.load_cached(Source(source.name, source.text + "\n")) is None
 
 

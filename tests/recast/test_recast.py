@@ -32,7 +32,7 @@ def recast(folder: Path, *lines: str, head: str = HEAD) -> Result:
     """Recast a table of these lines with the pictures of `folder`."""
     table = folder / "table.csv"
     table.write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")
-    return run("recast", table, "--images", folder / "pictures", "-o", folder / "out", "--size", 128)
+    return run("import-images", table, "--images", folder / "pictures", "-o", folder / "out", "--size", 128)
 
 
 def rows(folder: Path) -> list[dict[str, Any]]:
@@ -64,7 +64,7 @@ def folder(tmp_path: Path) -> Path:
 def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
     skimage = pytest.importorskip("skimage")
     out = tmp_path_factory.mktemp("example") / "photographs"
-    done = run("recast", DOCS / "photographs.csv", "--images", Path(skimage.__file__).parent / "data", "-o", out)
+    done = run("import-images", DOCS / "photographs.csv", "--images", Path(skimage.__file__).parent / "data", "-o", out)
     assert done.exit_code == 0, done.output
     return out
 
@@ -117,7 +117,7 @@ def test_the_example_states_every_licence(example: Path) -> None:
 def test_the_same_table_gives_the_same_bytes(example: Path, tmp_path: Path) -> None:
     skimage = pytest.importorskip("skimage")
     run(
-        "recast", DOCS / "photographs.csv", "--images", Path(skimage.__file__).parent / "data", "-o", tmp_path / "again"
+        "import-images", DOCS / "photographs.csv", "--images", Path(skimage.__file__).parent / "data", "-o", tmp_path / "again"
     )
     for path in (p for p in example.rglob("*") if p.is_file()):
         assert path.read_bytes() == (tmp_path / "again" / path.relative_to(example)).read_bytes(), path
@@ -229,7 +229,7 @@ def test_options_may_be_pictures(folder: Path) -> None:
 
 def test_a_spreadsheets_mark_and_line_breaks_are_read(folder: Path) -> None:
     (folder / "table.csv").write_bytes(f'\ufeff{HEAD}\r\n"Which,\r\nthen?",red.png,a;b,a\r\n'.encode())
-    done = run("recast", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "out")
+    done = run("import-images", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "out")
     assert done.exit_code == 0, done.output
     assert rows(folder / "out")[0]["text"] == "Which,\r\nthen?"
 
@@ -302,7 +302,7 @@ def test_all_mistakes_are_told_at_once(folder: Path) -> None:
 )
 def test_a_table_that_is_none_is_told(folder: Path, content: bytes, said: str) -> None:
     (folder / "table.csv").write_bytes(content)
-    done = run("recast", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "out")
+    done = run("import-images", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "out")
     assert (done.exit_code, said in done.output) == (2, True), done.output
 
 
@@ -319,7 +319,7 @@ def test_what_is_not_ours_is_not_overwritten_and_what_is_ours_is_made_again(fold
     assert [row["answer_value"] for row in rows(folder / "out")] == ["b"]
     (folder / "mine").mkdir()
     (folder / "mine" / "letter.txt").write_text("dear")
-    done = run("recast", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "mine")
+    done = run("import-images", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "mine")
     assert done.exit_code == 2
     assert "did not write" in done.output
     assert [p.name for p in (folder / "mine").iterdir()] == ["letter.txt"]

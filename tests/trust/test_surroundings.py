@@ -63,7 +63,7 @@ COMMANDS = {
     ".usda": [["run"], ["render", "-o", "o"]],
     ".npz": [["render", "-o", "o"]],
     ".parquet": [["evaluate", "--rescore"], ["report", "-o", "o"]],
-    ".csv": [["recast", "-o", "o", "--images", "."]],
+    ".csv": [["import-images", "-o", "o", "--images", "."]],
 }
 
 

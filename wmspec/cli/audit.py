@@ -25,7 +25,7 @@ MOST = 3
 @click.argument("dataset", type=click.Path(path_type=Path))
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Folder for audit.html and audit.json.")
 @click.option(
-    "--pictures-of",
+    "--max-images",
     type=click.IntRange(20),
     default=2000,
     show_default=True,
@@ -35,7 +35,7 @@ MOST = 3
 @json_option
 @click.pass_context
 def audit_command(
-    ctx: click.Context, dataset: Path, output: Path | None, pictures_of: int, workers: int | None, as_json: bool
+    ctx: click.Context, dataset: Path, output: Path | None, max_images: int, workers: int | None, as_json: bool
 ) -> None:
     """Audit a dataset for missing items, imbalance, duplicates and shortcuts.
 
@@ -48,7 +48,7 @@ def audit_command(
     from wmspec.dataset.build.reader import DatasetReader
 
     with progress_bar(len(DatasetReader.open(dataset).tasks), "auditing", "tasks") as progress:
-        result = audit(dataset, pictures_of, progress, workers or os.cpu_count() or 1)
+        result = audit(dataset, max_images, progress, workers or os.cpu_count() or 1)
     record = json.dumps({"passed": result.passed, **asdict(result)}, indent=1, ensure_ascii=False) + "\n"
     if output is not None:
         folder = make_folder(output)

@@ -31,15 +31,15 @@ spec_argument = click.argument("spec", type=click.Path(path_type=Path))
 seed_option = click.option("--seed", default=0, show_default=True, help="Random seed.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 dimension_option = click.option(
-    "--only-dimension", multiple=True, metavar="PATH", help="Only tasks of this dimension, such as perception.motion."
+    "--dimension", multiple=True, metavar="PATH", help="Only tasks of this dimension, such as perception.motion."
 )
 task_option = click.option("--task", default="", metavar="NAME", help="Task, if the file has several.")
 instance_option = click.option(
     "--instance", "-i", default=0, show_default=True, metavar="I", help="Index of the instance."
 )
 size_option = click.option("--size", default="384", show_default=True, help="Picture size in pixels: 384, or 320x240.")
-redrawn_option = click.option(
-    "--redrawn", default=0, metavar="N", type=click.IntRange(0), help="Use the N-th re-sample of the nuisances."
+redraw_option = click.option(
+    "--redraw", default=0, metavar="N", type=click.IntRange(0), help="Use the N-th re-sample of the nuisances."
 )
 
 
@@ -129,7 +129,7 @@ def settle(tally: Tally) -> None:
         raise SystemExit(1)
 
 
-def instance_of(path: Path, name: str, index: int, seed: int, redrawn: int = 0) -> Instance:
+def instance_of(path: Path, name: str, index: int, seed: int, redraw: int = 0) -> Instance:
     """An instance of the task of this name, or of the only one, of a spec file. Raises WmsError if there is none."""
     from wmspec.api import load_all
 
@@ -143,7 +143,7 @@ def instance_of(path: Path, name: str, index: int, seed: int, redrawn: int = 0) 
     if index < 0:
         raise WmsError(f"instance {index}: the first is 0")
     try:
-        return task[index].redrawn(redrawn)
+        return task[index].redrawn(redraw)
     except IndexError as error:
         raise WmsError(f"{error}") from None
 

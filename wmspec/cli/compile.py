@@ -10,7 +10,7 @@ from wmspec.cli.common import (
     instance_of,
     instance_option,
     make_folder,
-    redrawn_option,
+    redraw_option,
     seed_option,
     spec_argument,
     task_option,
@@ -24,12 +24,12 @@ from wmspec.core.diagnostics import WmsError
 @click.option("--backend", "-b", default="", help="Engines to write native files for: comma-separated names, or all.")
 @task_option
 @instance_option
-@redrawn_option
+@redraw_option
 @seed_option
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Output folder.")
 @click.option("--ir", is_flag=True, help="Print the checked task as JSON (see `wmspec schema`) and write no files.")
 def compile_command(
-    spec: Path, backend: str, task: str, instance: int, redrawn: int, seed: int, output: Path | None, ir: bool
+    spec: Path, backend: str, task: str, instance: int, redraw: int, seed: int, output: Path | None, ir: bool
 ) -> None:
     """Write an instance as USD and in the native formats of engines.
 
@@ -38,7 +38,7 @@ def compile_command(
     """
     from wmspec.runtime.engines.registry import chosen
 
-    chosen_instance = instance_of(spec, task, instance, seed, redrawn)
+    chosen_instance = instance_of(spec, task, instance, seed, redraw)
     checked = chosen_instance.task
     if ir:
         click.echo(checked.to_json())

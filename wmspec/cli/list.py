@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @dimension_option
 @click.option("--sizes", is_flag=True, help="Print the number of independent groups per factor and nuisance.")
 @json_option
-def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], sizes: bool, as_json: bool) -> None:
+def list_command(specs: tuple[Path, ...], dimension: tuple[str, ...], sizes: bool, as_json: bool) -> None:
     """List tasks with their dimensions, factors and numbers of instances (× questions), beside the paper's cases.
 
     Instances of a group share all draws, so the number of groups is a sample size. `color (3 in 60)` is a factor with
@@ -31,7 +31,7 @@ def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], sizes
     from wmspec.api import load_all
     from wmspec.api.loading import of_dimensions
 
-    rows = [_row(task) for task in of_dimensions(load_all(*specs, tell=tell), only_dimension)]
+    rows = [_row(task) for task in of_dimensions(load_all(*specs, tell=tell), dimension)]
     if as_json:
         click.echo(json.dumps(rows, indent=2))
     else:

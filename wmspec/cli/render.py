@@ -17,7 +17,7 @@ from wmspec.cli.common import (
     look_options,
     make_folder,
     parse_size,
-    redrawn_option,
+    redraw_option,
     seed_option,
     settle,
     size_option,
@@ -49,7 +49,7 @@ FILMS = (".gif", ".mp4")
 @click.option("--renderer", "-r", default="", help="Engine that draws, if different from the executing one.")
 @task_option
 @instance_option
-@redrawn_option
+@redraw_option
 @seed_option
 @duration_option
 @size_option
@@ -72,7 +72,7 @@ def render_command(
     renderer: str,
     task: str,
     instance: int,
-    redrawn: int,
+    redraw: int,
     seed: int,
     duration: str,
     size: str,
@@ -91,7 +91,7 @@ def render_command(
 
     drawing: Drawing = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
     seconds = seconds_of(duration) if duration else None
-    executions = _executions(source, backend, task, instance, seed, redrawn, seconds)
+    executions = _executions(source, backend, task, instance, seed, redraw, seconds)
     many = len(executions) > 1 or backend == "all"
     drawn, causes = 0, list[str]()
     for execute in executions:
@@ -130,7 +130,7 @@ class _Pictures:
 
 
 def _executions(
-    source: Path, backend: str, task: str, instance: int, seed: int, redrawn: int, seconds: float | None
+    source: Path, backend: str, task: str, instance: int, seed: int, redraw: int, seconds: float | None
 ) -> list[Callable[[], Episode]]:
     """What gives the episodes: one of each engine that executes it, or the one that was written to disk."""
     from wmspec.api import load_episode, open_stage
@@ -141,7 +141,7 @@ def _executions(
     if suffix == ".npz":
         return [partial(load_episode, source)]
     given = suffix in STAGES
-    stage = open_stage(source) if given else instance_of(source, task, instance, seed, redrawn).stage()
+    stage = open_stage(source) if given else instance_of(source, task, instance, seed, redraw).stage()
 
     def executed(engine: str) -> Episode:
         episode = execute(stage, engine, seconds, strict=not given)

@@ -15,7 +15,7 @@ from wmspec.cli.common import (
     instance_option,
     json_option,
     paint,
-    redrawn_option,
+    redraw_option,
     seed_option,
     task_option,
     tell,
@@ -45,7 +45,7 @@ duration_option = click.option(
 @click.option("--backend", "-b", default="", help="Engines: comma-separated names, or all.  [default: first installed]")
 @task_option
 @instance_option
-@redrawn_option
+@redraw_option
 @seed_option
 @duration_option
 @click.option(
@@ -61,7 +61,7 @@ def run_command(
     backend: str,
     task: str,
     instance: int,
-    redrawn: int,
+    redraw: int,
     seed: int,
     duration: str,
     output: Path | None,
@@ -82,7 +82,7 @@ def run_command(
     if source.suffix.lower() in STAGES:
         episodes, refusals = _each(engines, lambda engine: run(source, engine, seconds, strict=strict))
     else:
-        one = instance_of(source, task, instance, seed, redrawn)
+        one = instance_of(source, task, instance, seed, redraw)
         episodes, refusals = _each(engines, lambda engine: one.run(engine, duration=seconds))
     if output is not None and episodes:
         episodes[0].save(output)

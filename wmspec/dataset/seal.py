@@ -41,7 +41,7 @@ class Seal(BaseModel):
         try:
             return cls.model_validate_json(path.read_bytes())
         except (OSError, ValidationError) as error:
-            raise WmsError(f"{path} is no seal", help="`wmspec seal DATASET -o FOLDER` writes one") from error
+            raise WmsError(f"{path} is no seal", help="`wmspec attest DATASET -o FOLDER` writes one") from error
 
     @property
     def text(self) -> str:

@@ -14,7 +14,7 @@ from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.tables.property_schema import allowed_properties, entity_type
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import JOINTS, DESIGNS, PROPERTIES, SETS, SETTINGS, TOLERANCES, PropertySpec
+from wmspec.lang.check.tables.vocabulary import DESIGNS, JOINTS, PROPERTIES, SETS, SETTINGS, TOLERANCES, PropertySpec
 from wmspec.lang.check.types.types import (
     A_LENGTH,
     A_NUMBER,
@@ -63,7 +63,7 @@ class Wanted:
 
     types: tuple[Type, ...] | None = ()
     measured: bool = False
-    allowed_properties: Mapping[str, PropertySpec] = field(default_factory=dict)
+    slots: Mapping[str, PropertySpec] = field(default_factory=dict)
     kind: str = ""
     words: Mapping[str, str] = field(default_factory=dict)
     of: Span | None = None
@@ -241,7 +241,10 @@ class Reader:
         template = self.meaning.scope.names.get(model) if self.meaning else None
         own: dict[str, PropertySpec] = {}
         if isinstance(template, s.Template):
-            own = {p.name.id: PropertySpec(self._of(p.value), f"of `{model}`", p.value.span.text) for p in template.parameters}
+            own = {
+                p.name.id: PropertySpec(self._of(p.value), f"of `{model}`", p.value.span.text)
+                for p in template.parameters
+            }
             parts = parts or bool(template.parts)
         elif kind == "object" and self._symbol(head) in ("OBJECT", "OBJECTS") and model:
             parts = True

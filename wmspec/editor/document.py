@@ -13,7 +13,7 @@ from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.node import Node
 from wmspec.core.places import Source, Span
 from wmspec.lang.check.expressions.expressions import Expressions
-from wmspec.lang.check.statements.task import known
+from wmspec.lang.check.statements.task import scope_of
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.files import display_path
 from wmspec.lang.parse.load import Program, load_source
@@ -55,7 +55,7 @@ class Document:
     def meaning(self, offset: int) -> Expressions | None:
         """What expressions mean where a character stands."""
         with suppress(WmsError):
-            return known(self.program, *self.around(offset))
+            return scope_of(self.program, *self.around(offset))
         return None
 
     def nodes_at(self, offset: int) -> list[Node]:

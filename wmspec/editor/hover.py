@@ -15,7 +15,16 @@ from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import COLORS, JOINTS, DESIGNS, PROPERTIES, SETS, TOLERANCES, WORDS, PropertySpec
+from wmspec.lang.check.tables.vocabulary import (
+    COLORS,
+    DESIGNS,
+    JOINTS,
+    PROPERTIES,
+    SETS,
+    TOLERANCES,
+    WORDS,
+    PropertySpec,
+)
 from wmspec.lang.check.types.units import UNITS, UnknownUnit, parse_unit
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.lexer import Token

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from wmspec.compile.design.depend import dependencies
 from wmspec.compile.layout.values import Values
 from wmspec.lang.check.ir.evaluate import evaluate, parts
-from wmspec.lang.check.ir.ir import Expr, Question, Ref, Interpolation, Value
+from wmspec.lang.check.ir.ir import Expr, Interpolation, Question, Ref, Value
 
 
 def named(question: Question, values: Values) -> set[str]:

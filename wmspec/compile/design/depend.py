@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from wmspec.compile.layout.motion import CARRYING
 from wmspec.compile.layout.values import INHERITED
 from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.ir.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Entity, Value
+from wmspec.lang.check.ir.ir import Call, Choices, Entity, Expr, Property, Ref, TaskSpec, Value
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
 
 #: Properties that determine the form of an object or part.

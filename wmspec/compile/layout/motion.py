@@ -11,7 +11,7 @@ from wmspec.compile.layout.placement import rest
 from wmspec.compile.layout.surfaces import is_point
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Pose, Vector, add, from_ypr, heading_vector, multiply, scale
-from wmspec.lang.check.ir.ir import TaskSpec, Entity
+from wmspec.lang.check.ir.ir import Entity, TaskSpec
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import HEADINGS
 

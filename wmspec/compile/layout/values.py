@@ -14,7 +14,7 @@ from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Location
 from wmspec.core.space import Pose, Vector
 from wmspec.lang.check.ir.evaluate import NoValue, evaluate
-from wmspec.lang.check.ir.ir import Counterfactual, Expr, TaskSpec, Entity, Value
+from wmspec.lang.check.ir.ir import Counterfactual, Entity, Expr, TaskSpec, Value
 from wmspec.lang.check.tables import colors
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MAX_LENGTH, PROPERTIES, PropertySpec

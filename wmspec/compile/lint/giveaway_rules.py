@@ -9,7 +9,7 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
 from wmspec.compile.lint.task_rules import Task
 from wmspec.lang.check.ir.evaluate import evaluate, parts
-from wmspec.lang.check.ir.ir import Question, Ref, Interpolation, time_of_last_picture
+from wmspec.lang.check.ir.ir import Interpolation, Question, Ref, time_of_last_picture
 from wmspec.lang.check.types import units
 
 #: What pictures show of a thing whatever happens to it.

@@ -11,7 +11,7 @@ from wmspec.compile.layout.solids import Box, bounds, corners
 from wmspec.compile.layout.values import Values
 from wmspec.core.space import Vector, add, cross, dot, heading_vector, scale
 from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.ir.ir import Expr, Property, Ref, Interpolation, TaskSpec, Entity, Value
+from wmspec.lang.check.ir.ir import Entity, Expr, Interpolation, Property, Ref, TaskSpec, Value
 
 
 def blind(values: Values) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Arms in files of their own: `write_arm` writes what a description says as USD, `read_arm` reads the arm of such a file."""
+"""Arms in USD files: `write_arm` converts a description, `read_arm` reads such a file."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from wmspec.sim.shapes.facets import tessellate
 
 ROOT, GREY, DARK = "/arm", (0.8, 0.8, 0.82), (0.25, 0.25, 0.27)
 KEY = "wms:arm"
-"""Where the layer of a file has the numbers of its arm, as JSON."""
+"""Key of the layer's metadata that holds the parameters of the arm, as JSON."""
 
 
 def write_arm(path: Path, target: Path) -> ArmModel:
-    """Write the arm that a TOML file describes as a USD file. Raises WmsError with what is wrong."""
+    """Write the arm that a TOML file describes as a USD file. Raises WmsError for invalid descriptions."""
     made = read_description(path)
     arm = made.arm
     stage = Usd.Stage.CreateInMemory()
@@ -57,7 +57,7 @@ def write_arm(path: Path, target: Path) -> ArmModel:
 
 
 def _add_visuals(stage: Usd.Stage, link: str, made: ArmModel, number: int, into: Array) -> None:
-    """What is seen of a link, `into` the frame of its prim."""
+    """Add the visual geometry of a link below its prim, whose frame is `into`."""
     for i, (shape, pose) in enumerate(made.shapes[number]):
         points, faces = _triangles(shape, made.folder)
         moved = apply(pose, points) @ into[:3, :3].T + into[:3, 3]
@@ -76,7 +76,7 @@ def _triangles(shape: Shape, folder: Path) -> tuple[Array, Any]:
 
 
 def _add_hand(stage: Usd.Stage, arm: Arm, hand: Array) -> None:
-    """The palm, which can be touched, and two fingers with pads."""
+    """Add the palm, with collision, and two fingers with pads."""
     rubber, dark = material(stage, ROOT, "rubber", DARK, arm.rubber), material(stage, ROOT, "finger", DARK)
     UsdPhysics.CollisionAPI.Apply(box(stage, f"{ROOT}/hand/palm", arm.hull, rubber).GetPrim())
     for side, turn in (("left", 0.0), ("right", np.pi)):
@@ -87,7 +87,7 @@ def _add_hand(stage: Usd.Stage, arm: Arm, hand: Array) -> None:
 
 
 def read_arm(path: Path) -> Arm:
-    """The arm of a file that `write_arm` wrote. Raises ImpossibleValue if it is none."""
+    """Return the arm of a file that `write_arm` wrote. Raises ImpossibleValue for other files."""
     try:
         status = path.stat()
     except OSError as error:
@@ -104,7 +104,7 @@ def _read_arm(path: Path, _changed: int, _size: int) -> Arm:
         arm = Arm(**{**arrays, "asset": str(path.resolve())})
         arm.tool(arm.rest, np.eye(4))
     except (Tf.ErrorException, AttributeError, KeyError, TypeError, ValueError, IndexError):
-        raise ImpossibleValue(f"{path} is no arm", help="make it with `wmspec arm DESCRIPTION.toml`") from None
+        raise ImpossibleValue(f"{path} is no arm", help="create it with `wmspec import-arm DESCRIPTION.toml`") from None
     return arm
 
 
@@ -113,7 +113,7 @@ def _to_json(value: Any) -> Any:
 
 
 def _from_json(value: Any) -> Any:
-    """A number, a text, a list of texts as a tuple, or a list of numbers as an array."""
+    """Return a JSON value as a number, a text, a tuple of texts or an array."""
     if isinstance(value, list):
         return tuple(value) if value and isinstance(value[0], str) else np.array(value, np.float64)
     return value

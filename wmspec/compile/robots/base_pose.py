@@ -1,4 +1,4 @@
-"""Where robots stand."""
+"""Base poses of robots."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def base(values: Values, robot: str) -> Pose:
-    """Where a robot stands."""
+    """Return the pose of a robot's base."""
     at, yaw = values.spot(robot), values.number(robot, "yaw")
     if values.has(robot, "on"):
         if len(at) == 3:

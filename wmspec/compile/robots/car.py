@@ -1,4 +1,4 @@
-"""What a car looks like: forms, each in one of its colours. It is touched by nothing, and hits nothing."""
+"""Visual geometry of a car: shapes, each with a colour. It has no collision geometry."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wmspec.core.space import Pose, Vector, from_ypr
 from wmspec.sim.shapes import SHAPES
 
 BODY_COLOR = ""
-"""The colour of what is painted as the car is."""
+"""Marks parts that have the colour of the car."""
 
 _OUTLINES = (
     ((-2.1, 0.28), (2.08, 0.28), (2.1, 0.55), (1.95, 0.72), (0.95, 0.84), (-1.6, 0.9), (-2.08, 0.86)),
@@ -21,7 +21,7 @@ _OUTLINES = (
 
 @cache
 def parts() -> tuple[tuple[str, Piece, str], ...]:
-    """Name, form and colour of each part, x ahead, seen from the middle of the ground below it."""
+    """Return name, shape and colour of each part; x is ahead, the origin below the centre on the ground."""
     hull = _piece("extrude", (0.0, 0.0, 0.0), outline=_OUTLINES[0], depth=1.76)
     glass = _piece("extrude", (0.0, 0.0, 0.0), outline=_OUTLINES[1], depth=1.5)
     roof = _piece("box", (-0.5, 0.0, 1.41), size=(1.3, 1.44, 0.04))

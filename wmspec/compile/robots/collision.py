@@ -1,4 +1,4 @@
-"""Whether arms keep clear: hands, what they hold and the links behind, of what they do not handle and of each other."""
+"""Collision checks of arms: hands, held objects and links against other objects and other hands."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wmspec.compile.layout.geometry import pieces, touchable
 from wmspec.compile.layout.values import Values
 from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
-from wmspec.compile.robots.boxes import Box, box_between, part_boxes, local_corners
+from wmspec.compile.robots.boxes import Box, box_between, local_corners, part_boxes
 from wmspec.compile.robots.grasps import CLOSED_SHARE, FIRM_POINTS
 from wmspec.compile.robots.link_points import link_points
 from wmspec.compile.robots.manipuland import Manipuland, joined_objects
@@ -19,9 +19,9 @@ from wmspec.compile.robots.planning import (
     OPEN_SPAN,
     PUSH_SPAN,
     TAKING_VERBS,
+    ArmState,
     Plan,
     Reach,
-    ArmState,
     matrix,
     other_motions,
 )
@@ -29,9 +29,9 @@ from wmspec.compile.robots.supported_objects import rigid_group, supported_objec
 from wmspec.lang.check.ir.ir import Entity
 from wmspec.sim.shapes.shape import Shape
 
-BOX_SLACK = 0.002  # m: by so much less than its box a thing or a hand counts
-HAND_SLACK = 0.006  # m: the same of two hands, whose corners are round
-HAND_RADIUS = 0.25  # m: no part of a hand is further from its frame
+BOX_SLACK = 0.002  # m: shrinks the boxes of objects and hands
+HAND_SLACK = 0.006  # m: the same between two hands, which have round corners
+HAND_RADIUS = 0.25  # m: radius of a ball around a hand's frame that contains the hand
 DEFAULT_REMEDY = "let the hand take it elsewhere (`at:`), or move that out of its way"
 CARRY_REMEDY = "raise it higher before, or let it go another way, or move that out of its way"
 REMEDIES = {
@@ -48,13 +48,13 @@ MOTION_START = {
     "open": OPEN_SPAN[0],
     "close": OPEN_SPAN[0],
 }
-"""From which share of its time a verb leads what it is done to."""
+"""Share of an action's duration after which the handled object moves with the hand."""
 
 
 def collision(made: Plan, action: Entity, before: Manipuland) -> tuple[str, str] | None:
-    """What an arm goes through during an action and when, and what helps; None if it keeps clear.
+    """Return a description of the first collision of an arm during an action, and a remedy; None if it is clear.
 
-    `before` is what it handles, as it was before.
+    `before` is the handled object before the action.
     """
     reach, arm = made.reaches[action.name], made.arms[action.of]
     links = np.array([arm.arm.links(q, arm.base) for q in reach.values[:, : len(arm.q)]])
@@ -69,12 +69,10 @@ def collision(made: Plan, action: Entity, before: Manipuland) -> tuple[str, str]
 def _object_collision(
     made: Plan, action: Entity, before: Manipuland, links: Array, hand: list[Box]
 ) -> tuple[str, str] | None:
-    """What the hand, a link or what is held or pushed goes through, of all that the arm does not handle."""
+    """Return the first collision of the hand, a link or a moved object with an unhandled object."""
     reach, arm, frames = made.reaches[action.name], made.arms[action.of].arm, links[:, -1]
     led, carried = _moved_pieces(made, action, before, frames), supported_objects(made, rigid_group(made, action))
-    leads = MOTION_START.get(action.verb, 0.0) * made.duration(
-        action
-    )  # what lies on it or in it comes along from then on
+    leads = MOTION_START.get(action.verb, 0.0) * made.duration(action)  # then supported objects move along
     for name, box in _obstacles(made, action, carried):
         when = _first_overlap(hand, [box], reach, BOX_SLACK) if _is_near(frames, box) else None
         what = "its hand"
@@ -92,14 +90,14 @@ def _object_collision(
 
 
 def _grasp_collision(made: Plan, action: Entity, before: Manipuland, frames: Array) -> tuple[str, str] | None:
-    """Whether a finger comes down on what it is to take, or the two close on an edge of it."""
+    """Return a collision of a finger with the object to grasp, or a grasp at its edge."""
     reach, arm = made.reaches[action.name], made.arms[action.of].arm
     if action.verb not in TAKING_VERBS or made.values.parts(before.name):
         return None
     lowest = int(frames[:, 2, 3].argmin())
     hits = before.has((frames[lowest] @ translation(0.0, 0.0, arm.reach))[:3, 3])
     box = Box(before.middle[None], before.frame[None, :3, :3], np.array(before.half))
-    touching = arm.tip[1] * (1, 0, 1) + (0, arm.pad, 0)  # of a finger the pad alone
+    touching = arm.tip[1] * (1, 0, 1) + (0, arm.pad, 0)  # only the pad of a finger
     closes = np.array(reach.times) <= CLOSED_SHARE * made.duration(action)
     for when, what in (
         (np.arange(len(frames)) <= lowest, f"a finger would come down on `{before.name}`"),
@@ -112,7 +110,7 @@ def _grasp_collision(made: Plan, action: Entity, before: Manipuland, frames: Arr
 
 
 def _hand_collision(made: Plan, action: Entity, hand: list[Box]) -> tuple[str, str] | None:
-    """Whether a hand meets that of another arm."""
+    """Return the first collision of the hand with the hand of another arm."""
     reach, start = made.reaches[action.name], made.number(action, "start")
     for robot, other in made.arms.items():
         if robot != action.of:
@@ -134,7 +132,7 @@ def _is_near(frames: Array, box: Box) -> bool:
 
 
 def _link_contact(arm: Arm, links: Array, box: Box, reach: Reach) -> float | None:
-    """When (s) a link behind the hand, of all their frames (n, k, 4, 4), is first in a box that stands still."""
+    """Return when (s) a link behind the hand, with frames (n, k, 4, 4), first enters a fixed box, or None."""
     first = len(links)
     for number, points in link_points(arm):
         middle = points.mean(axis=0)
@@ -152,7 +150,7 @@ def _link_contact(arm: Arm, links: Array, box: Box, reach: Reach) -> float | Non
 
 @dataclass(frozen=True, eq=False)
 class _MovedPiece:
-    """A piece of what an arm leads: its solid, at these of the times of a reach in these frames (n, 4, 4)."""
+    """A solid that the arm moves: the indices of its times, and its frames (n, 4, 4)."""
 
     solid: Shape
     times: NDArray[np.intp]
@@ -161,7 +159,7 @@ class _MovedPiece:
 
 
 def _moved_pieces(made: Plan, action: Entity, before: Manipuland, frames: Array) -> list[_MovedPiece]:
-    """The pieces of what the hand (n, 4, 4) holds fast or pushes during an action, as they go with it."""
+    """Return the solids that the hand (n, 4, 4) holds or pushes during an action."""
     reach = made.reaches[action.name]
     when = made.number(action, "start") + np.array(reach.times)
     holds = [r.hold for r in made.reaches.values() if r.robot == action.of and r.hold]
@@ -185,7 +183,7 @@ def _moved_pieces(made: Plan, action: Entity, before: Manipuland, frames: Array)
 
 
 def _first_contact(led: Sequence[_MovedPiece], box: Box, reach: Reach) -> float | None:
-    """When (s) what is led is first in a box that stands still: no axis of either separates them."""
+    """Return when (s) moved solids first overlap a fixed box, or None."""
     first = None
     for piece in led:
         for i in np.flatnonzero(piece.box.meets(box, BOX_SLACK)).tolist():
@@ -196,7 +194,7 @@ def _first_contact(led: Sequence[_MovedPiece], box: Box, reach: Reach) -> float 
 
 
 def _is_separated(solid: Shape, frame: Array, box: Box) -> bool:
-    """Whether a side of a box, or of that around a solid, has all of the other beyond it, but for the slack."""
+    """Whether a face of a box, or of the box around a solid, separates the two, within the slack."""
     for axis in (*box.axes[0].T, *frame[:3, :3].T):
         own = frame[:3, :3].T @ axis
         ahead, back = solid.reach(tuple(own.tolist())), solid.reach(tuple((-own).tolist()))
@@ -211,26 +209,26 @@ def _is_separated(solid: Shape, frame: Array, box: Box) -> bool:
 
 
 def _first_overlap(hand: list[Box], others: list[Box], reach: Reach, slack: float) -> float | None:
-    """When (s) any two of these first overlap."""
+    """Return when (s) any two of these boxes first overlap, or None."""
     hits = np.any([mine.meets(box, slack) for mine in hand for box in others], axis=0)
     return reach.times[int(hits.argmax())] if hits.any() else None
 
 
 def _hand(arm: Arm, frames: Array, slides: Array) -> Iterator[Box]:
-    """The hull of the hand and its fingers, for its frames (n, 4, 4) and how far (n,) each finger has slid."""
+    """Yield the boxes of a hand and its fingers, for frames (n, 4, 4) and finger displacements (n,) m."""
     yield box_between(frames, arm.hull)
     yield from _fingers(frames, slides, arm, arm.tip)
 
 
 def _fingers(frames: Array, slides: Array, arm: Arm, corners: Array) -> Iterator[Box]:
-    """The part of both fingers that is between two corners (2, 3) of their own frames."""
+    """Yield the boxes of both fingers between two corners (2, 3) of their own frames."""
     for side in (0.0, np.pi):
         fingers = np.array([axis_rotation(2, side) @ translation(0.0, float(slide), arm.finger) for slide in slides])
         yield box_between(frames @ fingers, corners)
 
 
 def _other_hand(made: Plan, robot: str, arm: ArmState, times: Array) -> Iterator[Box]:
-    """The hand of another arm at these times (n,) s: on its ways so far, and between them where they end."""
+    """Yield the boxes of another arm's hand at these times (n,) s, by its planned motion so far."""
     rows = np.tile([*arm.arm.rest, arm.arm.opening / 2], (len(times), 1))
     starts = sorted((made.values.number(name, "start"), name) for name, r in made.reaches.items() if r.robot == robot)
     for start, name in starts:
@@ -242,7 +240,7 @@ def _other_hand(made: Plan, robot: str, arm: ArmState, times: Array) -> Iterator
 
 
 def _obstacles(made: Plan, action: Entity, carried: set[str]) -> Iterator[tuple[str, Box]]:
-    """All that an arm does not handle; what it pushes may push what can move, but for what is `carried` along."""
+    """Yield the objects that an arm must avoid; a push may also move loose objects, except `carried` ones."""
     values, handled = made.values, joined_objects(made.values, made.values.reference(action.name, "object"))
     others = {values.reference(t.name, "object") for t in other_motions(values)}
     for thing in values.spec.things:

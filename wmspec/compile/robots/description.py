@@ -1,4 +1,4 @@
-"""An arm as its user describes it in TOML: a file of links and hinges, and the hand that is bolted to one of them."""
+"""Descriptions of arms in TOML: a file with links and hinges, and a hand attached to one of them."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from wmspec.sim.scene.model.transform import compose, inverse, quaternion, rotat
 
 Triple = tuple[float, float, float]
 Above0 = Annotated[float, Field(gt=0)]
-MAX_HINGES = 12  # hinges of an arm
-MAX_PAD_LENGTH = 0.019  # m: so much of the end of a finger presses, at most
+MAX_HINGES = 12  # of an arm
+MAX_PAD_LENGTH = 0.019  # m: at the end of a finger
 
 
 class Hand(BaseModel):
     """A hand of two fingers that open along its y; z is ahead. Lengths in m, angles in degrees.
 
-    Its frame is `at` and turned by `turn` about x, then y, then z, as the link that it is `on` sees it; the `palm` is a
-    box from there ahead, and the `fingers` are boxes from its end ahead: sizes along x, y and z. They open `opening`
-    wide and press with `grip` (N), with the friction `rubber`.
+    Its frame is `at`, rotated by `turn` about x, then y, then z, in the frame of the link `on`. The `palm` is a box
+    from there ahead. The `fingers` are boxes from its end ahead. Sizes are along x, y and z. `opening` is the maximum
+    distance of the fingers, `grip` (N) their force and `rubber` their friction.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -46,10 +46,10 @@ class Hand(BaseModel):
 
 
 class Description(BaseModel):
-    """A `file` (URDF, MJCF, USD), from the description's folder or in an installed Python `package`, and what it lacks.
+    """A `file` (URDF, MJCF, USD), relative to the description or to an installed Python `package`, with additions.
 
-    `rest` is how the hinges stand between what the arm does, the hand drawn back and looking down, and `home` to where
-    they are pulled when they are free to choose; degrees. `speed` is how fast they turn at most, degrees per second.
+    `rest` is the configuration between actions, with the hand retracted and looking down. `home` is the preferred
+    configuration for redundant joints; both in degrees. `speed` limits the joints, in degrees per second.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -63,9 +63,9 @@ class Description(BaseModel):
 
 @dataclass(frozen=True, eq=False)
 class ArmModel:
-    """An arm, and what is drawn of each link, the base first, in its own frame; meshes are files below `folder`.
+    """An arm, and the visual geometry of each link in its own frame, the base first; meshes are below `folder`.
 
-    What is `ignored` of its file does not matter to what moves as it is told.
+    `ignored` are warnings of its file that do not matter for kinematic bodies.
     """
 
     arm: Arm
@@ -75,7 +75,7 @@ class ArmModel:
 
 
 def read_description(path: Path) -> ArmModel:
-    """The arm that a TOML file describes. Raises WmsError with what is wrong."""
+    """Return the arm that a TOML file describes. Raises WmsError for invalid descriptions."""
     said = _read_toml(path)
     folder = path.parent if not said.package else _package_folder(said.package, path)
     asset, ignored = structure(folder, said.file)
@@ -114,7 +114,7 @@ def _read_toml(path: Path) -> Description:
 
 
 def _package_folder(name: str, path: Path) -> Path:
-    """The folder of an installed package, which is not imported."""
+    """Return the folder of an installed package without importing it."""
     known = find_spec(name) if name.isidentifier() else None
     if known is None or not known.submodule_search_locations:
         raise WmsError(f"there is no package `{name[:60]}`", FilePlace(str(path)), f"pip install {name}")
@@ -122,7 +122,7 @@ def _package_folder(name: str, path: Path) -> Path:
 
 
 def _chain(asset: Asset, end: str, path: Path) -> tuple[dict[str, Pose], list[Joint]]:
-    """Where all links are with every joint at 0, and the hinges that lead to a link, in order."""
+    """Return the poses of all links with joints at 0, and the hinges from the base to a link, in order."""
     held = {joint.child: joint for joint in asset.joints.values() if joint.kind != "free"}
     if end not in asset.links:
         raise WmsError(f"there is no link `{end[:60]}`", FilePlace(str(path)), f"its links: {', '.join(asset.links)}")
@@ -149,7 +149,7 @@ def _chain(asset: Asset, end: str, path: Path) -> tuple[dict[str, Pose], list[Jo
 
 
 def _hinge(places: dict[str, Pose], joint: Joint) -> Array:
-    """The frame (4, 4) of a hinge, which turns about its z, with every joint at 0."""
+    """Return the frame (4, 4) of a hinge with joints at 0; it turns about its z."""
     here = _matrix(places[joint.child])
     z = joint.axis / np.linalg.norm(joint.axis)
     x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
@@ -160,7 +160,7 @@ def _hinge(places: dict[str, Pose], joint: Joint) -> Array:
 
 
 def _moving_link(asset: Asset, chain: list[Joint], name: str) -> int | None:
-    """The number of the moving link that a link is part of, 0 is the base; None if it moves besides."""
+    """Return the index of the moving link that a link is fixed to (0 is the base), or None if it moves itself."""
     held = {joint.child: joint for joint in asset.joints.values()}
     numbers = {joint.name: i for i, joint in enumerate(chain, 1)}
     while name in held:

@@ -1,4 +1,4 @@
-"""The Franka Emika Panda with its hand: the numbers of `panda.urdf` (franka_description, Apache-2.0)."""
+"""The Franka Emika Panda with its hand: parameters of `panda.urdf` (franka_description, Apache-2.0)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What hands do that take, put down and let go: `pick`, `grasp`, `lift`, `place`, `drop`."""
+"""Planners of grasping actions: `pick`, `grasp`, `lift`, `place`, `drop`."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from wmspec.compile.robots.tool_path import ToolSegment, stay, straight
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Entity
 
-FINGER_CLEARANCE = 0.0005  # m: what the fingers leave
-RELEASE_HEIGHT = 0.0002  # m: from how high something is put down
-END_DISTANCE = 0.025  # m: how far from its end a long thing is taken
-PALM_CLEARANCE = 0.003  # m: how far the palm stays above what the fingers take
-SUPPORT_CLEARANCE = 0.001  # m: how far their ends stay above what it stands on
+FINGER_CLEARANCE = 0.0005  # m: between finger and object before the grasp
+RELEASE_HEIGHT = 0.0002  # m: height from which an object is released
+END_DISTANCE = 0.025  # m: distance of a grasp from the end of a long object
+PALM_CLEARANCE = 0.003  # m: between the palm and the grasped object
+SUPPORT_CLEARANCE = 0.001  # m: between the fingertips and the object's support
 HINGE_POINTS = ((0.0, -0.02, 0.0), (0.0, 0.02, 0.0))
 FIRM_POINTS = (*HINGE_POINTS, (0.02, 0.0, 0.0))
-"""By which points things are held, from the tool, m: two are a hinge between the pads, three hold fast."""
-JERK_PEAK = 5.7735  # the greatest acceleration of a minimum-jerk way, in ways per squared time: 10 / sqrt(3)
-CLOSED_SHARE = 0.65  # of the time of what takes something, the hand is closed
+"""Holding points relative to the tool, m: two form a hinge between the pads, three hold rigidly."""
+JERK_PEAK = 5.7735  # peak acceleration of a minimum-jerk motion, in lengths per squared duration: 10 / sqrt(3)
+CLOSED_SHARE = 0.65  # share of a grasping action after which the hand is closed
 
 
 def pick(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Come from above, take it, and raise it."""
+    """Plan an approach from above, a grasp and a lift."""
     action, height = require_single(acts), made.number(acts[0], "height")
     made.free(action)
     at = grasp_pose(made, action, thing)
@@ -40,7 +40,7 @@ def pick(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
 
 
 def grasp(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Come from above and take it, where it is: on something, or in another hand."""
+    """Plan an approach from above and a grasp, of a resting object or one in another hand."""
     action = require_single(acts)
     made.free(action)
     at = grasp_pose(made, action, thing)
@@ -50,7 +50,7 @@ def grasp(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
 
 
 def lift(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Raise what is held; else take it at the end that is nearer, or both ends with two hands, and raise that."""
+    """Plan to raise a held object; else grasp it at the nearer end, or at both ends with two hands, and raise it."""
     if len(acts) == 1 and made.arms[acts[0].of].held == thing.name:
         return _raise(made, acts[0], thing)
     sides, lengths, hands, heights = end_actions(made, acts, thing), {}, {}, {}
@@ -78,7 +78,7 @@ def lift(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
 
 
 def place(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Carry it above its place, put it down there, let go and draw back."""
+    """Plan to carry an object above its place, put it down, release it and retract."""
     action = require_single(acts)
     arm, lasts, values = made.arms[action.of], made.duration(action), made.values
     onto = values.reference(action.name, "on")
@@ -108,7 +108,7 @@ def place(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
 
 
 def drop(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Open the hand; what no other hand holds falls to where it was taken from."""
+    """Plan to open the hand; an object that no other hand holds falls to where it was grasped."""
     action = require_single(acts)
     arm = made.arms[action.of]
     made.require_held(action)
@@ -132,10 +132,10 @@ def take(
     points: tuple[tuple[float, float, float], ...],
     firm: bool,
 ) -> Manipuland:
-    """Come from above, take it at `at`, and go the way `rise` with it.
+    """Plan an approach from above, a grasp at `at`, and the motion `rise` with the object.
 
-    What is not held `firm` slips out of the hand, and a hand beside it closes on nothing: then it stays where it is.
-    The fingers close alike: what is not in the middle between them is moved there.
+    Without `firm` the object slips out of the hand, and a hand beside it closes on nothing: the object then stays. Both
+    fingers close symmetrically, so an off-centre object is moved to the middle.
     """
     arm, lasts = made.arms[action.of], made.duration(action)
     above, opened, hits = translation(0.0, 0.0, APPROACH_HEIGHT) @ at, arm.arm.opening, thing.has(at[:3, 3])
@@ -157,14 +157,14 @@ def take(
 
 
 def can_carry(made: Plan, action: Entity, mass: float, friction: float, height: float) -> bool:
-    """Whether friction in the hand carries a mass (kg) that is raised by a height (m): if not, it slips."""
+    """Whether friction in the hand holds a mass (kg) that is raised by a height (m); otherwise it slips."""
     arm = made.arms[action.of].arm
     pull = JERK_PEAK * height / ((1 - CLOSED_SHARE) * made.duration(action)) ** 2
     return mass * (made.values.gravity + pull) <= 2 * sqrt(arm.rubber * friction) * arm.grip
 
 
 def grasp_pose(made: Plan, action: Entity, thing: Manipuland) -> Array:
-    """Where the tool takes a thing: across one of its sides that fits between the fingers."""
+    """Return the tool pose that grasps an object across a side that fits between the fingers."""
     arm = made.arms[action.of].arm
     x, y = made.values.pair(action.name, "at")
     spot = (thing.frame @ translation(x, y, 0.0))[:3, 3]
@@ -186,7 +186,7 @@ def grasp_pose(made: Plan, action: Entity, thing: Manipuland) -> Array:
 
 
 def end_actions(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> dict[int, Entity]:
-    """Which arm's action is at which end of a thing: -1 is that along its -x."""
+    """Return the action at each end of an object; key -1 is the end along its -x."""
     if len(acts) > 2:
         raise ImpossibleValue(f"at most two arms {acts[2].verb} one thing", acts[2].place)
     along = {a.name: float(thing.to_local(made.arms[a.of].base[:3, 3])[0]) for a in acts}
@@ -199,7 +199,7 @@ def end_actions(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> dict[i
 def _end_path(
     thing: Manipuland, side: int, lengths: dict[int, float], heights: dict[int, float], hand: Array
 ) -> Callable[[float], Array]:
-    """The way of a hand at an end, so far (m) from the middle: on the arc of the thing's own turn."""
+    """Return the path of a hand at an end of an object, on the arc of the object's rotation."""
     half, high, length = thing.half[0], thing.half[2], lengths[side]
 
     def joined_objects(s: float) -> tuple[float, float]:
@@ -207,7 +207,7 @@ def _end_path(
         tilt = float(np.arcsin((top - low) / (lengths[-1] + lengths[1])))
         return side * length * np.cos(tilt), high + low + (lengths[-1] + side * length) * np.sin(tilt)
 
-    def alone(s: float) -> tuple[float, float]:  # the far lower edge stays where it is
+    def alone(s: float) -> tuple[float, float]:  # the object tips about its far lower edge
         far = half + length
         angle = float(np.arcsin(min(1.0, s * heights[side] / far)))
         x, z = far * np.cos(angle) - high * np.sin(angle), far * np.sin(angle) + high * np.cos(angle)

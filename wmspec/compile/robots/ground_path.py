@@ -1,4 +1,4 @@
-"""Ways over the ground, in pieces: straight, along a bend, over to a side; and how fast they are gone."""
+"""Paths on the ground: straight, curved, lane changes and turns in place, with speed profiles."""
 
 from __future__ import annotations
 
@@ -7,50 +7,50 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-METRES_PER_RADIAN = 0.5  # m
+METRES_PER_RADIAN = 0.5
 
 
 @dataclass(frozen=True)
 class Pose2D:
-    """A place on the ground (m) and a heading (rad, anticlockwise from +x)."""
+    """A position on the ground (m) and a heading (rad, anticlockwise from +x)."""
 
     x: float
     y: float
     heading: float
 
     def ahead(self, far: float, aside: float = 0.0) -> Pose2D:
-        """So far (m) ahead of it, and to its left."""
+        """Return the pose displaced forward and to the left (m)."""
         cos, sin = math.cos(self.heading), math.sin(self.heading)
         return Pose2D(self.x + far * cos - aside * sin, self.y + far * sin + aside * cos, self.heading)
 
 
 class PathSegment(Protocol):
-    """A piece of a way."""
+    """A segment of a path."""
 
     @property
     def length(self) -> float:
-        """How long (m) it is."""
+        """Length (m)."""
 
     def at(self, far: float) -> Pose2D:
-        """Where it leads after so far (m)."""
+        """Return the pose at a distance (m)."""
 
 
 @dataclass(frozen=True)
 class Straight:
-    """Straight ahead; backwards where `sign` is -1."""
+    """A straight segment; backwards if `sign` is -1."""
 
     start: Pose2D
     length: float
     sign: int = 1
 
     def at(self, far: float) -> Pose2D:
-        """So far ahead, or back."""
+        """Return the pose at a distance (m)."""
         return self.start.ahead(self.sign * far)
 
 
 @dataclass(frozen=True)
 class Bend:
-    """A part of a circle of `radius` m, by an `angle` (rad) to the left, or below 0 to the right."""
+    """A circular arc of `radius` m and `angle` rad, positive to the left."""
 
     start: Pose2D
     radius: float
@@ -58,11 +58,11 @@ class Bend:
 
     @property
     def length(self) -> float:
-        """That of the arc."""
+        """Arc length (m)."""
         return self.radius * abs(self.angle)
 
     def at(self, far: float) -> Pose2D:
-        """So far around."""
+        """Return the pose at a distance (m)."""
         side = math.copysign(self.radius, self.angle)
         turned, middle = far / side, self.start.ahead(0.0, side)
         heading = self.start.heading + turned
@@ -71,14 +71,14 @@ class Bend:
 
 @dataclass(frozen=True)
 class Swerve:
-    """Over to the left by `aside` m, or below 0 to the right, as it goes `length` m ahead; it ends as it is headed."""
+    """A lane change by `aside` m (positive to the left) over `length` m ahead, with equal headings at both ends."""
 
     start: Pose2D
     length: float
     aside: float
 
     def at(self, far: float) -> Pose2D:
-        """So far ahead, on a cubic between the two lines."""
+        """Return the pose at a distance (m) ahead, on a cubic between the two lines."""
         u = far / self.length
         place = self.start.ahead(far, self.aside * u * u * (3 - 2 * u))
         slope = 6 * self.aside * u * (1 - u) / self.length
@@ -87,25 +87,25 @@ class Swerve:
 
 @dataclass(frozen=True)
 class Pivot:
-    """On the spot by an `angle` (rad) to the left, or below 0 to the right, which counts as `METRES_PER_RADIAN` m a radian."""
+    """A turn in place by `angle` rad (positive to the left); its length is METRES_PER_RADIAN per radian."""
 
     start: Pose2D
     angle: float
 
     @property
     def length(self) -> float:
-        """How long (m) it counts."""
+        """Nominal length (m)."""
         return METRES_PER_RADIAN * abs(self.angle)
 
     def at(self, far: float) -> Pose2D:
-        """So far turned."""
+        """Return the pose at a nominal distance (m)."""
         return Pose2D(
             self.start.x, self.start.y, self.start.heading + math.copysign(far / METRES_PER_RADIAN, self.angle)
         )
 
 
 def pose_along(legs: Sequence[PathSegment], far: float) -> Pose2D:
-    """Where a way leads after so far (m)."""
+    """Return the pose at a distance (m) along a path."""
     for leg in legs[:-1]:
         if far <= leg.length:
             return leg.at(far)
@@ -114,9 +114,9 @@ def pose_along(legs: Sequence[PathSegment], far: float) -> Pose2D:
 
 
 def arc_length_at(length: float, lasts: float, first: float, last: float, time: float) -> float:
-    """How far (m) somebody has come by `time` (s) who goes a `length` in `lasts` s: a cubic with these end speeds.
+    """Return the distance (m) covered at `time` (s): a cubic with the end speeds `first` and `last` (m/s).
 
-    It never goes back if both are at most three times the mean speed.
+    It is monotonic if both are at most three times the mean speed.
     """
     u = time / lasts
     eased = length * u * u * (3 - 2 * u)

@@ -1,4 +1,4 @@
-"""The links of an arm behind its hand, as points on what is drawn of them."""
+"""Point clouds of the links of an arm behind its hand, for collision checks."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from wmspec.compile.robots.arm import Arm, Array
 from wmspec.core import disk_cache
 from wmspec.core.resources import resource
 
-if TYPE_CHECKING:  # with the points in the cache, neither is imported
+if TYPE_CHECKING:  # imported only to fill the cache
     from pxr import Usd, UsdGeom
 
-GRID_SIZE = 0.02  # m: no part of a link's surface is further than that from one of its points
+GRID_SIZE = 0.02  # m: maximum distance of the surface from a point
 
 
 @lru_cache(maxsize=8)
 def link_points(arm: Arm) -> tuple[tuple[int, Array], ...]:
-    """What there is of each moving link: its number among the frames of `Arm.links`, and points (n, 3) m in that frame.
+    """Return for each moving link its index in `Arm.links`, and surface points (n, 3) m in its frame.
 
-    What is within the hull of the hand or ahead of it is left out, and the base, which moves nowhere.
+    The base and points within or ahead of the hand's hull are omitted.
     """
-    if Path(arm.asset).is_absolute():  # of a user's: what else its file refers to may change
+    if Path(arm.asset).is_absolute():  # not cached: files that a user's asset refers to may change
         return _link_points(arm)
     key = f"{disk_cache.fingerprint()} {arm.asset} {len(arm.frames)} {arm.hull[0].tolist()}"
     entry = f"links-{disk_cache.digest(key.encode())[:32]}.npz"
@@ -63,7 +63,7 @@ def _link_points(arm: Arm) -> tuple[tuple[int, Array], ...]:
 
 
 def _points(cache: UsdGeom.XformCache, link: Usd.Prim, prim: Usd.Prim) -> Array:
-    """Points on a mesh, seen from its link, one for each cell of a grid."""
+    """Return points on a mesh in the frame of its link, one for each grid cell."""
     import trimesh
     from pxr import UsdGeom
 

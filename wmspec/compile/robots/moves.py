@@ -1,4 +1,4 @@
-"""What arms do to where things are: `push`, `carry`, `rotate`, `tilt`, and `open` and `close` what joints hold."""
+"""Planners of moving actions: `push`, `carry`, `rotate`, `tilt`, and `open` and `close` for joints."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from wmspec.compile.robots.tool_path import ToolSegment, rotation_matrix, smooth
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Entity
 
-PUSH_OPENING = 0.036  # m: how far apart the fingers are that push
-MIN_OPEN_PUSH_WIDTH = 0.046  # m: what is less wide is pushed by fingers that are closed
-APPROACH_DISTANCE = 0.04  # m: how far from what it pushes the hand comes down
-CORNER_OFFSET = 0.05  # m: how far from the middle of its side each of two hands pushes that meet at a corner
-END_PUSH_DISTANCE = 0.035  # m: how far from its end a thing is pushed that is turned
-LIMIT_TOLERANCE = 1e-6  # rad or m: so far beyond its limit a joint is at it
+PUSH_OPENING = 0.036  # m: distance of pushing fingers
+MIN_OPEN_PUSH_WIDTH = 0.046  # m: narrower objects are pushed with closed fingers
+APPROACH_DISTANCE = 0.04  # m: between the object and the hand that comes down beside it
+CORNER_OFFSET = 0.05  # m: of each of two hands from the centre of its side
+END_PUSH_DISTANCE = 0.035  # m: from the end of an object that turns
+LIMIT_TOLERANCE = 1e-6  # rad or m: of a joint
 UP = np.array([0.0, 0.0, 1.0])
 
 
 def push(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Touch it on the side opposite to where it is to go, and move it there.
+    """Plan to touch an object opposite to the direction of motion, and to push it.
 
-    Two hands that push one way, or against each other, each push their end of it so far; two that push across each
-    other move it by the sum.
+    Two hands that push in the same or opposite directions each push one end. Two that push across each other move the
+    object by the sum.
     """
     ways = {a.name: made.number(a, "distance") * heading_vector(made.values.direction(a.name)) for a in acts}
     asides = {a.name: np.zeros(3) for a in acts}
@@ -49,7 +49,7 @@ def push(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
 
 
 def carry(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Move the hand level, and what it holds with it."""
+    """Plan a horizontal motion of the hand with the held object."""
     action = require_single(acts)
     made.require_held(action)
     arm = made.arms[action.of]
@@ -59,23 +59,23 @@ def carry(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
 
 
 def rotate(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Turn the hand, and what it holds with it, about the upright through the tool."""
+    """Plan a rotation of the hand with the held object about the vertical through the tool."""
     return _turn_hand(made, require_single(acts), thing, UP)
 
 
 def tilt(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Tip the hand over, and what it holds with it, as one pours."""
+    """Plan to tip the hand with the held object, as in pouring."""
     action = require_single(acts)
     return _turn_hand(made, action, thing, np.cross(UP, heading_vector(made.values.direction(action.name))))
 
 
 def open_(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """Take a handle, move it as its joint lets it, let go and draw back."""
+    """Plan to grasp a handle, move it along its joint, release it and retract."""
     return _along_joint(made, require_single(acts), thing, 1.0)
 
 
 def close(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
-    """The same, the other way."""
+    """Plan the reverse of `open_`."""
     return _along_joint(made, require_single(acts), thing, -1.0)
 
 
@@ -83,13 +83,13 @@ def close(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
 
 
 def heading_vector(direction: Any) -> Array:
-    """The unit vector (3,) of a direction word or an angle."""
+    """Return the unit vector (3,) of a direction word or an angle."""
     angle = heading(direction)
     return np.array([np.cos(angle), np.sin(angle), 0.0])
 
 
 def rotation_about(point: Array, axis: Array, angle: float) -> Array:
-    """A turn (4, 4) about an axis through a point."""
+    """Return the rotation (4, 4) about an axis through a point."""
     turn = np.eye(4)
     turn[:3, :3] = rotation_matrix(angle * axis)
     return np.asarray(translation(*point) @ turn @ translation(*(-point)))
@@ -98,7 +98,7 @@ def rotation_about(point: Array, axis: Array, angle: float) -> Array:
 def _plan_push(
     made: Plan, action: Entity, thing: Manipuland, way: Array, aside: Array, move: Callable[[float], Array]
 ) -> None:
-    """One hand that pushes: it comes down beside the thing, goes with it as it moves, and draws back."""
+    """Plan one pushing hand: it comes down beside the object, follows its motion, and retracts."""
     arm, lasts = made.arms[action.of], made.duration(action)
     made.free(action)
     ahead = way / np.linalg.norm(way)
@@ -121,7 +121,7 @@ def _plan_push(
         ToolSegment(0.41 * lasts, straight(first, near), apart),
         ToolSegment(PUSH_SPAN[0] * lasts, straight(near, touch), apart),
         ToolSegment(PUSH_SPAN[1] * lasts, lambda s: np.asarray(move(s) @ touch), apart),
-        ToolSegment(0.65 * lasts, stay(there), apart),  # or the spline would swing .1 mm beyond it
+        ToolSegment(0.65 * lasts, stay(there), apart),  # stops the spline from overshooting by 0.1 mm
         ToolSegment(0.695 * lasts, straight(there, back), apart),
         ToolSegment(0.762 * lasts, straight(back, above @ back), apart),
         ToolSegment(lasts, straight(above @ back, arm.drawn_back(back)), arm.arm.opening),
@@ -130,14 +130,14 @@ def _plan_push(
 
 
 def _push_motion(thing: Manipuland, total: Array, angle: float) -> Callable[[float], Array]:
-    """How a thing that is pushed moves (4, 4), for 0..1 of its way."""
+    """Return the motion (4, 4) of a pushed object as a function of 0..1."""
     return lambda s: np.asarray(translation(*(s * total)) @ rotation_about(thing.middle, UP, s * angle))
 
 
 def _end_pushes(
     made: Plan, acts: Sequence[Entity], thing: Manipuland, ways: dict[str, Array]
 ) -> tuple[dict[str, Array], Array, float]:
-    """Where on its side each hand pushes, how far the thing goes then, and by which angle (rad) it turns."""
+    """Return the contact offset of each hand, the displacement of the object, and its rotation (rad)."""
     sides, along = end_actions(made, acts, thing), thing.frame[:3, 0]
     across = np.cross(UP, along)
     arm = thing.half[0] - END_PUSH_DISTANCE
@@ -154,13 +154,13 @@ def _end_pushes(
 
 
 def _corner_offset(thing: Manipuland, ahead: Array, other: Array) -> Array:
-    """How far beside the middle of its side a hand pushes, away from another one round the corner."""
+    """Return the offset of a hand from the centre of its side, away from the other hand at the corner."""
     across = other - (other @ ahead) * ahead
     return np.asarray(across * max(0.0, min(CORNER_OFFSET, thing.reach(other) - PUSH_OPENING / 2)))
 
 
 def _turn_hand(made: Plan, action: Entity, thing: Manipuland, axis: Array) -> Manipuland:
-    """Turn the hand about an axis through the tool, and what it holds with it."""
+    """Plan a rotation of the hand with the held object about an axis through the tool."""
     arm, angle = made.arms[action.of], made.number(action, "angle")
     here = arm.tool
     point = here[:3, 3]
@@ -178,7 +178,7 @@ def _turn_hand(made: Plan, action: Entity, thing: Manipuland, axis: Array) -> Ma
 
 
 def _along_joint(made: Plan, action: Entity, handle: Manipuland, sign: float) -> Manipuland:
-    """Take a handle and move it by so much along the way that its joint leaves it; let go, and draw back."""
+    """Plan to grasp a handle, move it along its joint in the direction `sign`, release it and retract."""
     arm, lasts, joint = made.arms[action.of], made.duration(action), made.values.reference(action.name, "joint")
     made.free(action)
     by = sign * made.number(action, "far")
@@ -208,7 +208,7 @@ def _along_joint(made: Plan, action: Entity, handle: Manipuland, sign: float) ->
 
 
 def _require_range(made: Plan, action: Entity, handle: str, joint: str, by: float) -> None:
-    """Complain unless a joint holds the handle, or what that is joined to, and lets it be moved so far (rad or m)."""
+    """Raise unless a joint holds the handle, or an object connected to it, and permits the motion (rad or m)."""
     values = made.values
     if values.reference(joint, "of") not in joined_objects(values, handle):
         raise ImpossibleValue(
@@ -229,7 +229,7 @@ def _require_range(made: Plan, action: Entity, handle: str, joint: str, by: floa
 
 
 def _joint_motion(made: Plan, action: Entity, joint: str, by: float) -> Callable[[float], Array]:
-    """How what a hinge or slider holds moves (4, 4), for 0..1 of `by` (rad or m)."""
+    """Return the motion (4, 4) of the object on a hinge or slider as a function of 0..1 of `by` (rad or m)."""
     model = made.values.spec.thing(joint).model
     if model not in ("hinge", "slider"):
         raise ImpossibleValue(

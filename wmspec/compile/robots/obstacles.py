@@ -1,4 +1,4 @@
-"""What stands in the way of cars and walkers: the outlines of things on the ground, and how far they are."""
+"""Obstacles of cars and walkers: outlines of objects on the ground, and distances to them."""
 
 from __future__ import annotations
 
@@ -34,23 +34,23 @@ class Outline:
 
     @cached_property
     def radius(self) -> float:
-        """How far (m) it reaches from its middle."""
+        """Maximum distance (m) of a corner from the middle."""
         return max(math.dist(self.middle, corner) for corner in self.corners)
 
     def distance(self, point: Point) -> float:
-        """How far (m) a point is from it; 0 within."""
+        """Return the distance (m) of a point; 0 within the outline."""
         sides = list(zip(self.corners, (*self.corners[1:], self.corners[0]), strict=True))
         if all(_left(a, b, point) >= 0 for a, b in sides):
             return 0.0
         return min(_from_side(a, b, point) for a, b in sides)
 
     def meets(self, other: Outline) -> bool:
-        """Whether the two overlap: no side of either separates them."""
+        """Whether two outlines overlap, by the separating axis test."""
         return not (_is_separated(self, other) or _is_separated(other, self))
 
 
 def obstacles(values: Values, low: float, high: float) -> tuple[Outline, ...]:
-    """The outlines of all that is seen or touched between two heights (m) and is not carried, as it is at the start."""
+    """Return the initial outlines of all visible or touchable, uncarried objects between two heights (m)."""
     carried = carriers(values)
     names = (t.name for t in values.spec.things if t.kind == "object" and t.name not in carried)
     kept = (name for name in names if values.there(name) and _has_any(values, name, ("drawn", "solid")))
@@ -58,12 +58,12 @@ def obstacles(values: Values, low: float, high: float) -> tuple[Outline, ...]:
 
 
 def object_outlines(values: Values, name: str) -> tuple[Outline, ...]:
-    """The outlines of the parts of one object, however high."""
+    """Return the outlines of the parts of one object, at any height."""
     return tuple(_outlines(values, name, -math.inf, math.inf))
 
 
 def _outlines(values: Values, name: str, low: float, high: float) -> list[Outline]:
-    """Those of the parts of an object that reach between two heights."""
+    """Return the outlines of the parts of an object that reach between two heights."""
     outlines = []
     for _, piece in every_piece(values, name):
         box = _box(piece, values.pose(name))
@@ -77,13 +77,13 @@ def _has_any(values: Values, name: str, properties: Sequence[str]) -> bool:
 
 
 def _box(piece: Piece, pose: Pose) -> list[Vector]:
-    """The corners in the world of the box around a piece of an object, along the piece's own axes."""
+    """Return the world corners of the box around a solid, along the solid's own axes."""
     placed = pose.compose(piece.pose)
     return [placed.apply(corner) for corner in corners(bounds([Piece(piece.solid, IDENTITY)], IDENTITY))]
 
 
 def hull(points: Sequence[Point]) -> tuple[Point, ...]:
-    """The convex hull, anticlockwise (A. M. Andrew's monotone chain, Information Processing Letters 9, 1979)."""
+    """Return the convex hull, anticlockwise (A. M. Andrew's monotone chain, Information Processing Letters 9, 1979)."""
     ordered = sorted({(round(x, 9), round(y, 9)) for x, y in points})
     halves: list[Point] = []
     for way in (ordered, ordered[::-1]):
@@ -97,7 +97,7 @@ def hull(points: Sequence[Point]) -> tuple[Point, ...]:
 
 
 def _left(a: Point, b: Point, point: Point) -> float:
-    """How far to the left of the line from `a` to `b` a point is, times the length of that."""
+    """Return twice the signed area of the triangle `a`, `b`, `point`; positive on the left."""
     return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
 
 
@@ -109,6 +109,6 @@ def _from_side(a: Point, b: Point, point: Point) -> float:
 
 
 def _is_separated(one: Outline, other: Outline) -> bool:
-    """Whether a side of one has all of the other to its right."""
+    """Whether a side of one outline has all of the other to its right."""
     sides = zip(one.corners, (*one.corners[1:], one.corners[0]), strict=True)
     return any(all(_left(a, b, corner) <= 0 for corner in other.corners) for a, b in sides)

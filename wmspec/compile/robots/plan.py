@@ -1,6 +1,6 @@
-"""What arms do, planned before anything moves: the way of their joints, and what they hold when.
+"""Plans all arms before the episode: joint trajectories and holds.
 
-A plan goes by where things are at the start and by what has been done to them since; nothing is measured.
+A plan depends on initial poses and earlier actions of the arms only; no measurements.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.collision import collision
 from wmspec.compile.robots.franka import PANDA
 from wmspec.compile.robots.manipuland import Manipuland
-from wmspec.compile.robots.planning import PathBlockedError, Plan, Reach, ArmState, PlanningError, matrix
+from wmspec.compile.robots.planning import ArmState, PathBlockedError, Plan, PlanningError, Reach, matrix
 from wmspec.compile.robots.schedule import actions_in_order
 from wmspec.compile.robots.supported_objects import record_motion
 from wmspec.core.diagnostics import ImpossibleValue
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
 ARMS = ("panda", "arm")
-"""The models of robots that are arms."""
+"""Robot models that are arms."""
 
 _VERBS: dict[str, Callable[[Plan, Sequence[Entity], Manipuland], Manipuland]] = {
     "pick": grasps.pick,
@@ -43,11 +43,11 @@ _VERBS: dict[str, Callable[[Plan, Sequence[Entity], Manipuland], Manipuland]] = 
     "open": moves.open_,
     "close": moves.close,
 }
-"""Verb -> what plans it, given the actions that do it together, and the thing; returns the thing as it is then."""
+"""Planner of each verb, given its simultaneous actions and the object; returns the object afterwards."""
 
 
 def arm_of(values: Values, robot: str) -> Arm:
-    """The arm that a robot is. Raises WmsError with its place if its file has none."""
+    """Return the arm of a robot. Raises WmsError with its location if its file has none."""
     if values.spec.thing(robot).model == "panda":
         return PANDA
     from wmspec.compile.robots.arm_assets import read_arm
@@ -59,22 +59,22 @@ def arm_of(values: Values, robot: str) -> Arm:
 
 
 def plan(values: Values) -> dict[str, Reach]:
-    """The reaches of all arms, by the names of the actions.
+    """Return the motions of all arms, by the names of the actions.
 
-    Raises WmsError with its place for what an arm cannot do.
+    Raises WmsError with its location for infeasible actions.
     """
     return values.once(("", "robots"), lambda: _plan(values))
 
 
 def _plan(values: Values) -> dict[str, Reach]:
-    """The first plan that succeeds: a hand can take a thing in several ways."""
+    """Return the first successful plan; a hand can grasp an object in several ways."""
     problems: list[PlanningError] = []
     for choice in range(4):
         try:
             return _attempt(values, choice)
         except PlanningError as unable:
             problems.append(unable)
-    # that something is in the way tells more than that another hand's turn would be out of reach
+    # a collision is a better explanation than an unreachable alternative grasp
     told = min(problems, key=lambda unable: not isinstance(unable, PathBlockedError))
     action = told.action
     raise ImpossibleValue(f"`{action.of}` cannot {action.verb} so: {told.reason}", action.place, told.help)

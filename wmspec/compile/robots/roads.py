@@ -1,4 +1,4 @@
-"""Roads, which are objects that cars drive on: their lanes, and the ways from one to another."""
+"""Roads and their lanes, and the paths of cars on them."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from wmspec.core.space import IDENTITY, rotate
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-CAR_LENGTH, CAR_WIDTH = 4.2, 1.8  # m: a car
-MIN_CORNER_DISTANCE = 4.5  # m: before and behind the corner of two lanes a car turns at least so wide
-EXIT_LENGTH = 2.0  # m: a turn ends so far behind the crossing, in its lane
-LANE_CHANGE_RATIO = 6.0  # how many times further than aside a car goes as it changes lanes
+CAR_LENGTH, CAR_WIDTH = 4.2, 1.8  # m
+MIN_CORNER_DISTANCE = 4.5  # m: of a turn's ends from the corner of two lanes
+EXIT_LENGTH = 2.0  # m: straight part of a turn behind the crossing
+LANE_CHANGE_RATIO = 6.0  # length of a lane change per lateral displacement
 MAX_HEADING_ERROR = math.radians(1)
 
 
 @dataclass(frozen=True)
 class Road:
-    """A straight carriageway: its middle, its heading one way (rad), and half its length and width (m)."""
+    """A straight carriageway: centre, heading (rad), and half length and half width (m)."""
 
     name: str
     middle: Pose2D
@@ -32,19 +32,19 @@ class Road:
     half_width: float
 
     def to_local(self, x: float, y: float) -> tuple[float, float]:
-        """How far (m) along it a place is from its middle, and to the left."""
+        """Return how far (m) a place is from the centre along the road, and to the left."""
         cos, sin = math.cos(self.middle.heading), math.sin(self.middle.heading)
         dx, dy = x - self.middle.x, y - self.middle.y
         return (dx * cos + dy * sin, dy * cos - dx * sin)
 
     def distance_to(self, x: float, y: float) -> float:
-        """How far (m) from it a place is; 0 on it."""
+        """Return the distance (m) of a place from the road; 0 on it."""
         far, left = self.to_local(x, y)
         return math.hypot(max(0.0, abs(far) - self.half_length), max(0.0, abs(left) - self.half_width))
 
 
 class OffRoadError(Exception):
-    """No car can drive so: why, and what helps."""
+    """No car can drive like this: reason and remedy."""
 
     def __init__(self, reason: str, help: str) -> None:
         super().__init__(reason)
@@ -53,14 +53,14 @@ class OffRoadError(Exception):
 
 @dataclass(frozen=True)
 class Traffic:
-    """The `roads`, how wide a `lane` of them is (m), and the `side` that is kept to: 1 the left, -1 the right."""
+    """The `roads`, the width of a `lane` (m), and the driving `side`: 1 is left, -1 is right."""
 
     roads: tuple[Road, ...]
     lane: float
     side: int
 
     def road_at(self, spot: Pose2D) -> tuple[Road, int]:
-        """The road that a car is on, and whether it goes its way (1) or the other (-1)."""
+        """Return the road of a car, and whether the car follows its direction (1) or the opposite (-1)."""
         for road in self.roads:
             far, left = road.to_local(spot.x, spot.y)
             turned = math.remainder(spot.heading - road.middle.heading, math.pi)
@@ -81,18 +81,18 @@ class Traffic:
         )
 
     def lanes(self, road: Road) -> int:
-        """How many lanes there are each way."""
+        """Return the number of lanes per direction."""
         return max(1, math.floor(road.half_width / self.lane + 1e-9))
 
     # ------------------------------------------------------------ what cars do
 
     def forward(self, spot: Pose2D, distance: float) -> list[PathSegment]:
-        """On along the lane."""
+        """Return the path straight along the lane."""
         self._long_enough(spot, distance)
         return [Straight(spot, distance)]
 
     def change_lane(self, spot: Pose2D, to: int) -> list[PathSegment]:
-        """Over to the middle of the next lane to the left (`to` 1) or right (-1)."""
+        """Return the path to the centre of the next lane to the left (`to` 1) or right (-1)."""
         road, way = self.road_at(spot)
         offset = road.to_local(spot.x, spot.y)[1] * way * self.side
         lane = math.floor(offset / self.lane) + to * self.side
@@ -107,7 +107,7 @@ class Traffic:
         return [Swerve(spot, LANE_CHANGE_RATIO * abs(aside), aside)]
 
     def turn(self, spot: Pose2D, to: int) -> list[PathSegment]:
-        """Into the next road to the left (`to` 1) or right (-1): from its lane into one of that, and on beyond it."""
+        """Return the path into the next road to the left (`to` 1) or right (-1), past the crossing."""
         ahead = self._turns(spot, to)
         if not ahead:
             there = "left" if to > 0 else "right"
@@ -119,7 +119,7 @@ class Traffic:
         return [straight, bend, on]
 
     def go_to(self, spot: Pose2D, place: tuple[float, float]) -> list[PathSegment]:
-        """The shortest way to where the road that passes nearest to a place does so (E. W. Dijkstra, 1959)."""
+        """Return the shortest path to the point of the nearest road that is closest to a place (E. W. Dijkstra, 1959)."""
         goal = min(self.roads, key=lambda road: road.distance_to(*place))
         most = goal.half_length - CAR_LENGTH / 2
         far = min(most, max(-most, goal.to_local(*place)[0]))
@@ -150,7 +150,7 @@ class Traffic:
     # ------------------------------------------------------------ by which means
 
     def _turns(self, spot: Pose2D, to: int) -> list[tuple[Straight, Bend, Straight]]:
-        """The ways into all roads that go off ahead, to that side."""
+        """Return the turns into all roads that branch off ahead on that side."""
         road, _ = self.road_at(spot)
         crossings = (self._crossing(road, spot, other, to) for other in self.roads if other is not road)
         return [found for found in crossings if found is not None]
@@ -166,14 +166,14 @@ class Traffic:
             )
 
     def _crossing(self, road: Road, spot: Pose2D, other: Road, to: int) -> tuple[Straight, Bend, Straight] | None:
-        """The way into another road; None if that does not go off ahead, to that side."""
+        """Return the turn into another road, or None if the road does not branch off ahead on that side."""
         across = math.sin(other.middle.heading - spot.heading)
         if abs(across) < math.sin(2 * MAX_HEADING_ERROR):
             return None
         onward = other.middle.heading if across * to > 0 else other.middle.heading + math.pi
         angle = math.remainder(onward - spot.heading, 2 * math.pi)
         axes = Pose2D(road.middle.x, road.middle.y, spot.heading), Pose2D(other.middle.x, other.middle.y, onward)
-        middle = _point_ahead(axes[0], _distance_to_line(*axes))  # of the crossing
+        middle = _point_ahead(axes[0], _distance_to_line(*axes))  # crossing of the lane centres
         way = math.cos(onward - other.middle.heading)
         end = other.to_local(*middle)[0] * way + road.half_width / abs(math.sin(angle)) + EXIT_LENGTH
         if abs(road.to_local(*middle)[0]) > road.half_length or end + CAR_LENGTH / 2 > other.half_length:
@@ -197,14 +197,14 @@ def _point_ahead(spot: Pose2D, far: float) -> tuple[float, float]:
 
 
 def _distance_to_line(spot: Pose2D, line: Pose2D) -> float:
-    """How far (m) ahead of a spot its line meets another."""
+    """Return the distance (m) ahead at which the line of a pose meets another line."""
     cos, sin = math.cos(line.heading), math.sin(line.heading)
     away = (line.x - spot.x) * sin - (line.y - spot.y) * cos
     return away / math.sin(line.heading - spot.heading)
 
 
 def road(values: Values, name: str) -> Road:
-    """An object as a road: along the longer side of its box."""
+    """Return an object as a road along the longer side of its box."""
     pose = values.pose(name)
     low, high = bounds(pieces(values, name), IDENTITY)
     x, y, _ = pose.apply(((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, 0.0))

@@ -1,4 +1,4 @@
-"""When robots act: one thing at a time each."""
+"""Schedule of robots' actions: one at a time for each robot."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from wmspec.lang.check.ir.ir import Entity
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-HAND_OPENING_TIME = 0.4  # s: how long a hand takes to open
+HAND_OPENING_TIME = 0.4  # s
 
 
 def action_duration(values: Values, action: Entity) -> float:
-    """How long (s) an action takes."""
+    """Return the duration (s) of an action."""
     return values.number(action.name, "duration") if "duration" in action.properties else HAND_OPENING_TIME
 
 
 def actions_in_order(values: Values, models: Sequence[str]) -> list[Entity]:
-    """What robots of these models do, in order of time.
+    """Return the actions of robots of these models in order of time.
 
-    Raises WmsError with its place if one begins while its robot is busy.
+    Raises WmsError with its location if one begins while its robot is busy.
     """
     robots = {t.name for t in values.spec.things if t.kind == "robot" and t.model in models}
     acts = [t for t in values.spec.things if t.kind == "action" and t.of in robots and values.there(t.name)]

@@ -1,6 +1,6 @@
-"""What cars and walkers do, planned before anything moves: where they are, and how they are turned, at each time.
+"""Plans cars and walkers before the episode: positions and orientations over time.
 
-A plan goes by where things are at the start, whatever may happen to them.
+A plan depends on initial poses only, not on later events.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ from wmspec.lang.check.ir.ir import Entity
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
-SAMPLE_RATE = 30  # Hz: so many places of a way are written
-DECIMALS = 9  # what is rounded so is the same on every processor
-HEAD_JOINT = 1.2  # m: so high above the ground a walker's head nods
-WALKER_RADIUS = 0.25  # m: a walker is a disc of this radius
-STOP_DISTANCE = 0.02  # m: it stops so far before what it would touch
-MIN_STEP = 0.005  # m: so far it goes at a time where it nearly touches something beside it
-WALKER_HEIGHTS = (0.1, 1.7)  # m above the ground: what reaches between these stops a walker
-CAR_HEIGHTS = (0.2, 1.5)  # m above the ground: the same of a car
-CHECK_INTERVAL = 0.2  # m: so often along its way a car is held against what stands there
+SAMPLE_RATE = 30  # Hz
+DECIMALS = 9  # for equal results on every processor
+HEAD_JOINT = 1.2  # m: height of the joint about which a walker's head nods
+WALKER_RADIUS = 0.25  # m
+STOP_DISTANCE = 0.02  # m: between a walker that stops and the obstacle
+MIN_STEP = 0.005  # m: of the search for obstacles
+WALKER_HEIGHTS = (0.1, 1.7)  # m above the ground: obstacles of a walker reach between these
+CAR_HEIGHTS = (0.2, 1.5)  # m above the ground: the same for a car
+CHECK_INTERVAL = 0.2  # m: along the path of a car
 MAX_SPEED = {"car": 50.0, "walker": 8.0}  # m/s: a car on a motorway, a sprinter
-MAX_TURN_RATE = 4 * math.pi  # rad/s: nobody turns about faster
+MAX_TURN_RATE = 4 * math.pi  # rad/s
 
 
 @dataclass(frozen=True)
 class Travel:
-    """Where a robot is during an action: `points` (m) and `turns` at `times` (s after it starts)."""
+    """The motion of a robot during an action: `points` (m) and `turns` at `times` (s after its start)."""
 
     times: tuple[float, ...]
     points: tuple[Vector, ...]
@@ -49,9 +49,9 @@ class Travel:
 
 @dataclass(frozen=True)
 class _Segment:
-    """What one action comes to: `at` says the place and the pitch (rad) after so much of its `length` (m or rad).
+    """The motion of one action: `at` returns the pose and the pitch (rad) at a distance within `length` (m or rad).
 
-    One that `flows` goes on into the next one without a halt.
+    A segment that `flows` continues into the next one without a halt.
     """
 
     action: Entity
@@ -63,14 +63,14 @@ class _Segment:
 
     @property
     def pace(self) -> float:
-        """Its mean speed."""
+        """Mean speed."""
         return self.length / self.duration
 
 
 def travels(values: Values) -> dict[str, Travel]:
-    """What all cars and walkers do, by the names of the actions.
+    """Return the motions of all cars and walkers, by the names of the actions.
 
-    Raises WmsError with its place for what they cannot do.
+    Raises WmsError with its location for infeasible actions.
     """
     return values.once(("", "travels"), lambda: _travels(values))
 
@@ -100,7 +100,7 @@ def _segment(
 
 
 def _check_speed(model: str, stretch: _Segment, enters: float, leaves: float) -> None:
-    """Complain if somebody would have to be faster than such a thing is."""
+    """Raise if a robot would exceed its maximum speed."""
     moments = [stretch.duration * i / 16 for i in range(17)]
     ways = [arc_length_at(stretch.length, stretch.duration, enters, leaves, moment) for moment in moments]
     fastest = max(b - a for a, b in pairwise(ways)) * 16 / stretch.duration
@@ -117,7 +117,7 @@ def _check_speed(model: str, stretch: _Segment, enters: float, leaves: float) ->
 
 
 def _sampled(stretch: _Segment, level: float, enters: float, leaves: float) -> Travel:
-    """Many places of a stretch that is entered and left so fast (m/s)."""
+    """Return a segment, entered and left at these speeds (m/s), as samples."""
     count = max(1, math.ceil(stretch.duration * SAMPLE_RATE))
     moments = tuple(stretch.duration * i / count for i in range(count + 1))
     points, turns = [], []
@@ -131,7 +131,7 @@ def _sampled(stretch: _Segment, level: float, enters: float, leaves: float) -> T
 
 
 def _tilted_pose(spot: Pose2D, pitch: float, level: float) -> Pose:
-    """The pose of a robot at a place, tilted upwards about its neck."""
+    """Return the pose of a robot, pitched upwards about its head joint."""
     turned, here = from_ypr(spot.heading, -pitch), (spot.x, spot.y, level)
     if pitch == 0:
         return Pose(here, turned)
@@ -142,6 +142,7 @@ def _tilted_pose(spot: Pose2D, pitch: float, level: float) -> Pose:
 
 
 def _plan_car(values: Values, level: float, spot: Pose2D, acts: Sequence[Entity]) -> list[_Segment]:
+    """Return the segments of a car."""
     traffic, stretches = _traffic(values, acts[0].of), list[_Segment]()
     standing = obstacles(values, level + CAR_HEIGHTS[0], level + CAR_HEIGHTS[1])
     for action in acts:
@@ -169,7 +170,7 @@ def _traffic(values: Values, robot: str) -> Traffic:
 def _car_path(
     values: Values, traffic: Traffic, spot: Pose2D, action: Entity, before: _Segment | None
 ) -> list[PathSegment]:
-    """The way of a car during an action."""
+    """Return the path of a car during an action."""
     if action.verb == "forward":
         return traffic.forward(spot, values.number(action.name, "distance"))
     if action.verb == "stop":
@@ -185,7 +186,7 @@ def _car_path(
 
 
 def _goal(values: Values, action: Entity) -> str:
-    """The object that somebody goes to. Raises WmsError with its place if it is not there."""
+    """Return the object that a robot goes to. Raises WmsError with its location if it is absent."""
     goal = values.reference(action.name, "to")
     if not values.there(goal):
         raise ImpossibleValue(f"`{goal}` is not there, so nobody can go to it", action.place)
@@ -197,7 +198,7 @@ def _on_path(legs: Sequence[PathSegment], far: float) -> tuple[Pose2D, float]:
 
 
 def _transition_speed(one: _Segment, other: _Segment) -> float:
-    """How fast (m/s) a car goes on from one action to the next; a walker, and who waits between them, stands still."""
+    """Return the speed (m/s) between two actions: 0 for walkers and after a pause."""
     waits = abs(one.start + one.duration - other.start) > 1e-6
     if waits or not one.flows or one.action.verb == "stop":
         return 0.0
@@ -205,7 +206,7 @@ def _transition_speed(one: _Segment, other: _Segment) -> float:
 
 
 def _check_clearance(stretch: _Segment, standing: Sequence[Outline]) -> None:
-    """Complain if the car would drive into something."""
+    """Raise if the car would hit something."""
     robot = stretch.action.of
     for i in range(math.ceil(stretch.length / CHECK_INTERVAL) + 1):
         spot, _ = stretch.at(min(i * CHECK_INTERVAL, stretch.length))
@@ -225,6 +226,7 @@ def _check_clearance(stretch: _Segment, standing: Sequence[Outline]) -> None:
 
 
 def _plan_walker(values: Values, level: float, spot: Pose2D, acts: Sequence[Entity]) -> list[_Segment]:
+    """Return the segments of a walker."""
     standing = obstacles(values, level + WALKER_HEIGHTS[0], level + WALKER_HEIGHTS[1])
     stretches, pitch = list[_Segment](), 0.0
     for outline in standing:
@@ -273,9 +275,9 @@ def _at_nod(spot: Pose2D, pitch: float, up: float, far: float) -> tuple[Pose2D, 
 
 
 def _free_distance(way: Straight, standing: Sequence[Outline]) -> float:
-    """How far (m) a walker comes: all of its way, or until a little before what is in it, in whole millimetres.
+    """Return how far (m) a walker gets: the whole path, or up to the first obstacle, in whole millimetres.
 
-    It goes as far at a time as nothing can be in between.
+    Each step is as long as the distance to the nearest obstacle permits.
     """
     start, near = (way.start.x, way.start.y), list[Outline]()
     near += [o for o in standing if math.dist(o.middle, start) < way.length + o.radius + WALKER_RADIUS]
@@ -293,4 +295,4 @@ _PLANS: dict[str, Callable[[Values, float, Pose2D, Sequence[Entity]], list[_Segm
     "car": _plan_car,
     "walker": _plan_walker,
 }
-"""Model of a robot -> what plans its actions in turn, given how high (m) the ground is, and where it stands."""
+"""Planner for each robot model, given the ground's height (m), the start and the actions in order."""

@@ -1,4 +1,4 @@
-"""The way of a walker to a thing: around all that stands there, and no nearer to it than it has to."""
+"""Path planning of walkers: around obstacles, to a goal object."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from heapq import heappop, heappush
 from wmspec.compile.robots.ground_path import PathSegment, Pivot, Pose2D, Straight
 from wmspec.compile.robots.obstacles import Outline, Point
 
-CELL = 0.1  # m: how fine a way is looked for
-ARRIVAL_DISTANCE = 0.35  # m: so near before a thing a walker has come to it
+CELL = 0.1  # m: of the grid
+ARRIVAL_DISTANCE = 0.35  # m: of a walker from its goal
 MAX_CELLS = 60_000
 _AROUND = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
 
@@ -18,9 +18,9 @@ _AROUND = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
 def path_to(
     spot: Pose2D, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float
 ) -> list[PathSegment] | None:
-    """The legs of a way that `keeps` so far (m) from all that stands there and comes near the goal, and faces it.
+    """Return a path that stays `keeps` (m) clear of obstacles, comes near the goal and faces it.
 
-    None if no way leads there.
+    None if there is no such path.
     """
     cells = _grid_path(spot, goal, standing, keeps)
     if cells is None:
@@ -36,12 +36,12 @@ def path_to(
 
 
 def _turn_to(here: Pose2D, point: Point) -> float:
-    """By how much (rad) somebody turns to a point."""
+    """Return the turn (rad) from a pose towards a point."""
     return math.remainder(math.atan2(point[1] - here.y, point[0] - here.x) - here.heading, math.tau)
 
 
 def _grid_path(spot: Pose2D, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float) -> list[Point] | None:
-    """The points of a shortest way on a grid (P. Hart, N. Nilsson and B. Raphael's A*, 1968)."""
+    """Return a shortest path on a grid (P. Hart, N. Nilsson and B. Raphael's A*, 1968)."""
     blocked = _blocked(standing, keeps)
     middle = math.fsum(o.middle[0] for o in goal) / len(goal), math.fsum(o.middle[1] for o in goal) / len(goal)
     reach = max(math.dist(o.middle, middle) + o.radius for o in goal)
@@ -85,7 +85,7 @@ def _grid_path(spot: Pose2D, goal: Sequence[Outline], standing: Sequence[Outline
 
 
 def _blocked(standing: Sequence[Outline], keeps: float) -> Callable[[Point], bool]:
-    """Whether a point is nearer than that (m) to anything, of which only what is near is looked at."""
+    """Return a predicate for points closer than `keeps` (m) to an obstacle; only nearby obstacles are tested."""
     around: dict[tuple[int, int], list[Outline]] = {}
 
     def blocked(point: Point) -> bool:
@@ -99,7 +99,7 @@ def _blocked(standing: Sequence[Outline], keeps: float) -> Callable[[Point], boo
 
 
 def _shortcut(way: Sequence[Point], standing: Sequence[Outline], keeps: float) -> list[Point]:
-    """The corners of the way, pulled straight: from each on to the last that is straight ahead."""
+    """Return the corners of the path after removing points that a straight line can skip."""
     corners, i = list[Point](), 0
     while i < len(way) - 1:
         ahead = (k for k in range(len(way) - 1, i + 1, -1) if _is_clear(way[i], way[k], standing, keeps - CELL / 10))
@@ -109,7 +109,7 @@ def _shortcut(way: Sequence[Point], standing: Sequence[Outline], keeps: float) -
 
 
 def _is_clear(a: Point, b: Point, standing: Sequence[Outline], keeps: float) -> bool:
-    """Whether all between two points keeps so far (m) from everything: it is looked at as far on as nothing can be."""
+    """Whether a line stays clear of obstacles; each step is as long as the clearance permits."""
     length, far = math.dist(a, b), 0.0
     middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
     near = [o for o in standing if math.dist(o.middle, middle) < o.radius + length / 2 + keeps]
@@ -124,7 +124,7 @@ def _is_clear(a: Point, b: Point, standing: Sequence[Outline], keeps: float) -> 
 
 
 def _is_in_sight(point: Point, goal: Sequence[Outline], standing: Sequence[Outline]) -> bool:
-    """Whether nothing else stands between a point and the goal."""
+    """Whether no obstacle is between a point and the goal."""
     name = goal[0].name
     nearest = min(goal, key=lambda outline: outline.distance(point))
     steps = max(1, math.ceil(math.dist(point, nearest.middle) / (CELL / 2)))

@@ -74,7 +74,7 @@ def points(test: Test) -> float:
     the others.
     """
     rows, columns = sum(map(any, test.counts)), sum(map(any, zip(*test.counts, strict=True)))
-    if not test.second:  # one of them is true more often, the others less
+    if not test.second:  # one value is more frequent, the others less
         return min(1.0, test.least * sqrt(max(0, columns - 1)) / max(1, columns))
     return test.least * (min(rows, columns) - 1) / rows
 

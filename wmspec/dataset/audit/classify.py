@@ -81,7 +81,7 @@ class Asked:
         return np.asarray(values - np.repeat(means, self.sizes, axis=0))
 
     def ranks(self, values: Array) -> Array:
-        """Return, for each value (options, d), the number of larger minus smaller values among the question's options."""
+        """Return each value's rank (options, d): smaller minus larger values among the question's options."""
         stood = [np.sign((one[:, None] - one).round(9)).sum(1) for one in np.split(values, self.starts[1:])]
         return np.concatenate(stood)
 

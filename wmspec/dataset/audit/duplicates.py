@@ -99,7 +99,7 @@ def _named(pairs: Sequence[Pair]) -> str:
     return ", ".join(f"{p.first} and {p.second}" for p in pairs[:MOST_NAMED])
 
 
-# ---------------------------------------------------------------- to the byte
+# ---------------------------------------------------------------- exact
 
 
 def _exact(cases: Sequence[Case]) -> Iterator[Pair]:
@@ -127,7 +127,7 @@ def _true(case: Case) -> bytes:
     return str(case.row["answer_value"]).encode() if case.open else _options(case)[case.row["answer"]]
 
 
-# ---------------------------------------------------------------- to the eye
+# ---------------------------------------------------------------- visual
 
 
 def _near(cases: Sequence[Case]) -> Iterator[Pair]:
@@ -174,7 +174,7 @@ def looks_alike(a: Small, b: Small) -> bool:
 def _same_answer(a: Case, b: Case) -> bool:
     if a.pictured:
         return looks_alike(a.seen_options[a.row["answer"]], b.seen_options[b.row["answer"]])
-    within: float | None = a.row.get("answer_within")  # of an open question about a number
+    within: float | None = a.row.get("answer_within")  # set for open questions about a number
     if within is None:
         return _true(a) == _true(b)
     apart = a.row["answer_number"] - b.row["answer_number"]

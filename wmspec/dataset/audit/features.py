@@ -39,7 +39,7 @@ def _histogram(picture: Small) -> Array:
     return np.bincount(code.ravel(), minlength=LEVELS**3) / code.size
 
 
-# ---------------------------------------------------------------- of options alone
+# ---------------------------------------------------------------- options alone
 
 
 def positions(cases: Sequence[Case]) -> Array:
@@ -64,7 +64,7 @@ def texts(cases: Sequence[Case]) -> Array:
     """Return the words of question and option, crossed; with the position if options are pictures."""
     option = positions(cases) if cases[0].pictured else _words_of(cases)
     asked = _bag([_words(c.row["text"]) for c in cases])
-    asked = asked[:, asked.std(0) > 0]  # what every question says tells nothing
+    asked = asked[:, asked.std(0) > 0]  # drop words that every question has
     each = np.split(_crossed(option, np.repeat(asked, [c.count for c in cases], axis=0)), _ends(cases))
     return leading(np.concatenate([of_one - of_one.mean(0) for of_one in each]), MOST_TEXTS)
 
@@ -74,7 +74,7 @@ def _ends(cases: Sequence[Case]) -> list[int]:
     return [int(end) for end in np.cumsum([c.count for c in cases])[:-1]]
 
 
-# ---------------------------------------------------------------- with pictures of the context
+# ---------------------------------------------------------------- context pictures
 
 
 def pixels(cases: Sequence[Case], views: Sequence[int]) -> Array:
@@ -95,7 +95,7 @@ def _look(picture: Small) -> Array:
     return np.concatenate([_pixels(picture), _histogram(picture)])
 
 
-# ---------------------------------------------------------------- pieces
+# ---------------------------------------------------------------- helpers
 
 
 def _among(seen: Sequence[Array]) -> Array:

@@ -111,7 +111,7 @@ def spread(values: Spread) -> Figure:
     return _figure(f"{values.name}: {low:.3g} to {high:.3g}, middle {middle:.3g} {unit}", parts, LINE + 18)
 
 
-# ---------------------------------------------------------------- pieces
+# ---------------------------------------------------------------- elements
 
 
 def _figure(title: str, marks: Iterable[Mark], height: float, legend: Iterable[tuple[str, str]] = ()) -> Figure:

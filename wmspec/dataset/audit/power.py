@@ -134,7 +134,7 @@ def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) 
     of_options = seen.of == "options"
     able = _only_best(features, asked) if of_options else _values(features)
     column = _telling(features, able, random)
-    if able[column] < ABLE:  # no number has room
+    if able[column] < ABLE:  # no feature can hold a shortcut
         features[:, column] = random.random(len(features))
     if of_options:
         features[:, column] = _first(features[:, column], asked, claimed, random)

@@ -58,9 +58,9 @@ class _Line:
     judged: bool
     why: str
     seen: Look | None = None
-    scores: Array | None = None  # of a rule, which learns nothing
-    pictured: bool = False  # whether it sees a picture shown, and may strike out options (`state.struck_out`)
-    rival: bool = False  # whether it is one of those of which the best is judged
+    scores: Array | None = None  # set for a rule, which is not fitted
+    pictured: bool = False  # sees a context picture, so options may be eliminated (`state.struck_out`)
+    rival: bool = False  # competes for selection as the best probe
 
 
 def probes(unit: Unit) -> list[Probe]:
@@ -99,7 +99,7 @@ class _Task:
 
     def rivals(self, family: Family, lines: Sequence[_Line]) -> list[Probe]:
         """Return the results of competing probes, and of the best of them."""
-        # Shortcuts are planted into the same features again and again: few numbers, dear to work out.
+        # Cached: every injection uses the same features, which are small and costly to compute.
         asked, seen = self._asked[True], [cache(partial(self._seen, line)) for line in lines]
         rivals = Rivals.of(seen, asked)
         right, picked = rivals.best(asked)
@@ -148,7 +148,7 @@ def _classes(case: Case) -> list[str]:
     return [str(i) for i in range(case.count)] if case.pictured else case.row["option_name"]
 
 
-# ---------------------------------------------------------------- which there are
+# ---------------------------------------------------------------- catalogue
 
 
 def _lines(cases: Sequence[Case]) -> Iterator[_Line]:
@@ -184,7 +184,7 @@ def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
     """Yield the probes that see these pictures with the question and its options."""
     rival = _fewer(cases, views)
     if len(views) > 1 and not rival:
-        return  # there is nothing to learn from what is meant to suffice
+        return  # these pictures are meant to suffice
     family: Family = "picture" if len(views) == 1 else "pair"
     name = f"picture {views[0] + 1}" if len(views) == 1 else f"pictures {views[0] + 1} and {views[1] + 1}"
     known = state.known(cases)
@@ -193,7 +193,7 @@ def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
         why = _FRAMED if framed else _RIVAL if rival else _ENOUGH
         return _Line(f"{name}: {what}", family, False, why, seen, pictured=True, rival=rival and not framed)
 
-    if len(views) == 1 or not known:  # of two pictures, objects tell more
+    if len(views) == 1 or not known:  # for two pictures, object states are stronger features
         yield line("pixels", _pixels(cases, views))
     if not known:
         return
@@ -260,7 +260,7 @@ def _groups(unit: Unit, cases: Sequence[Case]) -> list[str]:
     return ["/".join(f"{n}={v}" for n, v in c.varied("factor").items() if n != decides) or c.row["id"] for c in cases]
 
 
-# ---------------------------------------------------------------- what they say
+# ---------------------------------------------------------------- verdicts
 
 
 def weighed(made: Sequence[Probe]) -> list[Probe]:
@@ -286,7 +286,7 @@ def _reach(probe: Probe) -> power.Reach:
 
 def _weighed(probe: Probe, beyond: float | None) -> Probe:
     low, high = clopper_pearson(probe.right, probe.questions, 0.95)
-    if beyond is None:  # it is not judged, or a single option is left: nothing to overlook
+    if beyond is None:  # not judged, or a single option remains
         return replace(probe, low=low, high=high, least=1.0 - probe.judged)
     luck = probe.accuracy - probe.chance <= beyond * probe.deviation
     return replace(probe, low=low, high=high, least=power.smallest(_reach(probe), beyond), luck=luck)

@@ -62,7 +62,7 @@ def card(plan: Plan, total: Summary, scores: Mapping[str, Baselines]) -> str:
     return "\n\n".join([_front(plan, total), *people]) + "\n"
 
 
-# ---------------------------------------------------------------- for programs
+# ---------------------------------------------------------------- metadata
 
 
 def _front(plan: Plan, total: Summary) -> str:
@@ -102,7 +102,7 @@ def _filled(total: Summary) -> list[str]:
     return [t.name for t in total.tasks if sum(t.rows.values())]
 
 
-# ---------------------------------------------------------------- for people
+# ---------------------------------------------------------------- text
 
 
 def title(total: Summary) -> str:

@@ -52,7 +52,7 @@ def kept(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
                 index, made_by = int(metadata[b"index"]), metadata[b"plan"].decode()
                 rejected = tuple(Rejected(**r) for r in json.loads(metadata[b"rejected"]))
             except (pa.ArrowException, ValueError, TypeError, LookupError, RecursionError):
-                continue  # somebody else wrote it
+                continue  # written by another plan or program
             if made_by == plan.fingerprint and index in shard.indices and not passing(rejected):
                 outcomes[index] = Outcome(tuple(rows.to_pylist()), rejected)
     return outcomes

@@ -54,7 +54,7 @@ class Dataset:
 
         Raises: WmsError: the folder holds something else or another plan, is being written to, or cannot be written to.
         """
-        _today()  # if it cannot be told, better now than when all is made
+        _today()  # fail early if the date is invalid
         scratch = folder / files.PROGRESS
         with files.explained(folder):
             make_folders(scratch)
@@ -135,12 +135,12 @@ class Dataset:
         except (OSError, ValueError, TypeError, KeyError, RecursionError):
             return _today()
 
-    # ------------------------------------------------------------ beginning
+    # ------------------------------------------------------------ creation
 
     def _begin(self, force: bool) -> None:
         """Check the folder, and write the plan if it is new."""
         for part in (self.folder / files.PROGRESS).glob("*.part"):
-            part.unlink()  # left by a run that was killed
+            part.unlink()  # left by an interrupted run
         there = self._plan()
         if there is None and any((self.folder / name).exists() for name in _OURS):
             raise WmsError(f"{self.folder} holds files that are not a dataset of wmspec; choose another folder with -o")
@@ -204,7 +204,7 @@ class Dataset:
                 self._unmade(shard, record, again)
             else:
                 self._records[shard.path] = record
-                checkpoint.discard(self.folder, shard)  # a run was killed between the shard and this
+                checkpoint.discard(self.folder, shard)  # interrupted after the shard was written
         if self.pending():
             self._reopen()
 

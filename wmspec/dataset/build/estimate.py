@@ -30,10 +30,10 @@ TRIED = 24
 class Cost:
     """The estimated cost of a task, from `tried` of its `instances`.
 
-    `seconds` is the time of one worker for an instance, `error` its standard error over units (None for a single unit
-    of several). `size` is the number of bytes of an instance's questions in Parquet. `rejected` of the `questions` were
-    rejected, with counts in `reasons` and one example each. `balance` is the cost of balancing answers, if any. `failed` of
-    the tried instances ended as internal errors, crashes or timeouts; `crash` is the first unexpected error.
+    `seconds` is the time of one worker for an instance, `error` its standard error over units. The error is None if
+    only one of several units was timed. `size` is the number of bytes of an instance's questions in Parquet. `rejected`
+    of the `questions` were rejected, with counts in `reasons` and one example each. `balance` is the cost of balancing
+    answers, if any.
     """
 
     task: str
@@ -178,7 +178,7 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
 def _seconds(unit: _Unit, trial: _Trial | Lost, effort: Effort) -> float:
     """Return the time of a whole unit: its first piece has no cache to use, the others cost as much as those timed."""
     if isinstance(trial, Lost):
-        return 2 * effort.timeout * unit.instances if trial.kind == "timeout" else 0.0  # each is tried twice
+        return 2 * effort.timeout * unit.instances if trial.kind == "timeout" else 0.0  # one retry each
     first, others = len(unit.pieces[0]), _size(unit.pieces[1:])
     each = sum(trial.seconds[1:]) / others if others else trial.seconds[0] / first
     return trial.seconds[0] + each * (unit.instances - first)

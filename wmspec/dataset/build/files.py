@@ -128,4 +128,4 @@ def lock(path: Path) -> int:
                 raise
             if os.fstat(handle).st_nlink:
                 return handle
-            os.close(handle)  # whoever held it has just removed it
+            os.close(handle)  # removed by its last owner in the meantime

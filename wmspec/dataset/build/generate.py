@@ -106,7 +106,7 @@ def _units(job: Job, plan: Plan, making: Iterable[_Making]) -> Iterator[list[tup
 
 def job_of(plan: Plan, effort: Effort) -> Job:
     """Return the settings of the workers; call it before they start."""
-    if effort.workers > 1:  # Mesa's software renderer would start a thread per core in every worker
+    if effort.workers > 1:  # otherwise Mesa's software renderer starts a thread per core in every worker
         os.environ.setdefault("LP_NUM_THREADS", "0")
     tasks = tuple((t.spec.name, to_json(t.spec)) for t in plan.tasks)
     return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, plan.look, plan.samples, plan.renderer)

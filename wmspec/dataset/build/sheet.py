@@ -119,7 +119,7 @@ def _decoded(row: Row) -> Row:
     return row | {name: [opened(p["bytes"]) for p in row[name]] for name in PICTURES}
 
 
-# ---------------------------------------------------------------- a question
+# ---------------------------------------------------------------- questions
 
 
 def _question(rows: list[Row], units: dict[str, str]) -> Picture:
@@ -151,7 +151,7 @@ def _side(row: Row) -> int:
     return min(LARGEST, free // max(shown + choices, 1))
 
 
-# ---------------------------------------------------------------- above the pictures
+# ---------------------------------------------------------------- captions
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ def _option(letter: str, option: tuple[str, str, str], wide: int) -> Picture:
     return typeset.above([head, *(typeset.paragraph(line, TINY, wide) for line in lines)], 2)
 
 
-# ---------------------------------------------------------------- the pictures
+# ---------------------------------------------------------------- pictures
 
 
 def _row(row: Row, side: int) -> Picture:
@@ -229,7 +229,7 @@ def _sized(picture: Picture, side: int) -> Picture:
     return picture.resize((side, height), Image.Resampling.LANCZOS)
 
 
-# ---------------------------------------------------------------- why
+# ---------------------------------------------------------------- explanations
 
 
 def _reasons(rows: list[Row]) -> Picture:

@@ -88,7 +88,7 @@ def _words(text: str, style: Style, width: int) -> Iterator[str]:
 
 def tick(size: int) -> Picture:
     """Return a green tick."""
-    big = blank(4 * size, 4 * size)  # drawn large, for smooth edges
+    big = blank(4 * size, 4 * size)  # supersampled for smooth edges
     points = [(0.5 * size, 2.2 * size), (1.5 * size, 3.2 * size), (3.5 * size, 0.8 * size)]
     ImageDraw.Draw(big).line(points, fill=GREEN, width=round(0.6 * size), joint="curve")
     return big.resize((size, size), Image.Resampling.LANCZOS)

@@ -40,7 +40,7 @@ def mp4(pictures: Iterable[Picture], rate: float, path: Path) -> None:
         ) from None
     shown = [np.asarray(picture.convert("RGB")) for picture in pictures]
     height, width, _ = shown[0].shape
-    even = (width - width % 2, height - height % 2)  # H.264 halves the colours' resolution
+    even = (width - width % 2, height - height % 2)  # H.264 subsamples chroma by 2
     same_bytes = ["-fflags", "+bitexact", "-flags:v", "+bitexact"]
     colors = ["-vf", "scale=out_color_matrix=bt709:out_range=tv", "-color_range", "tv"]
     colors += [word for what in ("space", "_primaries", "_trc") for word in (f"-color{what}", "bt709")]

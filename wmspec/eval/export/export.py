@@ -1,4 +1,4 @@
-"""Writing the folder: the questions as each tool takes them, its task, the parser of replies, and how to run it."""
+"""Writes an export: questions in the tool's format, task definition, parser of replies, and instructions."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Selection
 from wmspec.eval.models.reply import LETTERS, ORDINALS
 
-#: Says of a folder that it is an export, of what, and which files are its own.
+#: The file that marks a folder as an export, with its settings and files.
 MARK = "export.json"
 
 
 @dataclass(frozen=True)
 class Export:
-    """What is exported: which questions of a dataset, under which prompt."""
+    """The content of an export: selected questions and their prompt."""
 
     dataset: DatasetReader
     selection: Selection
@@ -43,33 +43,33 @@ class Export:
         return tasks
 
     def rows(self, task: str) -> Iterator[Row]:
-        """The questions of a task, few in memory at a time."""
+        """Yield the questions of a task, few in memory at a time."""
         return exported(self.dataset, self.tasks[task], self.prompt)
 
 
 @dataclass
 class _Folder:
-    """A folder that is written, and what has been."""
+    """A folder being written, and the files written to it."""
 
     place: Path
     written: list[str] = field(default_factory=list)
 
     def path(self, name: str) -> Path:
-        """Where a file of this name is to be written."""
+        """Return the path for a file of this name, and record it."""
         self.written.append(name)
         path = self.place / name
         make_folders(path.parent)
         return path
 
     def copy(self, name: str, to: str, **words: str) -> None:
-        """Copy a file that comes with wmspec, with what is said for words in braces."""
+        """Copy a packaged file, with words in braces replaced."""
         text = resource(name).read_text(encoding="utf-8")
         for word, value in words.items():
             text = text.replace(f"{{{word}}}", value)
         self.path(to).write_text(text, encoding="utf-8")
 
     def clear(self) -> None:
-        """Remove what an earlier export has written. Raises WmsError if the folder holds something else than one."""
+        """Remove the files of an earlier export. Raises WmsError if the folder holds anything else."""
         if not self.place.exists() or not any(self.place.iterdir()):
             return
         try:
@@ -85,8 +85,8 @@ class _Folder:
 def export(what: Export, tool: str, place: Path) -> int:
     """Write a folder for a tool of `TOOLS`; returns the number of questions.
 
-    The files of an earlier export are replaced; what the tool has left there stays. Raises WmsError if the folder holds
-    something else or cannot be written.
+    Files of an earlier export are replaced; the tool's own files stay. Raises WmsError if the folder holds something
+    else or cannot be written.
     """
     folder = _Folder(place)
     about = {
@@ -114,7 +114,7 @@ def _inspect(what: Export, folder: _Folder) -> int:
 
 
 def _lmms_eval(what: Export, folder: _Folder) -> int:
-    """A file for each task, which includes a template; and the group of all, in which every question counts alike."""
+    """Write one file for each task, which includes a template, and a group in which every question has equal weight."""
     folder.copy("eval/export/files/lmms_utils.py", "utils.py")
     folder.copy("eval/export/files/lmms_template.yaml", "_default_template_yaml")
     folder.copy("eval/export/files/lmms-eval.md", "README.md")
@@ -130,7 +130,7 @@ def _lmms_eval(what: Export, folder: _Folder) -> int:
 
 
 def _vlmevalkit(what: Export, folder: _Folder) -> int:
-    """One table. Its name has a hash of its content, because VLMEvalKit keeps what it knows of a table by its name."""
+    """Write one table, with a hash of its content in the name, because VLMEvalKit caches tables by name."""
     make_folders(folder.place)
     part, count = folder.place / "table.part", 0
     with part.open("w", newline="", encoding="utf-8") as file:
@@ -150,7 +150,7 @@ _TSV = ("id", "image", "question", *LETTERS[:8], "answer", "category", "l2-categ
 
 
 def _line(row: Row) -> Row:
-    """A question as VLMEvalKit has them, whose own prompt sends the pictures first; `wmspec` holds it as it is."""
+    """Return a question in VLMEvalKit's format, whose prompt has the pictures first; `wmspec` has the original row."""
     pictures = [base64.b64encode(image["bytes"]).decode() for image in row["images"]]
     options, pictured = row["options"], None in row["options"]
     last = f" The last {len(options)} pictures are the options." if pictured else ""
@@ -159,7 +159,7 @@ def _line(row: Row) -> Row:
     asked = {"system": row["system"], "content": row["content"], "truth": truth}
     return {
         "id": row["id"],
-        "image": pictures[0] if len(pictures) == 1 else str(pictures),  # it reads lists as Python writes them
+        "image": pictures[0] if len(pictures) == 1 else str(pictures),  # VLMEvalKit parses Python lists
         "question": row["question"] + last,
         **dict(zip(LETTERS, places if pictured else options, strict=False)),
         "answer": LETTERS[row["answer"]] if options else row["answer_number"],
@@ -183,7 +183,7 @@ def _hf(what: Export, folder: _Folder) -> int:
     return _tables(what, folder)
 
 
-#: Tool -> what writes its folder.
+#: Writer by tool.
 TOOLS: dict[str, Callable[[Export, _Folder], int]] = {
     "inspect": _inspect,
     "lmms-eval": _lmms_eval,

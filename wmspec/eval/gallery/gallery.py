@@ -1,4 +1,4 @@
-"""The gallery on disk: one page with everything in it, or a folder with the pictures beside the page."""
+"""Writes a gallery: one self-contained page, or a folder with pictures beside the page."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from wmspec.dataset.build.webpage import encoded, webpage
 from wmspec.eval.gallery.records import Record, about, records
 from wmspec.eval.gallery.replies import NONE, Replies
 
-#: How good the pictures inside a page are, which are compressed: of 100.
+#: JPEG or WebP quality of pictures inside a page, of 100.
 QUALITY = 88
-#: A folder with more questions keeps most of what is known of them beside the page, in files of so many, and each is
-#: loaded when one of its questions is looked at.
+#: Number of questions above which a folder stores details in separate files, and number of questions in such a file.
+#: The files are loaded on demand.
 INSIDE, CHUNK = 400, 50
 
 
 def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = NONE) -> int:
-    """Write one page, its pictures compressed inside it. Returns the number of questions.
+    """Write one page with compressed pictures inside. Returns the number of questions.
 
-    Raises WmsError if there is no such file to be written, or if the dataset is damaged.
+    Raises WmsError if the file cannot be written, or if the dataset is damaged.
     """
 
-    def inside(task: str, content: bytes) -> str:  # noqa: ARG001  as `Put` has it
+    def inside(task: str, content: bytes) -> str:  # noqa: ARG001  signature of `Put`
         out = io.BytesIO()
         opened(content).save(out, "WEBP", quality=QUALITY, method=4)
         return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
@@ -44,13 +44,13 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = N
 
 
 def folder(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = NONE, inside: int = INSIDE) -> int:
-    """Write a folder with `index.html` and the dataset's own pictures. Returns the number of questions.
+    """Write a folder with `index.html` and the dataset's pictures. Returns the number of questions.
 
-    What is known of more than `inside` questions lies beside the page. Raises WmsError if it cannot be written, or if
-    the dataset is damaged.
+    With more than `inside` questions, details are stored in separate files. Raises WmsError if it cannot be written, or
+    if the dataset is damaged.
     """
 
-    def beside(task: str, content: bytes) -> str:  # noqa: ARG001  as `Put` has it
+    def beside(task: str, content: bytes) -> str:  # noqa: ARG001  signature of `Put`
         name = f"{hashlib.sha256(content).hexdigest()[:20]}.{form(content).lower()}"
         opened(content)
         place = path / "pictures" / name[:2] / name
@@ -70,7 +70,7 @@ def folder(dataset: DatasetReader, per_task: int, path: Path, replies: Replies =
 
 
 def _parted(path: Path, questions: list[Record], inside: int) -> Iterator[Record]:
-    """The records as the page has them: whole, or with what is looked at only in files of their own."""
+    """Yield the records for the page: whole, or with details moved to separate files."""
     if len(questions) <= inside:
         yield from questions
         return
@@ -85,11 +85,11 @@ def _parted(path: Path, questions: list[Record], inside: int) -> Iterator[Record
 
 
 def _light(question: Record) -> Record:
-    """What is filtered, sorted and scored by."""
+    """Return the fields that filters, sorting and scores use."""
     texts = list(dict.fromkeys(run["text"] for run in question["runs"]))
     return {k: v for k, v in question.items() if k != "runs"} | {"texts": texts, "true": question["runs"][0]["true"]}
 
 
 def html(content: dict[str, Any]) -> str:
-    """The page with its data."""
+    """Return the page with its data."""
     return webpage("wmspec.eval.gallery", data=content, scripts_beside=True)

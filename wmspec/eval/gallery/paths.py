@@ -1,4 +1,4 @@
-"""The ways of things through the pictures that a question shows, where the dataset keeps what is seen in each."""
+"""Paths of objects through the pictures of a question, where the dataset has segmentation ids."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 from wmspec.core.safe_io import load_image
 from wmspec.dataset.build.rows import Row
 
-#: The columns that tell it.
+#: The columns with segmentation ids and names.
 IDS, NAMES = "context_ids", "context_names"
-#: What has come less far is at rest, in pixels: the middle of what is seen shifts where something covers it.
+#: Minimum motion of an object (px); the visible centre also shifts under occlusion.
 LEAST = 3.0
 
 
 def paths(row: Row) -> list[dict[str, object]]:
-    """Of everything that moves: its name, and the middle of what is seen of it in each picture (pixels), or null.
+    """Return the name of each moving object, and the centre of its visible part in each picture (px), or null.
 
-    None of a row without ids. Pictures of several cameras have no path in common.
+    Empty for a row without ids, or with pictures of several cameras.
     """
     if not row.get(IDS) or len(set(row["context_camera"])) > 1:
         return []

@@ -1,4 +1,4 @@
-"""What the gallery knows of a question: one record for each instance, every engine's pictures in it."""
+"""Records of a gallery: one for each question of an instance, with the pictures of every engine."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from wmspec.eval.gallery.replies import NONE, Replies
 
 Record = dict[str, Any]
 
-#: Puts a picture where the page finds it, under a task's name, and says where that is.
+#: Stores a picture for the page, under a task's name, and returns its URL.
 Put = Callable[[str, bytes], str]
 
 
-#: How many rejected instances are told one by one.
+#: Maximum number of rejected instances listed.
 MOST_REJECTED = 2_000
 
 
 def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
-    """What the page says of the dataset, of its tasks, of what was rejected, and of who answered."""
+    """Return the page's information on the dataset, its tasks, its rejections, and the models that answered."""
     manifest = dataset.manifest
     rejected = manifest.get("rejected", {}).get("list", ())
     return {
@@ -54,7 +54,7 @@ def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
 
 
 def records(dataset: DatasetReader, per_task: int, put: Put, replies: Replies = NONE) -> Iterator[Record]:
-    """The records of at most `per_task` instances of each task, spread over those that were kept."""
+    """Yield the records of at most `per_task` instances of each task, evenly spaced."""
     for task in dataset.tasks:
         units = dataset.units(task)
         kept = sorted({row["index"] for row in dataset.rows(task, ["index"])})
@@ -90,19 +90,19 @@ def _varied(row: Row, sort: str, units: dict[str, str]) -> dict[str, str]:
 
 
 def _difference(row: Row) -> str | None:
-    """How strong the stimulus is, where the row says so."""
+    """Return the stimulus difference as text, where the row has one."""
     difference = row.get("difference")
     return f"{difference['name']}: {human(difference['value'], difference['unit'])}" if difference else None
 
 
 def _strength(row: Row) -> Record | None:
-    """The same as a number, to sort by."""
+    """Return the stimulus difference as a number, for sorting."""
     difference = row.get("difference")
     return {"name": difference["name"], "value": difference["value"]} if difference else None
 
 
 def _accuracy(replies: list[Record]) -> dict[str, float]:
-    """The share of each model's replies that are right; `""` has that of all."""
+    """Return the share of right replies of each model; `""` is all models."""
     by_model: dict[str, list[bool]] = {}
     for reply in replies:
         for name in ("", reply["model"]):
@@ -111,12 +111,12 @@ def _accuracy(replies: list[Record]) -> dict[str, float]:
 
 
 def _answer(row: Row) -> str:
-    """What one filters by: the true words, or the place of the true picture."""
+    """Return the filter value of the answer: the true words, or the position of the true picture."""
     return f"picture {'ABCDEFGHIJKLMNOPQRSTUVWXYZ'[row['answer']]}" if row["option_image"] else str(row["answer_value"])
 
 
 def _agreement(rows: list[Row]) -> str:
-    """Whether the outcomes of all engines pick the same option."""
+    """Return whether the outcomes of all engines select the same option."""
     votes = [(row, vote) for row in rows for vote in row["agreement"]]
     if len({vote["engine"] for _, vote in votes}) < 2:
         return "one engine"
@@ -125,7 +125,7 @@ def _agreement(rows: list[Row]) -> str:
 
 
 def _run(row: Row, put: Put, replies: Replies) -> Record:
-    """What one engine makes of it."""
+    """Return one engine's version of a question."""
     looks = zip(row["context"], row["context_camera"], row["context_time"], strict=True)
     return {
         "engine": row["engine"],

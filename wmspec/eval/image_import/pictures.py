@@ -1,4 +1,4 @@
-"""Photographs and clips: checked, turned upright, brought to sRGB and to a size, and encoded without metadata."""
+"""Photographs and clips: validated, turned upright, converted to sRGB, resized, and encoded without metadata."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.limits import PIXELS
 from wmspec.core.safe_io import is_within
 
-#: The endings of files that are read: pictures, and clips. A picture that moves (GIF, WebP, PNG) is a clip too.
+#: File suffixes of pictures and clips. Animated pictures (GIF, WebP, PNG) count as clips too.
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
 CLIPS = (".mp4", ".mov", ".webm", ".mkv", ".avi")
-#: What these are to Pillow, and to FFmpeg: a file is read as nothing else, whatever it looks like inside.
+#: Permitted formats of Pillow and FFmpeg; others are refused whatever the content looks like.
 _STILL_FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")
 _CLIP_FORMATS = ["-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,webm,avi"]
-#: The least side of a picture (px).
+#: Minimum side of a picture (px).
 LEAST = 16
 
 Pixels = NDArray[np.uint8]
 
 
 class Pictures:
-    """The pictures of a folder, none with a side longer than `size` (px)."""
+    """The pictures of a folder, scaled down to sides of at most `size` (px)."""
 
     def __init__(self, folder: Path, size: int) -> None:
         self._folder, self._size = folder, size
@@ -39,7 +39,7 @@ class Pictures:
 
     @property
     def unused(self) -> tuple[str, ...]:
-        """The names of pictures and clips in the folder that nothing has asked for."""
+        """The names of pictures and clips that were never requested."""
         return tuple(n for n, p in self._names.items() if n not in self.used and p.suffix.lower() in (*STILLS, *CLIPS))
 
     def moves(self, name: str) -> bool:
@@ -54,21 +54,21 @@ class Pictures:
             return False
 
     def digest(self, name: str) -> bytes:
-        """What two photographs have in common exactly if they look the same to the pixel."""
+        """Return a hash that is equal for two photographs exactly if their pixels are."""
         pixels = self.still(name)
         return hashlib.sha256(repr(pixels.shape).encode() + pixels.tobytes()).digest()
 
     def still(self, name: str) -> Pixels:
-        """A photograph (h, w, 3). Raises WmsError if it is not there or cannot be shown."""
+        """Return a photograph (h, w, 3). Raises WmsError if it is missing or unreadable."""
         path = self._path(name, STILLS)
         with _explained(name), _opened(path) as picture:
             pixels = self._ready(picture, name)
         return pixels
 
     def frames(self, name: str, count: int) -> tuple[list[Pixels], list[float]]:
-        """So many pictures of a clip (h, w, 3), from the first to the last evenly, and their times (s).
+        """Return `count` evenly spaced frames of a clip (h, w, 3), including first and last, and their times (s).
 
-        Raises WmsError if it is not there or cannot be shown, if it has fewer, or if what reads it is not installed.
+        Raises WmsError if the clip is missing or unreadable, has fewer frames, or if the decoder is not installed.
         """
         path = self._path(name, (*STILLS, *CLIPS))
         if path.suffix.lower() in STILLS:
@@ -99,11 +99,11 @@ class Pictures:
         return path
 
     def _ready(self, picture: Image.Image, name: str) -> Pixels:
-        """A picture as its pixels (h, w, 3): upright, in sRGB, on white, no larger than wanted."""
+        """Return the pixels of a picture (h, w, 3): upright, in sRGB, on white, at most the maximum size."""
         if min(picture.size) < LEAST:
             wide, high = picture.size
             raise WmsError(f"`{name}` has {wide} × {high} pixels", help=f"give a picture of at least {LEAST} × {LEAST}")
-        picture.draft("RGB", (2 * self._size, 2 * self._size))  # JPEGs are read smaller, which is quicker
+        picture.draft("RGB", (2 * self._size, 2 * self._size))  # decodes JPEGs at reduced size, which is faster
         profile = picture.info.get("icc_profile")
         upright = ImageOps.exif_transpose(picture)
         colored = _opaque(upright)
@@ -141,7 +141,9 @@ class Pictures:
             total, _ = imageio_ffmpeg.count_frames_and_secs(str(path))
             wanted = set(_evenly(name, total, count))
             frames = ((n, Image.frombytes("RGB", (wide, high), frame)) for n, frame in enumerate(reader) if n in wanted)
-            shown = [(n, self._ready(picture, name)) for n, picture in frames]  # small, before the next one comes
+            shown = [
+                (n, self._ready(picture, name)) for n, picture in frames
+            ]  # scale each frame before decoding the next
             return [pixels for _, pixels in shown], [round(n / rate, 3) for n, _ in shown]
         except (OSError, RuntimeError, ValueError, LookupError, ArithmeticError, StopIteration):
             raise WmsError(f"`{name}` cannot be read", help="save the clip again, as .mp4") from None
@@ -154,7 +156,7 @@ def _evenly(name: str, total: int, count: int) -> Iterator[int]:
 
 
 def _opened(path: Path) -> Image.Image:
-    """A picture, not read yet. Raises OSError and others, which `_explained` explains."""
+    """Open a picture without decoding it. Raises OSError and others, see `_explained`."""
     picture = Image.open(path, "r", _STILL_FORMATS)
     if picture.width * picture.height > PIXELS.most:
         raise Image.DecompressionBombError
@@ -167,10 +169,10 @@ def _too_large(name: str) -> WmsError:
 
 @contextmanager
 def _explained(name: str) -> Iterator[None]:
-    """Turn what goes wrong when a picture is read into a WmsError."""
+    """Turn errors of decoding into a WmsError."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # twice as many pixels are an error
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # Pillow raises an error at twice the limit
             yield
     except Image.DecompressionBombError:
         raise _too_large(name) from None
@@ -179,7 +181,7 @@ def _explained(name: str) -> Iterator[None]:
 
 
 def _opaque(picture: Image.Image) -> Image.Image:
-    """In RGB, what is transparent on white; 16-bit greys become 8-bit ones."""
+    """Return a picture in RGB, on white where transparent; 16-bit greys become 8-bit ones."""
     if picture.mode.startswith("I"):
         grey = np.asarray(picture, np.float64)
         picture = Image.fromarray((grey / (257 if grey.max() > 255 else 1)).astype(np.uint8))
@@ -190,7 +192,7 @@ def _opaque(picture: Image.Image) -> Image.Image:
 
 
 def _in_srgb(picture: Image.Image, profile: bytes) -> Image.Image:
-    """In sRGB. A profile that cannot be read is as good as none."""
+    """Return a picture in sRGB; an unreadable profile is ignored."""
     try:
         source = ImageCms.ImageCmsProfile(io.BytesIO(profile))
         return ImageCms.profileToProfile(picture, source, ImageCms.createProfile("sRGB"), outputMode="RGB") or picture

@@ -1,4 +1,4 @@
-"""A table and a folder of pictures as a finished dataset: shards, card, metadata, manifest."""
+"""Imports a table and a folder of pictures as a finished dataset: shards, card, metadata, manifest."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from wmspec.eval.image_import.pictures import Pictures
 from wmspec.eval.image_import.rows import CAMERA, rows, schema
 from wmspec.eval.image_import.table import Entry, read
 
-#: By what a manifest tells that its dataset was recast, and may be recast again.
+#: Mark in the manifest of an imported dataset, which may be replaced by another import.
 MADE_BY = "recast"
 
 
 @dataclass(frozen=True)
 class Recast:
-    """What was written: questions by task; pictures in the folder that no row names; rows that state no licence."""
+    """The result of an import: questions by task, unused pictures, and the number of rows without a licence."""
 
     questions: dict[str, int]
     unused: tuple[str, ...]
@@ -35,9 +35,9 @@ class Recast:
 
 
 def recast(path: Path, folder: Path, output: Path, size: int) -> Recast:
-    """Make a dataset of a table. Nothing is written unless everything in the table is right.
+    """Import a table as a dataset. Nothing is written unless the whole table is valid.
 
-    Raises WmsError with all mistakes, or if the folder holds something else or cannot be written.
+    Raises WmsError with all errors, or if the folder holds something else or cannot be written.
     """
     if not folder.is_dir():
         raise WmsError(f"{folder} is no folder; give the one with the pictures as --images")
@@ -62,6 +62,7 @@ def recast(path: Path, folder: Path, output: Path, size: int) -> Recast:
 
 
 def _one_dimension(path: Path, tasks: dict[str, list[Entry]]) -> None:
+    """Report an error if the rows of a task name several dimensions."""
     for name, entries in tasks.items():
         other = next((e for e in entries if e.dimension != entries[0].dimension), None)
         if other is not None:
@@ -82,7 +83,7 @@ def _shard(entries: list[Entry], pictures: Pictures) -> bytes:
 
 
 def _clear(output: Path) -> None:
-    """Remove what was recast to the folder before. Raises WmsError if it holds anything else."""
+    """Remove an earlier import from the folder. Raises WmsError if it holds anything else."""
     with files.explained(output):
         there = sorted(p.name for p in output.iterdir()) if output.exists() else []
     if not there:
@@ -92,7 +93,7 @@ def _clear(output: Path) -> None:
     except (OSError, ValueError, RecursionError):
         manifest = None
     if manifest_fault(manifest) or manifest.get("made by") != MADE_BY:
-        raise WmsError(f"{output} holds files that `wmspec recast` did not write; choose another folder with -o")
+        raise WmsError(f"{output} holds files that `wmspec import-images` did not write; choose another folder with -o")
     with files.explained(output):
         (output / files.MANIFEST).unlink()
         for shard in filter(SHARD.fullmatch, manifest["shards"]):
@@ -101,7 +102,7 @@ def _clear(output: Path) -> None:
                 (output / shard).parent.rmdir()
 
 
-# ---------------------------------------------------------------- what is said of it
+# ---------------------------------------------------------------- metadata
 
 
 def _manifest(path: Path, tasks: dict[str, list[Entry]], shards: dict[str, bytes], size: int) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Entries of a table as rows of a dataset: the columns of all datasets, then factors and their control groups."""
+"""Table entries as dataset rows: the common columns, then factors and their control groups."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from wmspec.dataset.build.rows import COLUMNS, Row, encoded, identity, table_sch
 from wmspec.eval.image_import.pictures import Pictures
 from wmspec.eval.image_import.table import Entry
 
-#: Who executed and drew: nobody. It is the name of the only "engine" of such a dataset, and its pictures' camera.
+#: The name of the only engine and camera of an imported dataset.
 CAMERA = "camera"
 
 
 def rows(entries: Sequence[Entry], pictures: Pictures) -> list[Row]:
-    """The rows of a task's entries, in their order.
+    """Return the rows of a task's entries, in order.
 
-    Entries of one episode are questions of one instance; those of one group are of one block, others each of their own.
+    Entries of one episode are questions of one instance. Entries of one group are in one block; others have a block
+    each.
     """
     factors = _factors(entries)
     instances: dict[str, int] = {}
@@ -35,14 +36,14 @@ def rows(entries: Sequence[Entry], pictures: Pictures) -> list[Row]:
 
 
 def schema(entries: Sequence[Entry]) -> pa.Schema:
-    """The columns of a task's rows."""
+    """Return the columns of a task's rows."""
     names = _factors(entries)
     fields = [pa.field(f"factor.{n}", _kind(entries, n), metadata={"unit": ""}) for n in names]
     return table_schema([*fields, *(pa.field(f"group.{n}", pa.string()) for n in names)])
 
 
 def _factors(entries: Sequence[Entry]) -> list[str]:
-    """The factors that a task's rows say anything of."""
+    """Return the factors that a task's rows use."""
     return [n for n in entries[0].factors if any(e.factors[n] for e in entries)]
 
 
@@ -107,6 +108,6 @@ def _shown(entry: Entry, pictures: Pictures) -> tuple[list[dict[str, bytes | Non
 
 
 def _group(entry: Entry, factor: str, factors: list[str]) -> str:
-    """What all rows share that differ in a factor alone."""
+    """Return the key of all rows that differ in this factor alone."""
     others = [entry.task, entry.group, entry.name, factor, *(f"{n}={entry.factors[n]}" for n in factors if n != factor)]
     return hashlib.sha256("\n".join(others).encode()).hexdigest()[:16]

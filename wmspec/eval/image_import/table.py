@@ -1,4 +1,4 @@
-"""The table that a person writes: one question a row. Every mistake is told with its row and column, all at once."""
+"""Tables written by people, with one question a row. All errors are reported at once, with row and column."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
 from wmspec.eval.image_import.pictures import CLIPS, STILLS, Pictures
 
-#: The columns and what they hold; the first four have to be there.
+#: The columns and their descriptions; the first four are required.
 COLUMNS = {
     "question": "the question's text",
     "pictures": "the files shown with it, in order, parted by `;`: photographs, or one clip",
@@ -37,7 +37,7 @@ COLUMNS = {
 }
 NEEDED = ("question", "pictures", "options", "answer")
 FACTOR = "factor."
-#: How many pictures are taken from a clip, if nothing is said.
+#: Default number of pictures from a clip.
 FRAMES = 4
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -46,10 +46,10 @@ _DIMENSION = re.compile(r"[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*")
 
 @dataclass(frozen=True)
 class Entry:
-    """A row of the table that was found right.
+    """A valid row of the table.
 
-    `line` is where it begins; `answer` is the place of the true option, None if the question is open. `pictured` tells
-    whether the options are files. A `clip` gives `frames` pictures.
+    `line` is its first line. `answer` is the position of the true option, None if the question is open. `pictured`
+    means that the options are files. A `clip` yields `frames` pictures.
     """
 
     line: int
@@ -78,9 +78,9 @@ class Entry:
 
 
 def read(path: Path, pictures: Pictures) -> tuple[Entry, ...]:
-    """The rows of a table (CSV in UTF-8), checked, and all pictures that they name opened.
+    """Return the validated rows of a table (CSV in UTF-8), after opening all pictures that they name.
 
-    Raises WmsError with every mistake: each with its row, its column and what would be right.
+    Raises WmsError with every error: each with its row, its column and a remedy.
     """
     report = Report(WmsError)
     rows = list(_rows(path, report))
@@ -95,7 +95,7 @@ def read(path: Path, pictures: Pictures) -> tuple[Entry, ...]:
 
 
 def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
-    """Every row by column, with the line where it begins; nothing if the names of the columns are wrong."""
+    """Yield every row by column, with its first line; none if the header is invalid."""
     try:
         text = read_bytes(path).decode("utf-8-sig")
     except OSError as error:
@@ -126,7 +126,7 @@ def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
 
 
 def _named(path: Path, head: list[str], report: Report) -> bool:
-    """Whether the columns are those that are known and needed."""
+    """Whether all columns are known and all required ones present."""
     place = FilePlace(str(path), 1)
     for name in NEEDED:
         if name not in head:
@@ -144,7 +144,7 @@ def _named(path: Path, head: list[str], report: Report) -> bool:
 
 
 def _alone(path: Path, entries: list[Entry], report: Report) -> None:
-    """No two rows ask the same."""
+    """Report rows that repeat an earlier question."""
     first: dict[object, int] = {}
     for entry in entries:
         key = (entry.task, entry.text, entry.pictures, frozenset(entry.options))
@@ -155,7 +155,7 @@ def _alone(path: Path, entries: list[Entry], report: Report) -> None:
 
 
 class _Row:
-    """One row while it is checked."""
+    """A row being validated."""
 
     def __init__(self, path: Path, line: int, cells: dict[str, str], pictures: Pictures, report: Report) -> None:
         self._place = FilePlace(str(path), line)
@@ -164,7 +164,7 @@ class _Row:
         self._right = True
 
     def entry(self) -> Entry | None:
-        """What the row says; None if anything in it is wrong."""
+        """Return the entry; None if the row has errors."""
         files, clip = self._shown()
         options, pictured = self._options()
         frames = self._frames(files[0] if clip and self._right else "", clip)
@@ -248,7 +248,7 @@ class _Row:
         return names, clip
 
     def _open(self, column: str, name: str, frames: int | None = None) -> None:
-        """Open a photograph, or so many pictures of a clip."""
+        """Open a photograph, or frames of a clip, to report errors."""
         try:
             if frames is None:
                 self._pictures.still(name)
@@ -259,7 +259,7 @@ class _Row:
                 self._wrong(column, diagnostic.message, diagnostic.help)
 
     def _frames(self, readable: str, clip: bool) -> int:
-        """How many pictures are taken from a clip, if it is `readable` (its name, else "")."""
+        """Return the number of pictures from a clip, if it is `readable` (its name, else '')."""
         frames = self._number("frames")
         number = FRAMES if frames is None else frames
         if frames is not None and not clip:

@@ -161,9 +161,9 @@ def _plain(words: str) -> str:
 
 _NOUN = r"(?:option|choice|answer|candidate|picture|image|number|one)"
 _ORDINAL = rf"(?P<ordinal>{'|'.join((*ORDINALS, *_SHORT, 'last'))})"
-# Where options have letters, a numbered picture is one of those shown with the question.
+# If options have letters, a numbered picture is a context picture.
 _SHOWN_PICTURE = re.compile(rf"(?i)\b(?:the\s+)?(?:(?:picture|image)s?\s*#?\s*\d+|{_ORDINAL}\s+(?:picture|image))\b")
-# A label that is not the beginning of a word or number. A lone "a" (and "A", "I") before a word is none.
+# A label that does not begin a word or number. A lone "a" (and "A", "I") before a word is not a label.
 _LABEL = (
     r"(?:[(\[]\s*(?P<inside>[A-Za-z]|\d{1,3})\s*[)\]]"
     r"|(?P<bare>[B-HJ-Zb-hj-z]|[AaIi](?!\s+(?!(?:is|because|since|as|or|and|nor|but)\b)[a-z])|\d{1,3})(?![\w'%°]|\.\d|[-/]\w))"
@@ -193,7 +193,7 @@ def _leading(reply: str, shown: _Shown) -> set[int]:
     """The reply begins with an option: its label, a mark and a space, or its words and a mark."""
     match = re.match(r"(?:[(\[](\w{1,3})[)\]]|(\w{1,3})(?:[).:,;](?=\s|$)|\s*\n|\s*[-–—=]+>?\s))", reply)
     label = (match[1] or match[2]) if match else ""
-    listed = label.isdecimal() and re.search(r"\n\s*2[.)]", reply)  # "1. ..., 2. ...": steps, not options
+    listed = label.isdecimal() and re.search(r"\n\s*2[.)]", reply)  # "1. ..., 2. ..." are steps, not options
     if label and not listed and (shown.numbered or not label.isdecimal()) and (place := shown.label(label)) is not None:
         return {place}
     return set() if listed else _named(re.split(r"[.,:;!?\n]|\s[-–—]", reply, maxsplit=1)[0], shown)
@@ -248,7 +248,7 @@ def _worded(reply: str, shown: _Shown) -> set[int]:
     for place, words in sorted(enumerate(shown.words), key=lambda each: -len(each[1])):
         if not words:
             continue
-        # "no" and "yes" are words of other sentences too: a mark or the end must follow.
+        # "no" and "yes" also occur in other sentences, so a mark or the end must follow.
         end = r"(?=\s*(?:[.,:;!?)\n]|$))" if words in {"yes", "no", "true", "false"} else r"(?!\w|\.\d)"
         pattern = rf"(?<![\w.])(?<!not )(?<!not the ){re.escape(words)}{end}"
         if re.search(pattern, taken):
@@ -292,6 +292,6 @@ def _values(text: str, unit: str) -> Iterator[float]:
         name = match["unit"] or ""
         known = _UNITS.get(name) or _UNITS.get(name.casefold().removesuffix("s"))
         if known is None:
-            yield value  # "3 balls": no unit at all
+            yield value  # "3 balls": not a unit
         elif known[0] == unit:
             yield value * known[1]

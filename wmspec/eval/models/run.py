@@ -153,7 +153,7 @@ def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal:
         while flying:
             settle(wait(flying, return_when=FIRST_COMPLETED).done)
     except Exception:
-        wait(flying)  # what is on its way is paid for
+        wait(flying)  # pending requests are already paid for
         _rescue(flying, journal)
         raise
     finally:

@@ -151,7 +151,7 @@ def _client(openai: Any) -> Any:
 
     class Transport(httpx2.HTTPTransport):  # type: ignore[misc]
         def handle_request(self, request: Any) -> Any:
-            # Compressed, little could become much.
+            # Refuse compression, which could hide a huge response.
             request.headers["Accept-Encoding"] = "identity"
             response = super().handle_request(request)
             response.stream = Bounded(response.stream)

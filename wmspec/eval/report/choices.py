@@ -109,7 +109,7 @@ def flips(replies: Replies) -> tuple[Flips, ...]:
         task=("task", "first"), cluster=("cluster", "first"), orders=("right", "size"), accuracy=("right", "mean"),
         always=("right", "min"),
     )  # fmt: skip
-    # Two replies without an answer are not the same one: `groupby` leaves them out.
+    # Two unparsed replies do not count as equal: `groupby` drops NaN.
     alike = several.groupby([*key, "parsed"]).size()
     same = (alike * (alike - 1) / 2).groupby(level=[0, 1, 2]).sum().reindex(whole.index, fill_value=0)
     whole["flips"] = 1 - same / (whole["orders"] * (whole["orders"] - 1) / 2)

@@ -66,7 +66,7 @@ def _robust(gaps: Floats, cluster: pd.Series[str]) -> tuple[Estimate, float | No
     if not gaps.any():
         return Estimate(mean, mean, mean, len(gaps)), 1.0
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of a perfect fit, where every gap is the same
+        warnings.simplefilter("ignore")  # perfect fit if all gaps are equal
         fit = sm.OLS(gaps, np.ones(len(gaps))).fit(cov_type="cluster", cov_kwds={"groups": codes}, use_t=True)
         low, high = fit.conf_int(1 - CONFIDENCE)[0]
         return Estimate(mean, float(low), float(high), len(gaps)), float(np.nan_to_num(fit.pvalues[0]))

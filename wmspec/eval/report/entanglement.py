@@ -146,7 +146,7 @@ def _asked(questions: Questions, task: str, factor: str, ids: pd.Index[str]) -> 
     Without such pairs of questions, whether answers are associated with the factor's levels.
     """
     if factor not in questions.groups[task]:
-        return False  # a nuisance
+        return False  # nuisances have no groups
     known = questions.table.loc[ids]
     strong = known["difference"].abs()
     alone = pd.DataFrame({"truth": known["truth"], "strength": strong}).groupby(

@@ -71,7 +71,7 @@ def _episode(about: pd.DataFrame) -> pd.Series[str]:
 
 
 def _seen(replies: Replies, about: pd.DataFrame) -> pd.DataFrame:
-    """Return, for every episode and system: 1 if all companion questions were right, 0 if not, NaN if one is missing."""
+    """Return, for each episode and system: 1 if all companion questions are right, 0 if not, NaN if one is missing."""
     queries = about[about["query"]]
     right = (replies.scores.loc[queries.index] >= 1).where(replies.scores.loc[queries.index].notna()).astype(float)
     return right.groupby(_episode(queries)).min()

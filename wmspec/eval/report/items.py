@@ -172,7 +172,7 @@ def item_rest(answers: Floats) -> Floats:
     return np.asarray(np.divide((x * y).sum(1), below, out=np.full(len(answers), np.nan), where=below > 1e-12))
 
 
-# ---------------------------------------------------------------- a short form
+# ---------------------------------------------------------------- short form
 
 
 def _weights(replies: Replies, scores: pd.DataFrame) -> Floats:

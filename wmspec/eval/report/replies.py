@@ -183,7 +183,7 @@ def _belong(table: pd.DataFrame, questions: Questions, dataset: Path | None) -> 
         )
 
 
-# ---------------------------------------------------------------- who
+# ---------------------------------------------------------------- systems
 
 
 def _clusters(table: pd.DataFrame) -> pd.Series[str]:

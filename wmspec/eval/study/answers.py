@@ -1,4 +1,4 @@
-"""People's answers as they come in: from the page, and in the files that it gives when there is no server."""
+"""People's answers, from the server or from the files that the page saves without one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wmspec.core.safe_io import regular_file
 from wmspec.eval.models.reply import LETTERS
 from wmspec.eval.study.model import Item, Study
 
-#: The largest file of answers that is read, in bytes.
+#: Maximum size of a file of answers (bytes).
 LARGEST = 16 << 20
 _DAY = 86_400.0
 
@@ -25,15 +25,15 @@ class _Model(BaseModel):
 
 
 class Person(_Model):
-    """Who takes part: a name for the visit that nobody can guess, and the name in the link, if there is one."""
+    """A participant: a random session id, and the name in the link, if any."""
 
     session: str = Field(pattern=r"^[0-9a-f]{32}$")
     rater: str = Field(default="", pattern=r"^[A-Za-z0-9._-]{0,64}$")
 
 
 class Answer(_Model):
-    """An answer: to which step, the letter chosen or the number given, the seconds that it took, and for how many of
-    them the page was not seen.
+    """An answer: its step, the chosen letter or number, its time (s), and the time during which the page was hidden
+    (s).
     """
 
     step: int = Field(ge=0, le=100_000)
@@ -42,12 +42,12 @@ class Answer(_Model):
     away: Seconds = 0.0
 
     def fits(self, item: Item) -> bool:
-        """Whether it is an answer to this item: one of its letters, or a number."""
+        """Whether this is a valid answer to the item: one of its letters, or a number."""
         return self.text in LETTERS[: len(item.options)] if item.options else self.text not in LETTERS
 
 
 class Visit(Person):
-    """One person's answers, as a file."""
+    """One participant's answers, as a file."""
 
     study: str
     slot: int
@@ -56,7 +56,7 @@ class Visit(Person):
 
 
 def read(path: Path, study: Study) -> Visit:
-    """A file of answers that the page gave. Raises WmsError if it is none, or of another study."""
+    """Read a file of answers. Raises WmsError if it is invalid, or belongs to another study."""
     try:
         if regular_file(path).stat().st_size > LARGEST:
             raise WmsError(f"more than {LARGEST >> 20} MiB: no file of answers is as large", FilePlace(str(path)))

@@ -1,4 +1,4 @@
-"""Who is shown what: pure functions of the questions and a seed."""
+"""Assignment of questions to participants: pure functions of questions and seed."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from wmspec.eval.study.model import Item, Step
 
 
 def slots(items: Sequence[Item], raters: int, most: int, every: int, seed: int) -> tuple[tuple[Step, ...], ...]:
-    """The steps of every person.
+    """Return the steps of every participant.
 
-    In each of `raters` rounds all questions are dealt out, to as few people as can answer at most `most` each; their
-    numbers of questions differ by no more than one. A person answers task after task, so that the rules are read once;
-    tasks, and questions within them, come in another order in every round. Practice comes before a task's questions and
-    a check of attention once among `every` questions (0: never).
+    In each of `raters` rounds, all questions are divided evenly among as few participants as can answer at most `most`
+    each. A participant answers task after task, so that instructions are read once. The order of tasks, and of
+    questions within them, differs between rounds. Practice comes before a task's questions, and an attention check once
+    among `every` questions (0: never).
     """
     asked = [i for i, item in enumerate(items) if item.kind == "question"]
     people = -(-len(asked) // most)
@@ -30,9 +30,10 @@ def slots(items: Sequence[Item], raters: int, most: int, every: int, seed: int) 
 
 
 def _turned(items: Sequence[Item], round_: int) -> dict[int, int]:
-    """By how many places each item's options are moved on in a round.
+    """Return the rotation of each item's options in a round.
 
-    The truth takes every place equally often among a task's questions of as many options, and another in every round.
+    The truth takes every position equally often among a task's questions with equally many options, and another one in
+    every round.
     """
     counted: dict[tuple[str, int], int] = {}
     turned = {}
@@ -62,4 +63,5 @@ def _steps(
 
 
 def _of(items: Sequence[Item], kind: str) -> list[int]:
+    """Return the indices of the items of a kind."""
     return [i for i, item in enumerate(items) if item.kind == kind]

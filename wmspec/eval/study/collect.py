@@ -1,4 +1,4 @@
-"""What people answered as a file of results like a model's, and how well each of them and all together did."""
+"""Collects people's answers as results, and computes the performance and agreement of raters."""
 
 from __future__ import annotations
 
@@ -23,16 +23,18 @@ from wmspec.eval.study.answers import Visit
 from wmspec.eval.study.model import Item, Study, load
 from wmspec.eval.study.store import Store
 
-#: How a person's name begins as a model, and what the prompt is called.
+#: Prefix of a person's name in the column `model`, and the name of the prompt.
 RATER, PROMPT = "human:", "study"
-#: Nobody has looked at pictures in less, in seconds.
+#: Time below which an answer is too fast to be based on the pictures (s).
 HASTY = 1.0
 
 
 @dataclass(frozen=True)
 class Rater:
-    """How one person did: steps answered, of how many; checks of attention passed, of how many; questions right, of how
-    many; the median of the seconds, the share of answers that came within HASTY, and the seconds spent elsewhere.
+    """The performance of one person.
+
+    `answered` of `steps`, `checks_passed` of the attention `checks`, `right` of `questions`. `seconds` is the median
+    time of an answer, `hasty` the share below HASTY, `away` the time with the page hidden (s).
     """
 
     rater: str
@@ -52,7 +54,7 @@ class Rater:
 
 @dataclass(frozen=True)
 class Agreement:
-    """Of a task's questions with options, or of all: raters' choices, Fleiss' κ, and the share that most got right."""
+    """Raters' choices on a task's questions with options (or on all), Fleiss' κ, and the accuracy of the majority."""
 
     task: str
     questions: int
@@ -63,7 +65,7 @@ class Agreement:
 
 @dataclass(frozen=True)
 class Collected:
-    """What came of a study; `missing` are the replies that its design still wants."""
+    """The result of a study; `missing` is the number of replies that its design still lacks."""
 
     raters: tuple[Rater, ...]
     agreement: tuple[Agreement, ...]
@@ -72,10 +74,10 @@ class Collected:
 
 
 def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: float = 0.0) -> Collected:
-    """Write the results of a study: of its server's file, and of the pages' files. The first answer to a step stands.
+    """Write the results of a study, from its server's file and from saved files. The first answer to a step counts.
 
-    Who passed a smaller share of the checks of attention than `least_checks` is told of, and left out. Raises WmsError
-    if a file is not of this study, or if `output` holds something that is no results.
+    Raters who passed a smaller share of attention checks than `least_checks` are reported and excluded. Raises WmsError
+    if a file belongs to another study, or if `output` holds anything but results.
     """
     study = load(folder)
     if output.exists():
@@ -96,7 +98,7 @@ def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: flo
 
 
 def _visits(study: Study, folder: Path, files: Sequence[Path]) -> list[Visit]:
-    """The visits of all sources, one for each session."""
+    """Return the visits of all sources, one for each session."""
     served = folder / store.FILE
     all_visits: list[Visit] = []
     if served.exists():
@@ -119,7 +121,7 @@ def _visits(study: Study, folder: Path, files: Sequence[Path]) -> list[Visit]:
 
 
 def _named(visits: Iterable[Visit]) -> dict[str, Visit]:
-    """Visits by the rater's name: that of the link, else the beginning of the session's; no two are the same."""
+    """Return visits by the rater's name: that of the link, else a unique prefix of the session id."""
     visits = sorted((visit for visit in visits if visit.answers), key=lambda visit: visit.session)
     count = Counter(visit.rater for visit in visits)
     long = {visit.session: f"{visit.rater}-{visit.session[:8]}".strip("-") for visit in visits}
@@ -158,8 +160,8 @@ def _rater(study: Study, visit: Visit, name: str, least_checks: float) -> Rater:
 
 
 def _rows(study: Study, visit: Visit, name: str) -> list[results.Row]:
-    """The rows of one person's answers, scored as all results are."""
-    template = prompt.load("default")  # letters for all options, as the page has them
+    """Return the scored rows of one person's answers."""
+    template = prompt.load("default")  # letters for all options, as on the page
     made = []
     for answer, item, permutation in _shown(study, visit):
         if item.kind == "question":
@@ -189,7 +191,7 @@ def _agreement(rows: Sequence[results.Row]) -> Iterable[Agreement]:
 
 
 def _about(study: Study, rows: Sequence[results.Row], collected: Collected) -> dict[str, Any]:
-    """What is said beside the results."""
+    """Return the content of the settings file."""
     counted = results.counts(rows)
     return {
         "format": 1,

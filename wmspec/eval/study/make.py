@@ -1,4 +1,4 @@
-"""Making a study of a dataset: questions are chosen, pictures are written, and people are given their shares."""
+"""Creates a study of a dataset: selects questions, writes pictures, and assigns participants."""
 
 from __future__ import annotations
 
@@ -18,14 +18,16 @@ from wmspec.eval.study import page, store
 from wmspec.eval.study.assign import slots
 from wmspec.eval.study.model import FILE, PAGE, Item, Kind, Study, load, save
 
-#: What an attentive person chooses when told to.
+#: Words for attention checks.
 _WORDS = ("apple", "boat", "candle", "door", "feather", "garden", "hammer", "island")
 
 
 @dataclass(frozen=True)
 class Options:
-    """What is asked of whom: questions of each task, raters of each question, questions of each person, practice of
-    each task, a check of attention among so many questions (0: none), and of which tasks and engines (all without).
+    """The design of a study.
+
+    Questions of each task, raters of each question, questions of each participant, practice of each task, questions for
+    each attention check (0: none); and tasks and engines (all if empty).
     """
 
     per_task: int = 50
@@ -39,9 +41,9 @@ class Options:
 
 
 def make(dataset: DatasetReader, options: Options, folder: Path) -> Study:
-    """Write a study into a folder; texts that are there already are kept.
+    """Write a study to a folder; existing texts are kept.
 
-    Raises WmsError if the dataset lacks what is wanted of it, or if the folder has answers to another study.
+    Raises WmsError if the dataset lacks a task or engine, or if the folder has answers to another study.
     """
     dataset.intact()
     pictures = folder / PAGE / "pictures"
@@ -68,9 +70,9 @@ def make(dataset: DatasetReader, options: Options, folder: Path) -> Study:
 
 
 def _chosen(dataset: DatasetReader, options: Options) -> Iterator[tuple[str, Kind]]:
-    """The ids of the questions, and what each is for. What serves for practice is not asked again.
+    """Yield the ids of the questions, and the purpose of each. Practice questions are not repeated.
 
-    Instances come in a drawn order, with all their questions, each as one engine shows it, which take turns.
+    Instances come in random order, with all their questions, each in one engine; engines alternate.
     """
     for kind, wanted, known in (("task", options.tasks, dataset.tasks), ("engine", options.engines, dataset.engines)):
         if lacking := sorted(set(wanted) - set(known)):
@@ -115,7 +117,7 @@ def _item(question: Question, kind: Kind, pictures: Path) -> Item:
 
 
 def _put(png: bytes, folder: Path) -> str:
-    """Write a picture under a name that tells nothing of it."""
+    """Write a picture under a name that reveals nothing about it."""
     load_image(png, "PNG")
     name = f"{hashlib.sha256(png).hexdigest()[:20]}.png"
     if not (folder / name).exists():
@@ -124,7 +126,7 @@ def _put(png: bytes, folder: Path) -> str:
 
 
 def _checks(options: Options) -> Iterator[Item]:
-    """As many checks of attention as a person can meet."""
+    """Yield as many attention checks as a participant can meet."""
     for number in range(-(-options.per_person // options.check_every) if options.check_every else 0):
         words = sorted(_WORDS, key=lambda word: bits(options.seed, "check", number, word))[:4]
         answer = bits(options.seed, "check", number) % 4

@@ -1,4 +1,4 @@
-"""The study's page: written once to be put anywhere, and made anew when it is served."""
+"""The page of a study: written as a static file, and rendered again by the server."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from wmspec.dataset.build.files import explained
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.study.model import PAGE, TEXTS, Item, Study
 
-#: The longest text that is read, in bytes.
+#: Maximum size of a text (bytes).
 _LONGEST = 64 << 10
 
 
 def write(study: Study, folder: Path) -> None:
-    """Write the texts that are not there yet, and the page. Raises WmsError if they cannot be written."""
+    """Write missing texts, and the page. Raises WmsError if they cannot be written."""
     with explained(folder):
         (folder / TEXTS).mkdir(exist_ok=True)
         for name, text in _texts(study):
@@ -30,7 +30,7 @@ def write(study: Study, folder: Path) -> None:
 
 
 def html(study: Study, folder: Path, served: bool) -> str:
-    """The page, which sends answers to the server that it came from or, if not `served`, gives them as a file.
+    """Return the page, which sends answers to its server or, if not `served`, saves them as a file.
 
     Raises WmsError if one of its texts cannot be read.
     """
@@ -39,12 +39,12 @@ def html(study: Study, folder: Path, served: bool) -> str:
 
 
 def unfinished(folder: Path) -> list[Path]:
-    """The texts in which there still is something in brackets for the maker of a study to say."""
+    """Return the texts that still contain bracketed placeholders."""
     return [path for path in sorted((folder / TEXTS).glob("*.txt")) if re.search(r"\[[^\]]{20,}\]", _read(path))]
 
 
 def _texts(study: Study) -> Iterator[tuple[str, str]]:
-    """The names of the texts, and what they say if nobody says otherwise."""
+    """Yield the names and default contents of the texts."""
     for name in ("consent", "instructions"):
         yield name, resource(f"eval/study/texts/{name}.txt").read_text(encoding="utf-8")
     firsts = {item.task: item for item in reversed(study.items) if item.kind != "check"}
@@ -55,7 +55,7 @@ def _texts(study: Study) -> Iterator[tuple[str, str]]:
 
 
 def _instructions(item: Item) -> str:
-    """What is done in a task, as its first question has it."""
+    """Return the default instructions of a task, from its first question."""
     shown = len(item.context)
     looks = f"{shown} pictures of a scene" if shown > 1 else "a picture of a scene" if shown else "a question"
     if item.pictures:

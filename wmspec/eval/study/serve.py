@@ -1,4 +1,4 @@
-"""A small server for a study: its page, its pictures, and two things to say to it: that one begins, and an answer."""
+"""A small server for a study: its page and pictures, and two requests: begin, and answer."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.model import PAGE, Study, load
 from wmspec.eval.study.store import Full, Place, Store
 
-#: The longest request that is read, in bytes; and how long a silent connection stays open, in seconds.
+#: Maximum size of a request (bytes), and timeout of a silent connection (s).
 LARGEST, PATIENCE = 4096, 60.0
 
 
 class Server(ThreadingHTTPServer):
-    """A study on an address; `serve_forever` runs it."""
+    """The server of a study; `serve_forever` runs it."""
 
     daemon_threads = True
 
     def __init__(self, folder: Path, host: str, port: int) -> None:
-        """Raises WmsError if there is no study, or if the address cannot be had."""
+        """Open the study and listen. Raises WmsError if there is no study, or if the address is unavailable."""
         self.study: Study = load(folder)
         self.page = page.html(self.study, folder, served=True).encode()
         shown = {name for item in self.study.items for name in (*item.context, *item.pictures)}
@@ -50,11 +50,11 @@ class Server(ThreadingHTTPServer):
 
     @property
     def url(self) -> str:
-        """Where the page is."""
+        """The URL of the page."""
         return f"http://{self.server_address[0]!s}:{self.server_address[1]}/"
 
     def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ARG002  as the base class has it
-        """A visitor who is gone is no error."""
+        """Ignore connections that visitors closed."""
         error = sys.exception()
         if error is not None and not isinstance(error, OSError):
             tell(error)
@@ -81,7 +81,7 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = PATIENCE
 
     def do_GET(self) -> None:
-        """The page, or a picture of it: nothing else on the disk can be named."""
+        """Send the page, or one of its pictures; no other file is accessible."""
         path = self.path.partition("?")[0]
         if not self._is_meant():
             return
@@ -98,7 +98,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._tell(HTTPStatus.NOT_FOUND, "not here")
 
     def do_POST(self) -> None:
-        """Somebody begins (or comes back), or answers."""
+        """Begin or resume a visit, or accept an answer."""
         body = self._body()
         if body is None:
             return
@@ -125,7 +125,7 @@ class _Handler(BaseHTTPRequestHandler):
         return None
 
     def _is_meant(self) -> bool:
-        """Whether the request names an address of ours: pages of others cannot reach a local server by a name."""
+        """Whether the request names the server's own address; prevents DNS rebinding by other sites."""
         name = re.sub(r":\d+$", "", self.headers.get("Host", "")).strip("[]")
         if not self.server.is_local or _is_loopback(name):
             return True
@@ -133,7 +133,7 @@ class _Handler(BaseHTTPRequestHandler):
         return False
 
     def _body(self) -> bytes | None:
-        """The request's JSON, None if it is refused. Pages of others cannot send this type without being allowed to."""
+        """Return the request's JSON, None if refused. Other sites cannot send this content type without permission."""
         if not self._is_meant():
             return None
         if self.headers.get_content_type() != "application/json":
@@ -149,7 +149,7 @@ class _Handler(BaseHTTPRequestHandler):
         return self.rfile.read(int(length))
 
     def _tell(self, status: HTTPStatus, why: str) -> None:
-        self.close_connection = True  # what it still sends is not read
+        self.close_connection = True  # the rest of the request is not read
         self._json(status, {"error": why})
 
     def _json(self, status: HTTPStatus, value: dict[str, Any]) -> None:
@@ -171,4 +171,4 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Nothing is logged: who visits when is nobody's business but the file of answers."""
+        """Log nothing, to protect the privacy of visitors."""

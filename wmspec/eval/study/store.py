@@ -1,4 +1,4 @@
-"""The answers of a study that is served: an SQLite file that has an answer once and for good, or not at all."""
+"""The answers of a served study: an SQLite file with durable, atomic writes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from wmspec.eval.study.model import Study
 
 #: Its name in the study's folder.
 FILE = "answers.sqlite"
-#: More visits than anybody has: a flood must not fill the disk.
+#: Maximum number of visits, so that a flood cannot fill the disk.
 MOST_VISITS = 20_000
 
 _TABLES = """
@@ -34,7 +34,7 @@ create table if not exists answer (
 
 @dataclass(frozen=True)
 class Place:
-    """How far a visit is: its share, the steps that are answered, and the code that tells that it is over."""
+    """The progress of a visit: its slot, the answered steps, and the completion code."""
 
     slot: int
     done: tuple[int, ...]
@@ -42,17 +42,17 @@ class Place:
 
 
 class Full(Exception):
-    """Nobody else is wanted."""
+    """All slots are taken."""
 
 
 class Store:
-    """The file, open. Any thread may use it."""
+    """The open file; thread-safe."""
 
     def __init__(self, path: Path, study: Study) -> None:
-        """Open the file, or begin one. Raises WmsError if it is of another study, or cannot be written."""
+        """Open or create the file. Raises WmsError if it belongs to another study, or cannot be written."""
         self._study, self._lock = study, threading.Lock()
         try:
-            # Waits for another process; a commit is on the disk before it returns.
+            # Wait for other processes; a commit is durable when it returns.
             self._file = sqlite3.connect(path, timeout=30, isolation_level=None, check_same_thread=False)
             self._file.execute("pragma synchronous=full")
             with self._write():
@@ -70,7 +70,7 @@ class Store:
 
     @contextmanager
     def _write(self) -> Iterator[None]:
-        """All of it or nothing, and nobody else meanwhile."""
+        """Run an exclusive transaction."""
         with self._lock:
             self._file.execute("begin immediate")
             try:
@@ -86,7 +86,7 @@ class Store:
             self._file.close()
 
     def begin(self, person: Person) -> Place:
-        """Give a person a share of the questions, or the one that they have. Raises Full if all has been answered."""
+        """Return a participant's progress, with a new slot on the first visit. Raises Full if all slots are finished."""
         with self._write():
             if self._slot(person.session) is None:
                 values = [person.session, person.rater, self._free(), secrets.token_hex(4).upper()]
@@ -94,9 +94,9 @@ class Store:
             return self._place(person.session)
 
     def keep(self, session: str, answer: Answer) -> Place | None:
-        """Keep an answer; when this returns, it outlasts a kill and a power cut. The first to a step stands.
+        """Save an answer durably; the first one to a step counts.
 
-        None if there is no such visit or step, or if it is no answer to it.
+        Returns None if there is no such visit or step, or if the answer is invalid.
         """
         with self._write():
             slot = self._slot(session)
@@ -110,7 +110,7 @@ class Store:
             return self._place(session)
 
     def visits(self) -> list[Visit]:
-        """All visits with their answers, in the order in which they began."""
+        """Return all visits with their answers, in order of their beginning."""
         with self._lock:
             answers: dict[str, list[Answer]] = {}
             for session, step, text, seconds, away in self._file.execute(
@@ -135,7 +135,7 @@ class Store:
         return None if row is None else int(row[0])
 
     def _free(self) -> int:
-        """The share that fewest have taken, of those that nobody has finished. Raises Full if there is none."""
+        """Return the least taken of the unfinished slots. Raises Full if there is none."""
         taken: dict[int, int] = dict.fromkeys(range(len(self._study.slots)), 0)
         for slot, count in self._file.execute(
             "select slot, (select count(*) from answer where answer.session = visit.session) from visit"

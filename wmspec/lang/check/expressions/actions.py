@@ -9,7 +9,7 @@ from wmspec.core.diagnostics import suggestion
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions.typed import Failed, Typed
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.tables.verbs import VERB_ALIASES, ROBOTS, OBJECT_VERBS, VERBS, Verb
+from wmspec.lang.check.tables.verbs import OBJECT_VERBS, ROBOTS, VERB_ALIASES, VERBS, Verb
 from wmspec.lang.check.tables.vocabulary import PropertySpec
 from wmspec.lang.check.types.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, OBJECT, ROBOT, Type
 from wmspec.lang.parse import syntax as s
@@ -152,7 +152,9 @@ def subject(check: Expressions, action: s.Action, does: ResolvedAction) -> ir.Ex
     return argument(check, action, does, "object").expr if "object" in does.written else None
 
 
-def _types(check: Expressions, action: s.Action, does: ResolvedAction, name: str, slot: PropertySpec) -> tuple[Type, ...]:
+def _types(
+    check: Expressions, action: s.Action, does: ResolvedAction, name: str, slot: PropertySpec
+) -> tuple[Type, ...]:
     """Return the types that an argument accepts; the amount of a joint's motion depends on the joint."""
     if name not in ("target", "far") or "joint" not in does.written:
         return slot.types

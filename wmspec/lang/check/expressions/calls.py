@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.expressions.typed import Failed, Typed, constant, fits, common_type
+from wmspec.lang.check.expressions.typed import Failed, Typed, common_type, constant, fits
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.tables.functions import FUNCTIONS, FUNCTION_ALIASES, Function
+from wmspec.lang.check.tables.functions import FUNCTION_ALIASES, FUNCTIONS, Function
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import JOINTS
 from wmspec.lang.check.types.types import (
@@ -145,7 +145,11 @@ def _list_argument(
 
 def _accepts_list(function: Function, i: int) -> bool:
     """Whether parameter `i` accepts a list of values, with one result for each."""
-    return not function.repeated and function.parameters[i] in (OBJECT, JOINT, QUANTITY) and _maps_over_lists(function.result)
+    return (
+        not function.repeated
+        and function.parameters[i] in (OBJECT, JOINT, QUANTITY)
+        and _maps_over_lists(function.result)
+    )
 
 
 def _maps_over_lists(result: Type) -> bool:
@@ -169,7 +173,9 @@ def _check_joint_measure(check: Expressions, name: str, written: s.Argument, joi
             raise Failed
         if kind != expected:
             remedy = (
-                f"write `{other}({written.span.text})`" if kind == JOINT_MEASURES[other][0] else "ask of a body that it moves"
+                f"write `{other}({written.span.text})`"
+                if kind == JOINT_MEASURES[other][0]
+                else "ask of a body that it moves"
             )
             what = f"`{name}` is of a {expected}, and `{written.span.text}` is a {kind} joint"
             check.fail("WMS302", what, written.span, remedy)

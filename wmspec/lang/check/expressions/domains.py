@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.lists import MAX_VALUES
-from wmspec.lang.check.expressions.typed import constant, common_type
+from wmspec.lang.check.expressions.typed import common_type, constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.functions import DOMAIN_REMEDIES, FUNCTIONS
 from wmspec.lang.check.types.types import A_NUMBER, TRUTH, List, Quantity, Type, Vector, article
@@ -58,7 +58,10 @@ def read_domain(check: Expressions, e: s.Expr) -> WrittenDomain:
             return FORMS[name](check, e)
         case s.Call(function=s.Name(id=name)) if name not in FUNCTIONS:
             check.fail(
-                "WMS204", f"there is no domain `{name}`", e.function.span, DOMAIN_REMEDIES.get(name) or suggestion(name, FORMS)
+                "WMS204",
+                f"there is no domain `{name}`",
+                e.function.span,
+                DOMAIN_REMEDIES.get(name) or suggestion(name, FORMS),
             )
         case s.Range(step=None, count=None):
             return _interval(check, e)

@@ -137,7 +137,11 @@ class Expressions:
             help = names.suggest_replacement(self, e, expected) or help
         shown = "a bare 0" if actual == Quantity(ZERO) else article(str(actual))
         message = f"{what} wants {wants}, but this is {shown}"
-        if isinstance(e, s.Name) and names.may_be_undeclared_name(self, e, actual) and set(expected) & set(names.BLOCKS.values()):
+        if (
+            isinstance(e, s.Name)
+            and names.may_be_undeclared_name(self, e, actual)
+            and set(expected) & set(names.BLOCKS.values())
+        ):
             self.unknown(e, message, help, "WMS302")
         named = {n.id: d for n in s.names((e, beside)) if isinstance(d := self.scope.names.get(n.id), s.Let | s.Factor)}
         if named.keys() & self.tainted:

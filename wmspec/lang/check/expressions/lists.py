@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions import names
-from wmspec.lang.check.expressions.typed import Typed, constant, fits, common_type
+from wmspec.lang.check.expressions.typed import Typed, common_type, constant, fits
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.types import units
 from wmspec.lang.check.types.types import A_NUMBER, List, Quantity, Type, Vector

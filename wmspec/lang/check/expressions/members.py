@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import suggestion
 from wmspec.lang.check.expressions import actions
-from wmspec.lang.check.expressions.names import BLOCKS, present, may_be_undeclared_name
+from wmspec.lang.check.expressions.names import BLOCKS, may_be_undeclared_name, present
 from wmspec.lang.check.expressions.owners import Owner, owner, parts
 from wmspec.lang.check.expressions.typed import Failed, Typed, constant
 from wmspec.lang.check.ir import ir

@@ -104,7 +104,9 @@ def suggest(check: Expressions, name: str, expected: tuple[Type, ...]) -> str:
     fit, values = names_of_types(check, expected), check.scope.of(s.Factor, s.Let)
     if (other := WORD_ALIASES.get(name)) in fit:
         return f"did you mean `{other}`?"
-    named = bool(expected) and all(kind in BLOCKS.values() for kind in expected)  # no word of the language has these types
+    named = bool(expected) and all(
+        kind in BLOCKS.values() for kind in expected
+    )  # no word of the language has these types
     groups = [[w for w in group if w != name] for group in (fit, values, [] if named else check.scope.known())]
     return suggestion(name, *groups)
 

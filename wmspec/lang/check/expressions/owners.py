@@ -8,7 +8,13 @@ from functools import cached_property
 
 from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.tables.property_schema import EntityType, remedy, allowed_properties, entity_type, exclusion_reason
+from wmspec.lang.check.tables.property_schema import (
+    EntityType,
+    allowed_properties,
+    entity_type,
+    exclusion_reason,
+    remedy,
+)
 from wmspec.lang.check.tables.vocabulary import PROPERTY_ALIASES, PropertySpec
 from wmspec.lang.parse import syntax as s
 
@@ -24,7 +30,7 @@ class Owner:
     parts: tuple[str, ...] = ()
 
     @property
-    def allowed_properties(self) -> dict[str, PropertySpec]:
+    def slots(self) -> dict[str, PropertySpec]:
         """The properties that it can have."""
         return allowed_properties(self.type)
 

@@ -55,10 +55,10 @@ def common_type(a: Type, b: Type) -> Type | None:
         case List(x), List(y) if x and y:
             item = common_type(x, y)
             return List(item) if item else None
-    return LABEL if _side_by_side(a, b) or _side_by_side(b, a) else None
+    return LABEL if _can_mix_as_options(a, b) or _can_mix_as_options(b, a) else None
 
 
-def _side_by_side(a: Type, b: Type) -> bool:
+def _can_mix_as_options(a: Type, b: Type) -> bool:
     """Whether both may be options of one question though their types differ."""
     return a in _LABELS and (b in _LABELS or (isinstance(b, Word) and a in (NEITHER, LABEL)))
 

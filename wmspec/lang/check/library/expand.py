@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NoReturn
 from wmspec.core.diagnostics import Diagnostic, Note, suggestion
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
-from wmspec.lang.check.library.files import is_asset, there
+from wmspec.lang.check.library.files import check_file, is_asset
 from wmspec.lang.check.library.substitute import Substitute, TooLarge
 from wmspec.lang.check.tables.vocabulary import ASSETS, PROPERTIES
 from wmspec.lang.parse import syntax as s
@@ -39,13 +39,13 @@ class Assets:
             return (block,)
         self.scope.broken.add(block.name.id)
         self._fits(block)
-        there(self.check, "file", named, ASSETS)
+        check_file(self.check, "file", named, ASSETS)
         blocks = self._blocks(block, named)
         names = {plain: blocks.name(of) for plain, of in self._names(blocks.tree, named).items()}
         try:
             made = blocks.all()
             for _ in made:
-                self._substitute.thing()
+                self._substitute.count_entity()
         except TooLarge:
             self.check.fail("WMS105", "the assets of this task are too large together", named.span, "use fewer")
         self.scope.broken.discard(block.name.id)

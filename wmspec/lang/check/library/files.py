@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
 
-def beside(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.Expr:
+def resolve_path(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.Expr:
     """Return a property that names a file as a path relative to the working directory.
 
     A value that depends on factors keeps doing so: the folder is prepended.
     """
-    named = list(texts(check, written, set()))
+    named = list(possible_texts(check, written, set()))
     folders = {str(PurePosixPath(t.span.source.name).parent) for t in named}
     for text in named:
         if name == "file" and is_asset(text):
@@ -34,7 +34,7 @@ def beside(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) -> ir.
             if text.value.lower().endswith(STAGES):
                 remedy += f'; one mesh of it is `"{text.value[:40]}#/PRIM"`'
             check.fail("WMS210", "an asset is named outright", text.span, remedy)
-        there(check, name, text, FILES[name])
+        check_file(check, name, text, FILES[name])
     if len(folders) > 1:
         check.fail("WMS210", "these file names stand in specs of different folders", written.span, "say them in one")
     folder = next(iter(folders), ".")
@@ -50,7 +50,7 @@ def is_asset(e: s.Expr) -> bool:
     return isinstance(e, s.Text) and e.value.lower().endswith(ASSETS)
 
 
-def there(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...]) -> None:
+def check_file(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...]) -> None:
     """Report a file that is missing, of an unreadable type, or outside the spec's folder."""
     file, prim = parted(text.value) if name == "file" else (text.value, "")
     path = PurePosixPath(file)
@@ -101,7 +101,7 @@ def _neighbours(folder: Path) -> Iterator[Path]:
         return
 
 
-def texts(check: Expressions, e: s.Expr, seen: set[Span]) -> Iterator[s.Text]:
+def possible_texts(check: Expressions, e: s.Expr, seen: set[Span]) -> Iterator[s.Text]:
     """Yield the texts that an expression can take, through factors and `let`s."""
     match e:
         case s.Text():
@@ -110,13 +110,15 @@ def texts(check: Expressions, e: s.Expr, seen: set[Span]) -> Iterator[s.Text]:
             declared = check.scope.names.get(e.id)
             if isinstance(declared, s.Factor | s.Let) and declared.span not in seen:
                 seen.add(declared.span)
-                yield from texts(check, declared.domain if isinstance(declared, s.Factor) else declared.value, seen)
+                yield from possible_texts(
+                    check, declared.domain if isinstance(declared, s.Factor) else declared.value, seen
+                )
         case s.Operation(operator="if"):
             for branch in e.operands[1:]:
-                yield from texts(check, branch, seen)
+                yield from possible_texts(check, branch, seen)
         case s.Items():
             for item in e.items:
-                yield from texts(check, item, seen)
+                yield from possible_texts(check, item, seen)
         case s.Call():
             for argument in e.arguments:
-                yield from texts(check, argument.value, seen)
+                yield from possible_texts(check, argument.value, seen)

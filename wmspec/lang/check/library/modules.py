@@ -62,18 +62,18 @@ class Modules:
         substituted.
         """
         own = [item for each in items for item in each]
-        values = _values({}, (item for item in own if isinstance(item, s.Parameter)))
-        return self._level([_replaced(item, values) for item in own], "", self._prefixes)
+        values = _parameter_values({}, (item for item in own if isinstance(item, s.Parameter)))
+        return self._expand([_substitute(item, values) for item in own], "", self._prefixes)
 
     def plain(self, node: S) -> S:
         """Return a node with `here_floor` for `here.floor`."""
         return self._plain(node, self._prefixes)
 
-    def _level(self, items: Iterable[Item], outer: str, prefixes: Prefixes) -> list[s.Statement]:
+    def _expand(self, items: Iterable[Item], outer: str, prefixes: Prefixes) -> list[s.Statement]:
         """Return the statements of a file or task after those that it uses; adds its prefixes to `prefixes`."""
         own = [item for item in items if not isinstance(item, s.Task | s.Variant)]
         uses = (item for item in own if isinstance(item, s.Use))
-        brought = [statement for use in uses for statement in self._brought(use, outer, prefixes)]
+        brought = [statement for use in uses for statement in self._import(use, outer, prefixes)]
         rest = (item for item in own if not isinstance(item, s.Use | s.Parameter))
         return [*brought, *(self._plain(statement, prefixes) for statement in rest)]
 
@@ -87,7 +87,7 @@ class Modules:
             case s.Name(id=dotted) if "." in dotted:  # name of a camera or a template
                 prefix, _, name = dotted.partition(".")
                 return self._known(prefix, name, node.span, prefixes) if prefix in prefixes else node
-        return _each(node, lambda part: self._joined(part, prefixes))
+        return _map_children(node, lambda part: self._joined(part, prefixes))
 
     def _known(self, prefix: str, name: str, span: Span, prefixes: Prefixes) -> s.Name:
         """Return the flattened name; an unknown one is returned as written and reported on lookup."""
@@ -95,32 +95,32 @@ class Modules:
 
     # ------------------------------------------------------------ one library
 
-    def _brought(self, use: s.Use, outer: str, prefixes: Prefixes) -> list[s.Statement]:
+    def _import(self, use: s.Use, outer: str, prefixes: Prefixes) -> list[s.Statement]:
         """Return the renamed statements of a library, or none if they are present already."""
         path = self._program.paths.get(use.name.span)
         if path is None:  # already reported
             return []
         prefix = f"{use.prefix.id}_" if use.prefix is not None else ""
         if (first := self._used.setdefault((path, outer + prefix), use)) is not use:
-            self._again(use, first)
+            self._report_second_use(use, first)
             return []
         if len(self._used) > LIBRARIES.most:
             raise TooLarge(f"the spec {LIBRARIES.sentence}", use.span, LIBRARIES.help)
         items = self._program.libraries[path].items
         values = self._given(use, [item for item in items if isinstance(item, s.Parameter)])
-        statements = self._level([_replaced_before(item, values) for item in items], outer + prefix, {})
-        chosen = statements if use.only is None else self._chosen(use, use.only, statements)
-        if words := self._taken.difference(_said(statements)):
-            chosen = _closed(chosen, words, self._program.libraries[path].span.source)
+        statements = self._expand([_replaced_before(item, values) for item in items], outer + prefix, {})
+        chosen = statements if use.only is None else self._select(use, use.only, statements)
+        if words := self._taken.difference(_declared_names(statements)):
+            chosen = _bind_words(chosen, words, self._program.libraries[path].span.source)
         if use.prefix is None:
             return chosen
         names = frozenset(filter(None, map(_name, chosen)))
         prefixes[use.prefix.id] = names
         renamed = {name: prefix + name for name in names}
         key = (prefix, names)
-        return [_made_before((each,), key, partial(_replaced, each, {}, renamed)) for each in chosen]
+        return [_made_before((each,), key, partial(_substitute, each, {}, renamed)) for each in chosen]
 
-    def _again(self, use: s.Use, first: s.Use) -> None:
+    def _report_second_use(self, use: s.Use, first: s.Use) -> None:
         if use.given or use.only:
             notes = (Note("used here first", first.span),)
             help = "say it all where it is used first, or give this one a name of its own: `as NAME`"
@@ -141,10 +141,10 @@ class Modules:
             given.setdefault(p.name.id, p)
         for parameter in parameters:
             if parameter.domain is not None:
-                self._among(use, parameter, given.get(parameter.name.id))
-        return _values({name: p.value for name, p in given.items()}, parameters)
+                self._check_choice(use, parameter, given.get(parameter.name.id))
+        return _parameter_values({name: p.value for name, p in given.items()}, parameters)
 
-    def _among(self, use: s.Use, parameter: s.Parameter, given: s.Property | None) -> None:
+    def _check_choice(self, use: s.Use, parameter: s.Parameter, given: s.Property | None) -> None:
         """Report an argument that is not in its parameter's list, as far as it is a literal."""
         domain, name = parameter.domain, parameter.name.id
         if not isinstance(domain, s.Items) or domain.kind != "list" or not domain.items:
@@ -152,13 +152,13 @@ class Modules:
             self._report.add("WMS205", what, domain.span if domain else parameter.span, "write `in [...]`, or `= ...`")
             return
         known = [item.span.text for item in domain.items]
-        for value in _written(given.value, self._factors) if given else ():
-            if value.span not in self._wrong and not any(_same(value, item) for item in domain.items):
+        for value in _literal_values(given.value, self._factors) if given else ():
+            if value.span not in self._wrong and not any(_is_same_literal(value, item) for item in domain.items):
                 self._wrong.add(value.span)
                 what = f"`{use.name.id}` has no {name} {value.span.text}"
                 self._report.add("WMS205", what, value.span, suggestion(value.span.text, known))
 
-    def _chosen(self, use: s.Use, only: s.Expr, statements: list[s.Statement]) -> list[s.Statement]:
+    def _select(self, use: s.Use, only: s.Expr, statements: list[s.Statement]) -> list[s.Statement]:
         """Return the statements that `only` names, and their dependencies."""
         by_name = {_name(statement) or _world(statement): statement for statement in statements}
         pending: list[str] = []
@@ -177,12 +177,12 @@ class Modules:
         return [statement for name, statement in by_name.items() if name in needed]
 
 
-def _values(given: Mapping[str, s.Expr], parameters: Iterable[s.Parameter]) -> dict[str, s.Expr]:
+def _parameter_values(given: Mapping[str, s.Expr], parameters: Iterable[s.Parameter]) -> dict[str, s.Expr]:
     """Return the values of parameters; a default may refer to earlier parameters."""
     values: dict[str, s.Expr] = {}
     for parameter in parameters:
         name = parameter.name.id
-        values[name] = given.get(name) or _replaced(parameter.value, values)
+        values[name] = given.get(name) or _substitute(parameter.value, values)
     return values
 
 
@@ -204,24 +204,24 @@ def _factors(items: Iterable[Item]) -> Iterator[s.Factor]:
             yield item
 
 
-def _written(value: s.Expr, factors: Mapping[str, s.Factor]) -> Iterator[s.Expr]:
+def _literal_values(value: s.Expr, factors: Mapping[str, s.Factor]) -> Iterator[s.Expr]:
     """Yield the literal values an argument can take: itself, both branches of a condition, the levels of a factor."""
     match value:
         case s.Text() | s.Number():
             yield value
         case s.Operation(operator="if", operands=(_, *branches)):
             for branch in branches:
-                yield from _written(branch, factors)
+                yield from _literal_values(branch, factors)
         case s.Called():
-            yield from _written(value.value, factors)
+            yield from _literal_values(value.value, factors)
         case s.Name(id=name) if name in factors and isinstance(factors[name].domain, s.Items):
             domain = factors[name].domain
             assert isinstance(domain, s.Items)
             for level in domain.items:
-                yield from _written(level, factors)
+                yield from _literal_values(level, factors)
 
 
-def _same(one: s.Expr, other: s.Expr) -> bool:
+def _is_same_literal(one: s.Expr, other: s.Expr) -> bool:
     """Whether two literal values are written alike."""
     if isinstance(one, s.Number) and isinstance(other, s.Number):
         return (one.value, one.unit) == (other.value, other.unit)
@@ -239,7 +239,7 @@ def _name(statement: s.Statement) -> str:
     return ""
 
 
-def _said(statements: Iterable[s.Statement]) -> Iterator[str]:
+def _declared_names(statements: Iterable[s.Statement]) -> Iterator[str]:
     """Yield the names that a library and its templates declare."""
     for statement in statements:
         yield _name(statement)
@@ -250,13 +250,13 @@ def _said(statements: Iterable[s.Statement]) -> Iterator[str]:
 # ---------------------------------------------------------------- rewriting
 
 
-def _closed(statements: list[s.Statement], words: frozenset[str], library: Source) -> list[s.Statement]:
+def _bind_words(statements: list[s.Statement], words: frozenset[str], library: Source) -> list[s.Statement]:
     """Return a library's statements with undeclared words bound to the language."""
 
     def closed(node: Any) -> Any:
         if isinstance(node, s.Name):
             return replace(node, closed=True) if node.id in words and node.span.source is library else node
-        return _each(node, closed)
+        return _map_children(node, closed)
 
     return [closed(statement) for statement in statements]
 
@@ -281,7 +281,7 @@ def _made_before(of: tuple[object, ...], how: object, make: Callable[[], T]) -> 
 
 def _replaced_before(item: S, values: Mapping[str, s.Expr]) -> S:
     """A piece of a library with values for its parameters."""
-    return _made_before((item, *values.values()), tuple(values), lambda: _replaced(item, values))
+    return _made_before((item, *values.values()), tuple(values), lambda: _substitute(item, values))
 
 
 def _names_in(statement: s.Statement) -> tuple[str, ...]:
@@ -289,7 +289,7 @@ def _names_in(statement: s.Statement) -> tuple[str, ...]:
     return _made_before((statement,), "names", lambda: tuple(name.id for name in s.names(statement)))
 
 
-def _replaced(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:
+def _substitute(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:
     """Return a subtree with parameters substituted and declarations renamed."""
     return _Replace(values, names or {})(node) if values or names else node
 
@@ -314,7 +314,7 @@ class _Replace:
             case s.Part():
                 return replace(node, properties=self(node.properties))
             case s.Question() | s.Counterfactual() | s.Tolerance():
-                return _each(node, self, but="name")
+                return _map_children(node, self, but="name")
             case s.Design():
                 return replace(node, count=self(node.count), baseline=self(node.baseline))
             case s.Template(parameters=parameters) if parameters:
@@ -331,9 +331,9 @@ class _Replace:
                     parts=inner(node.parts),
                 )
             case s.Factor() | s.Let() | s.Block() | s.Action() | s.Template():
-                made = _each(node, self, but="name")
+                made = _map_children(node, self, but="name")
                 return replace(made, name=self._declared(node.name))
-        return _each(node, self)
+        return _map_children(node, self)
 
     def _declared(self, name: s.Name) -> s.Name:
         """Return a declared name, renamed: no value can replace it."""
@@ -341,12 +341,12 @@ class _Replace:
 
 
 @cache
-def _named(kind: Any) -> frozenset[str]:
+def _name_fields(kind: Any) -> frozenset[str]:
     """Return the fields of a node that are names and not expressions."""
     return frozenset(field.name for field in fields(kind) if field.type in ("Name", "Name | None"))
 
 
-def _each(node: Any, change: Any, but: str = "") -> Any:
+def _map_children(node: Any, change: Any, but: str = "") -> Any:
     """Return a node with its children mapped by `change`; the same node if none changes."""
     if isinstance(node, tuple):
         changed = tuple(change(item) for item in node)
@@ -354,7 +354,7 @@ def _each(node: Any, change: Any, but: str = "") -> Any:
     if not isinstance(node, Node):
         return node
     kind: Any = type(node)
-    named, made = _named(kind), {}
+    named, made = _name_fields(kind), {}
     for name, old in vars(node).items():
         if name != but and isinstance(old, s.COMPOSITE_TYPES):
             new = change(old)

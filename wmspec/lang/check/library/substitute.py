@@ -9,7 +9,7 @@ from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.parser import MAX_DEPTH
 
 #: Maximum size of a task after expansion of templates and sets (syntax nodes): about one second of checking.
-MOST_NODES = 200_000
+MAX_NODES = 200_000
 _THING = 50
 
 Values = Mapping[str, s.Expr]
@@ -23,7 +23,7 @@ class Substitute:
     """Bounded substitution for one task: a small text may expand to a large one."""
 
     def __init__(self) -> None:
-        self._left = MOST_NODES
+        self._left = MAX_NODES
 
     def expression(self, e: s.Expr, values: Values) -> s.Expr:
         """Return the expression with names replaced; spans stay unchanged. Raises TooLarge."""
@@ -31,7 +31,7 @@ class Substitute:
         self._count(made)
         return made
 
-    def thing(self) -> None:
+    def count_entity(self) -> None:
         """Count an expanded entity with its default properties. Raises TooLarge."""
         self._left -= _THING
 

@@ -14,7 +14,13 @@ from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import Location
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.statements.defaults import default_value
-from wmspec.lang.check.tables.property_schema import EntityType, inherited_appearance, allowed_properties, entity_type, exclusion_reason
+from wmspec.lang.check.tables.property_schema import (
+    EntityType,
+    allowed_properties,
+    entity_type,
+    exclusion_reason,
+    inherited_appearance,
+)
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
 from wmspec.lang.check.tables.vocabulary import JOINTS, TOLERANCES, PropertySpec
 
@@ -157,7 +163,9 @@ def task(
         things=tuple(sorted(by_type.get(ir.Entity, ()), key=lambda t: t.kind == "action")),
         observations=tuple(by_type.get(ir.Observation, ())),
         questions=tuple(by_type.get(ir.Question, ())),
-        horizon=expression(horizon) if horizon is not None else ir.time_of_last_picture(by_type.get(ir.Observation, [])),
+        horizon=expression(horizon)
+        if horizon is not None
+        else ir.time_of_last_picture(by_type.get(ir.Observation, [])),
         title=title or name,
         description=description,
         license=license,

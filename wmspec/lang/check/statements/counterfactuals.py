@@ -13,20 +13,20 @@ from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.members import named
 from wmspec.lang.check.expressions.typed import Typed, constant
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.library.files import beside
-from wmspec.lang.check.statements.objects import Things
+from wmspec.lang.check.library.files import resolve_path
+from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.tables.vocabulary import FILES, PropertySpec
 from wmspec.lang.check.types.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
 from wmspec.lang.parse import syntax as s
 
 #: Types with properties that a counterfactual can change.
-_CHANGED = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)
+_CHANGEABLE = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)
 
 
 class Counterfactuals:
     """Checks the counterfactuals of a task; an error is reported and raises `Failed`."""
 
-    def __init__(self, check: Expressions, things: Things) -> None:
+    def __init__(self, check: Expressions, things: Entities) -> None:
         self.check = check
         self.things = things
         self.added: list[ir.Entity] = []
@@ -118,7 +118,7 @@ class Counterfactuals:
         owner, prop, slot = self._target(change)
         typed = self._value(change, change.value, owner, slot, prop)
         check_bounds(self.check, typed.expr, slot, change.value.span, f"`{prop}`")
-        expr = beside(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
+        expr = resolve_path(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
         if expr == ir.Property(owner=ir.Value(value=owner), name=prop):
             self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
         return self._made(name, change, owner, prop, expr, str(typed.type))
@@ -140,7 +140,7 @@ class Counterfactuals:
             message = f"`{change.kind}` changes one named value"
             self.check.fail("WMS503", message, target.span, f"write something like `{example}`")
         owner = self.check.infer(target.value)
-        expected = (ACTION,) if change.kind == "action" else _CHANGED
+        expected = (ACTION,) if change.kind == "action" else _CHANGEABLE
         if owner.type not in expected or not isinstance(owner.expr, ir.Value):
             what = "an action" if change.kind == "action" else "an object or camera"
             actual = article(str(owner.type))

@@ -28,7 +28,7 @@ DIMENSIONS: dict[str, str] = {
 }
 
 
-def near_known(path: Sequence[s.Name], report: Report) -> None:
+def warn_near_known(path: Sequence[s.Name], report: Report) -> None:
     """Warn about a dimension one edit away from a known one."""
     for i, name in enumerate(path):
         known = DIMENSIONS.get(".".join(n.id for n in path[:i]), "").split()

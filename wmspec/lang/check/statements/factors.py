@@ -16,7 +16,7 @@ from wmspec.lang.check.types.types import A_NUMBER, TRUTH, Quantity, Type, Vecto
 from wmspec.lang.parse import syntax as s
 
 #: Maximum number of instances.
-MOST_DRAWN = 10_000_000
+MAX_INSTANCES = 10_000_000
 #: Keys of a design in groups: crossed factors, rotating factors, and the question with balanced answers.
 GROUPED = ("cross", "turn", "balance")
 
@@ -177,8 +177,10 @@ class Factors:
 
     def _count(self, e: s.Expr) -> int:
         count = constant(self.check.value(e, (A_NUMBER,), "`of`").expr)
-        if count is None or count != int(count) or not 1 <= count <= MOST_DRAWN:
-            self.check.fail("WMS408", f"the number of instances is a whole constant from 1 to {MOST_DRAWN:,}", e.span)
+        if count is None or count != int(count) or not 1 <= count <= MAX_INSTANCES:
+            self.check.fail(
+                "WMS408", f"the number of instances is a whole constant from 1 to {MAX_INSTANCES:,}", e.span
+            )
         return int(count)
 
     def _baseline(self, design: s.Design) -> dict[str, Level]:

@@ -15,7 +15,7 @@ from wmspec.lang.check.expressions.members import setting
 from wmspec.lang.check.expressions.owners import Owner, owner, parts
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.library.files import beside, texts
+from wmspec.lang.check.library.files import possible_texts, resolve_path
 from wmspec.lang.check.statements.defaults import default_value
 from wmspec.lang.check.tables.property_schema import inherited_appearance
 from wmspec.lang.check.tables.verbs import ROBOTS
@@ -28,7 +28,7 @@ _ARTICLE = re.compile(r"(the|an?)\b\s*", re.IGNORECASE)
 _MODELS = {"joint": tuple(JOINTS), "robot": tuple(ROBOTS)}
 
 
-class Things:
+class Entities:
     """Checks blocks and actions; an error in one property is reported and the others are still checked."""
 
     def __init__(self, check: Expressions) -> None:
@@ -41,7 +41,7 @@ class Things:
 
     def block(self, block: s.Block) -> tuple[ir.Entity, ...]:
         """Return an entity with its defaults, followed by the parts of an object."""
-        self._fits_kind(block)
+        self._check_kind(block)
         of = owner(block)
         whole = ir.Entity(
             kind=cast(ir.EntityKind, block.kind),  # sets are already expanded
@@ -53,16 +53,16 @@ class Things:
             place=Location.of(of.span),
         )
         if block.kind == "joint":
-            self._joins_two(whole, block)
+            self._check_joined(whole, block)
         return whole, *(self._part(whole, part) for part in parts(block))
 
-    def _fits_kind(self, block: s.Block) -> None:
+    def _check_kind(self, block: s.Block) -> None:
         """Report a model or parts on a kind of block that has none."""
         kind, model = block.kind, block.model
         if block.parts and kind != "object":
             self.report.add("WMS405", f"{article(kind)} has no parts", block.parts[0].name.span, "only an object has")
         if kind in _MODELS and (model is None or model.id not in _MODELS[kind]):
-            self._once(model or block)
+            self._fail_once(model or block)
             known = ", ".join(_MODELS[kind])
             if model is None:
                 name = self.scope.sets.get(block.name.id, block.name.id)
@@ -82,7 +82,7 @@ class Things:
                 self.report.add("WMS202", message, part.name.span, "give one of them another name", notes)
             seen.setdefault(part.name.id, part.name.span)
 
-    def _once(self, written: s.Name | s.Block) -> None:
+    def _fail_once(self, written: s.Name | s.Block) -> None:
         """Fail silently if the error was reported for another member of the same set."""
         if written.span in self._reported:
             raise Failed
@@ -119,10 +119,10 @@ class Things:
             elif name not in spans and not slot.optional and not of.strange:
                 message = f"the {of.type.kind} `{of.name}` needs `{name}`: {slot.meaning}"
                 self.report.add("WMS206", message, of.span)
-        self._in_vain(of, properties)
+        self._report_ineffective(of, properties)
         return properties
 
-    def _in_vain(self, of: Owner, properties: dict[str, ir.Setting]) -> None:
+    def _report_ineffective(self, of: Owner, properties: dict[str, ir.Setting]) -> None:
         """Report ineffective properties: `density` next to `mass`, and sizes that the shape lacks."""
         if (
             of.type.kind == "object"
@@ -161,13 +161,13 @@ class Things:
         typed = setting(self.check, of, p, slot)
         check_bounds(self.check, typed.expr, slot, p.value.span, f"`{name}`")
         if name in ("called", "plural"):
-            self._noun(of, p)
-        expr = beside(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
+            self._check_noun(of, p)
+        expr = resolve_path(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
         return ir.Setting(value=expr, place=Location.of(p.value.span))
 
-    def _noun(self, of: Owner, p: s.Property) -> None:
+    def _check_noun(self, of: Owner, p: s.Property) -> None:
         """Report a name with an article or colour, as in `the blue crate`, and a name without letters."""
-        for text in texts(self.check, p.value, set()):
+        for text in possible_texts(self.check, p.value, set()):
             noun = text.value.strip()
             before = _ARTICLE.match(noun)
             noun = noun[before.end() :] if before else noun
@@ -180,7 +180,7 @@ class Things:
                 what = f"texts put article and colour before what is said with `{p.name.id}`"
                 self.check.fail("WMS304", what, text.span, remedy)
 
-    def _joins_two(self, joint: ir.Entity, block: s.Block) -> None:
+    def _check_joined(self, joint: ir.Entity, block: s.Block) -> None:
         of, to = joint.properties.get("of"), joint.properties.get("to")
         if of is not None and to is not None and of.value == to.value and isinstance(of.value, ir.Value):
             self.check.fail("WMS304", f"`{joint.name}` joins `{of.value.value}` to itself", block.name.span)
@@ -190,7 +190,7 @@ class Things:
     def action(self, action: s.Action) -> ir.Entity:
         """Return an action with its verb, arguments and timings."""
         does = actions.resolve_action(self.check, action)
-        self._all_known(does)
+        self._check_arguments(does)
         properties: dict[str, ir.Setting] = {}
         for name, slot in does.verb.arguments.items():
             if name in does.written:
@@ -203,7 +203,7 @@ class Things:
             elif not slot.optional and not does.strange:
                 self.report.add("WMS205", f"`{does.name}` needs `{name}`: {slot.meaning}", does.call.span)
         if does.name == "drive" and not does.robot:
-            self._driven(action, does)
+            self._check_drive(action, does)
         return ir.Entity(
             kind="action",
             name=action.name.id,
@@ -219,7 +219,7 @@ class Things:
         check_bounds(self.check, typed.expr, slot, span, f"`{name}`")
         return ir.Setting(value=typed.expr, place=Location.of(span))
 
-    def _all_known(self, does: ResolvedAction) -> None:
+    def _check_arguments(self, does: ResolvedAction) -> None:
         """Report unknown and duplicate arguments."""
         given: set[str] = set()
         for name, argument in does.assigned:
@@ -231,7 +231,7 @@ class Things:
                 self.report.add("WMS205", f"`{name}` is given twice", argument.span, "remove one")
             given.add(name)
 
-    def _driven(self, action: s.Action, does: ResolvedAction) -> None:
+    def _check_drive(self, action: s.Action, does: ResolvedAction) -> None:
         """Report a target for a joint without a drive."""
         joint = actions.argument(self.check, action, does, "joint").expr if "joint" in does.written else None
         block = self.scope.names.get(str(joint.value)) if isinstance(joint, ir.Value) else None

@@ -12,17 +12,17 @@ from wmspec.lang.check.expressions.members import named
 from wmspec.lang.check.ir import ir
 
 
-def no_circles(check: Expressions, things: Iterable[ir.Entity]) -> None:
+def report_placement_cycles(check: Expressions, things: Iterable[ir.Entity]) -> None:
     """Report every cycle among constant references; cycles that depend on factors appear in an instance."""
-    needs = {t.name: dict(_needs(t)) for t in things if t.kind in ("object", "robot")}
+    needs = {t.name: dict(_dependencies(t)) for t in things if t.kind in ("object", "robot")}
     graph = dict(needs)
-    while circle := _circle(graph):
+    while circle := _find_cycle(graph):
         _report(check, circle, needs)
         for name in circle:
             graph[name] = {}
 
 
-def _circle(graph: dict[str, dict[str, str]]) -> list[str]:
+def _find_cycle(graph: dict[str, dict[str, str]]) -> list[str]:
     """Return a cycle of entities, starting with the one declared first, or an empty list."""
     try:
         TopologicalSorter(graph).prepare()
@@ -33,7 +33,7 @@ def _circle(graph: dict[str, dict[str, str]]) -> list[str]:
     return []
 
 
-def _needs(thing: ir.Entity) -> Iterator[tuple[str, str]]:
+def _dependencies(thing: ir.Entity) -> Iterator[tuple[str, str]]:
     """Yield the entities that determine this one's place, each with the property; for a link, its asset."""
     if thing.of:
         yield thing.of, "of"

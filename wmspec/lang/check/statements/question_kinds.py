@@ -15,7 +15,7 @@ ORBIT = "orbit"
 
 
 @dataclass(frozen=True)
-class Rule:
+class ClauseRule:
     """A clause that a kind of question requires or refuses: `message` (`{answer}` is the answer's type) and `remedy`.
 
     The error is located `at` a clause. The rule applies `where` the answer's type matches; always, if None.
@@ -27,7 +27,7 @@ class Rule:
     at: str
     where: Callable[[Type], bool] | None = None
 
-    def holds(self, answer: Type) -> bool:
+    def applies_to(self, answer: Type) -> bool:
         """Whether the rule applies to answers of this type."""
         return self.where is None or self.where(answer)
 
@@ -41,40 +41,40 @@ class QuestionRules:
 
     fits: Callable[[Type, Set[str]], bool]
     spoken: bool
-    refused: tuple[Rule, ...] = ()
-    needed: tuple[Rule, ...] = ()
+    refused: tuple[ClauseRule, ...] = ()
+    needed: tuple[ClauseRule, ...] = ()
 
 
 def _quantity(answer: Type) -> bool:
     return isinstance(answer, Quantity)
 
 
-_NO_COUNTERFACTUALS = Rule(
+_NO_COUNTERFACTUALS = ClauseRule(
     clause=COUNTERFACTUAL,
     message="counterfactuals are the options of picture questions",
     remedy="answer with `frame(CAMERA, TIME)`",
     at=COUNTERFACTUAL,
 )
-_NO_DISTANCE = Rule(
+_NO_DISTANCE = ClauseRule(
     clause="distinct",
     message="`distinct by` is for options that are pictures, and the answer is {answer}",
     remedy="remove it",
     at="distinct",
 )
-_NO_TOLERANCE = Rule(
+_NO_TOLERANCE = ClauseRule(
     clause="within",
     message="`within` is for answers that are quantities, and this one is {answer}",
     remedy="remove it",
     at="within",
 )
 
-_NO_ORBIT = Rule(
+_NO_ORBIT = ClauseRule(
     clause=ORBIT,
     message="an orbit is the options of a picture question, and the answer to this is {answer}",
     remedy="answer with `frame(CAMERA, TIME)`, or list the options: `options [...]`",
     at=ORBIT,
 )
-_NO_KINDS = Rule(
+_NO_KINDS = ClauseRule(
     clause="kinds",
     message="`kinds` are those of outcomes that pictures show, and the answer to this is {answer}",
     remedy="ask for the kind itself: `answer if CONDITION then ... else ...`",
@@ -87,11 +87,13 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
         fits=lambda answer, _: answer == PICTURE,
         spoken=False,
         refused=(
-            Rule("options", "the options of a picture question are its counterfactuals", "remove `options`", "options"),
+            ClauseRule(
+                "options", "the options of a picture question are its counterfactuals", "remove `options`", "options"
+            ),
             _NO_TOLERANCE,
         ),
         needed=(
-            Rule(
+            ClauseRule(
                 clause=COUNTERFACTUAL,
                 message="a picture question needs counterfactuals to choose from",
                 remedy="add `counterfactual NAME { ... }`, or `options orbit of FACTOR, ...`",
@@ -107,7 +109,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
             _NO_KINDS,
             _NO_COUNTERFACTUALS,
             _NO_DISTANCE,
-            Rule(
+            ClauseRule(
                 clause="options",
                 message="an answer is one of its options or open, not both",
                 remedy="remove `options` or `within`",
@@ -120,14 +122,14 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
         spoken=True,
         refused=(_NO_ORBIT, _NO_KINDS, _NO_COUNTERFACTUALS, _NO_TOLERANCE, _NO_DISTANCE),
         needed=(
-            Rule(
+            ClauseRule(
                 clause="options",
                 message="the answer is {answer}, but there are no options",
                 remedy="add `options [...]` or, to ask for it openly, `within TOLERANCE`",
                 at=ANSWER,
                 where=_quantity,
             ),
-            Rule(
+            ClauseRule(
                 clause="options",
                 message="the answer is {answer}, but there are no options",
                 remedy="add `options [...]`",
@@ -144,13 +146,13 @@ def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
     return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
 
 
-def counted(question: ir.Question) -> bool:
+def has_countable_answers(question: ir.Question) -> bool:
     """Whether the answers of a question are names, whose frequencies can be counted."""
     return question.kind == "labels"
 
 
-def broken(rules: QuestionRules, answer: Type, clauses: Set[str]) -> Rule | None:
+def violated_rule(rules: QuestionRules, answer: Type, clauses: Set[str]) -> ClauseRule | None:
     """Return the first rule that a question violates, or None."""
-    refused = (rule for rule in rules.refused if rule.clause in clauses and rule.holds(answer))
-    needed = (rule for rule in rules.needed if rule.clause not in clauses and rule.holds(answer))
+    refused = (rule for rule in rules.refused if rule.clause in clauses and rule.applies_to(answer))
+    needed = (rule for rule in rules.needed if rule.clause not in clauses and rule.applies_to(answer))
     return next((rule for some in (refused, needed) for rule in some), None)

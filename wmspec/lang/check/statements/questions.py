@@ -13,19 +13,19 @@ from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.domains import labels, read_domain
 from wmspec.lang.check.expressions.expressions import Expressions
-from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, common_type
+from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, common_type, constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.modules import Modules
 from wmspec.lang.check.statements.counterfactuals import Counterfactuals
-from wmspec.lang.check.statements.objects import Things
+from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.statements.orbits import Orbits
 from wmspec.lang.check.statements.question_kinds import (
     ANSWER,
     COUNTERFACTUAL,
     ORBIT,
     QUESTION_RULES,
-    broken,
     question_kind,
+    violated_rule,
 )
 from wmspec.lang.check.tables.vocabulary import PropertySpec
 from wmspec.lang.check.types.types import (
@@ -51,7 +51,7 @@ T = TypeVar("T")
 C = TypeVar("C")
 _HOLE = re.compile(r"(?<!\\)\{([^{}]*)\}")
 _BRACE = re.compile(r"(?<!\\)[{}]")
-_ONCE = ("options", "orbit", "answer", "within", "difference", "stable")
+_SINGLE_CLAUSES = ("options", "orbit", "answer", "within", "difference", "stable")
 _APART = PropertySpec((A_LENGTH,), "how far apart", above=0)
 _TURNED = PropertySpec((AN_ANGLE,), "by what turn", above=0, most=pi)
 #: Value of `distinct by` next to quantities: the kind of the outcome.
@@ -74,7 +74,7 @@ class Questions:
     An error in one clause is reported and the others are still checked.
     """
 
-    def __init__(self, check: Expressions, modules: Modules, things: Things) -> None:
+    def __init__(self, check: Expressions, modules: Modules, things: Entities) -> None:
         self.check = check
         self.modules = modules
         self.report = check.report
@@ -84,29 +84,29 @@ class Questions:
 
     def question(self, question: s.Question) -> ir.Question:
         """Return a question with all its clauses."""
-        self._named_once(question)
+        self._check_unique_name(question)
         text = self.pieces(question.text)
         if all(isinstance(part, str) and not part.strip() for part in text):
             self.check.fail("WMS304", "this question asks nothing", question.text.span, "say what is asked")
         clauses: dict[str, list[s.Clause]] = {}
         for clause in question.clauses:
             clauses.setdefault(clause.kind, []).append(clause)
-            if clause.kind in _ONCE and len(clauses[clause.kind]) > 1:
+            if clause.kind in _SINGLE_CLAUSES and len(clauses[clause.kind]) > 1:
                 notes = (Note("said here first", clauses[clause.kind][0].span),)
                 self.report.add("WMS202", f"`{clause.kind}` is said twice", clause.span, "remove one", notes)
         if ANSWER not in clauses:
             self.check.fail("WMS501", "this question has no answer", question.text.span, "add `answer EXPRESSION`")
         kind, options, answer = self._answer(question, clauses)
-        margins = self._tried(self.margin, clauses.get("margin", []))
-        ensures = self._tried(self.ensure, clauses.get("ensure", []))
-        changes = [c for made in self._tried(self.changes, question.counterfactuals) for c in made]
-        orbit = self._tried(self.orbits.orbit, clauses.get(ORBIT, []))
+        margins = self._check_each(self.margin, clauses.get("margin", []))
+        ensures = self._check_each(self.ensure, clauses.get("ensure", []))
+        changes = [c for made in self._check_each(self.changes, question.counterfactuals) for c in made]
+        orbit = self._check_each(self.orbits.orbit, clauses.get(ORBIT, []))
         varied, siblings = orbit[0] if orbit else ((), ())
-        self._unlike(changes)
-        kinds = [outcome for made in self._tried(self.kinds, question.kinds) for outcome in made]
+        self._check_unique_names(changes)
+        kinds = [outcome for made in self._check_each(self.kinds, question.kinds) for outcome in made]
         distinct = self._distinct(clauses.get("distinct", []), question.kinds)
-        difference = self._tried(self.difference, clauses.get("difference", []))
-        stable = self._tried(self.apart, clauses.get("stable", []))
+        difference = self._check_each(self.difference, clauses.get("difference", []))
+        stable = self._check_each(self.apart, clauses.get("stable", []))
         return ir.Question(
             name=question.name.id if question.name else "",
             text=text,
@@ -122,14 +122,14 @@ class Questions:
             texts=self._texts(clauses),
             kinds=tuple(kinds),
             orbit=varied,
-            check_bounds=self._within(clauses, answer),
+            within=self._within(clauses, answer),
             difference=next(iter(difference), None),
             stable=next(iter(stable), None),
             counterfactuals=(*changes, *siblings),
             place=Location.of(question.text.span),
         )
 
-    def _named_once(self, question: s.Question) -> None:
+    def _check_unique_name(self, question: s.Question) -> None:
         if question.name is None:
             return
         name = question.name
@@ -139,7 +139,7 @@ class Questions:
             self.report.add("WMS202", message, name.span, "give one of them another name", notes)
         self._names.setdefault(name.id, name.span)
 
-    def _tried(self, check: Callable[[C], T], clauses: list[C] | tuple[C, ...]) -> list[T]:
+    def _check_each(self, check: Callable[[C], T], clauses: list[C] | tuple[C, ...]) -> list[T]:
         """Return the results for the clauses without errors."""
         results = []
         for clause in clauses:
@@ -172,10 +172,12 @@ class Questions:
         kind = question_kind(answer.type, places.keys())
         rules = QUESTION_RULES[kind]
         noun = article(str(answer.type))
-        rule = broken(rules, answer.type, places.keys())
+        rule = violated_rule(rules, answer.type, places.keys())
         several = isinstance(answer.type, List | Vector)
-        if rules.spoken and (several or _spoken(answer.type) is None) and answer.type != TRUTH:
-            self.check.fail("WMS502", f"{noun} is no answer to a question", clause.value.span, _made_one(answer.type))
+        if rules.spoken and (several or _spoken_type(answer.type) is None) and answer.type != TRUTH:
+            self.check.fail(
+                "WMS502", f"{noun} is no answer to a question", clause.value.span, _reduction_hint(answer.type)
+            )
         if rule is not None:
             self.check.fail("WMS502", rule.message.format(answer=noun), places[rule.at], rule.remedy)
         if "options" in clauses:
@@ -190,10 +192,10 @@ class Questions:
             self.check.type_mismatch(clause.value, options.type, (List(answer.type),), "`options`, like the answer,")
         if isinstance(options.expr, ir.Items) and len(options.expr.items) < 2:
             self.check.fail("WMS502", "a question has two or more options", clause.value.span)
-        self._once_each(clause.value, options.expr)
+        self._check_unique_options(clause.value, options.expr)
         return options.expr, Typed(answer.expr, common.item)
 
-    def _once_each(self, written: s.Expr, options: ir.Expr) -> None:
+    def _check_unique_options(self, written: s.Expr, options: ir.Expr) -> None:
         """Report a duplicate option."""
         if not isinstance(written, s.Items) or not isinstance(options, ir.Items):
             return
@@ -251,7 +253,7 @@ class Questions:
             return self.orbits.each_other(written)
         return (self.counterfactuals.counterfactual(written),)
 
-    def _unlike(self, changes: list[ir.Counterfactual]) -> None:
+    def _check_unique_names(self, changes: list[ir.Counterfactual]) -> None:
         """Report two counterfactuals of one name."""
         first: dict[str, ir.Counterfactual] = {}
         for change in changes:
@@ -288,7 +290,7 @@ class Questions:
         if True in first and not kinds:
             remedy = "say which there are: `kinds { NAME: CONDITION ... }`"
             self.report.add("WMS502", "the outcomes of this question have no kinds", first[True].value.span, remedy)
-        quantities = self._tried(self.bounds, [first[False]] if False in first else [])
+        quantities = self._check_each(self.bounds, [first[False]] if False in first else [])
         length, turn = quantities[0] if quantities else (None, None)
         return Distinct(length, turn, True in first)
 
@@ -343,7 +345,7 @@ class Questions:
             if expr is None:
                 raise Failed
             typed = self.check.infer(self.modules.plain(expr))
-            sort = str(TEXT) if self._named(typed.expr) else _spoken(typed.type)
+            sort = str(TEXT) if self._named(typed.expr) else _spoken_type(typed.type)
             if sort is None:
                 self.check.fail("WMS302", f"{article(str(typed.type))} cannot be said in a text", span)
             parts.append(ir.Interpolation(value=typed.expr, sort=sort))
@@ -362,7 +364,7 @@ class Questions:
         return isinstance(factor, s.Factor) and labels(read_domain(self.check, factor.domain)) is not None
 
 
-def _made_one(of: Type) -> str:
+def _reduction_hint(of: Type) -> str:
     """Return how to reduce several values to one answer, for messages, or ''."""
     if of == List(TRUTH):
         return "write `count(...)`, `any(...)` or `all(...)` of it"
@@ -375,10 +377,10 @@ def _unescape(text: str) -> str:
     return re.sub(r"\\(.)", lambda m: {"n": "\n", "t": "\t"}.get(m[1], m[1]), text)
 
 
-def _spoken(of: Type) -> str | None:
+def _spoken_type(of: Type) -> str | None:
     """Return the name of a type whose values have a wording, or None."""
     if of == Quantity(ZERO):
         return str(Quantity(NUMBER))
     if isinstance(of, List):
-        return str(of) if of.item is not None and _spoken(of.item) else None
+        return str(of) if of.item is not None and _spoken_type(of.item) else None
     return str(of) if isinstance(of, Word | Quantity | Vector) or of in (OBJECT, TEXT, LABEL) else None

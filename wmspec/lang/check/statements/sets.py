@@ -47,7 +47,7 @@ class Sets:
 
     def _member(self, whole: s.Block, i: int, varies: bool) -> s.Block:
         assert whole.count is not None
-        self.substitute.thing()
+        self.substitute.count_entity()
         values = {"index": s.Number(float(i), None, whole.name.span)}
         properties = tuple(self.substitute.property(p, values) for p in whole.properties)
         if varies:

@@ -20,16 +20,16 @@ from wmspec.lang.check.library.modules import Item, Modules
 from wmspec.lang.check.library.substitute import Substitute
 from wmspec.lang.check.library.templates import Templates
 from wmspec.lang.check.statements.balance import balance
-from wmspec.lang.check.statements.dimensions import near_known
+from wmspec.lang.check.statements.dimensions import warn_near_known
 from wmspec.lang.check.statements.factors import Factors
-from wmspec.lang.check.statements.objects import Things
+from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.statements.observations import Observations
 from wmspec.lang.check.statements.orbits import Orbits
-from wmspec.lang.check.statements.placement_cycles import no_circles
+from wmspec.lang.check.statements.placement_cycles import report_placement_cycles
 from wmspec.lang.check.statements.questions import Questions
 from wmspec.lang.check.statements.sets import Sets
 from wmspec.lang.check.statements.tolerances import tolerances
-from wmspec.lang.check.statements.unused import unused
+from wmspec.lang.check.statements.unused import warn_unused
 from wmspec.lang.check.tables.vocabulary import SETTINGS
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.load import Program, load
@@ -74,14 +74,14 @@ def _specs(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
     if not tasks:
         _Task(None, Modules(program, report), (program.file.items,), report, set()).library()
         return ()
-    _named_apart(tasks, report)
+    _check_unique_names(tasks, report)
     specs = [spec for task in tasks for spec in _checked(task, program, report)]
     if not report.failed:
-        unused(program.file, report)
+        warn_unused(program.file, report)
     return tuple(spec for spec in specs if spec is not None)
 
 
-def _named_apart(tasks: Iterable[s.Task], report: Report) -> None:
+def _check_unique_names(tasks: Iterable[s.Task], report: Report) -> None:
     """Report two tasks of one name: their instances would be confused."""
     named: dict[str, s.Task] = {}
     for task in tasks:
@@ -116,7 +116,7 @@ def _items(program: Program, task: s.Task | None, variant: s.Variant | None) -> 
     return [program.file.items, task.body if task else (), variant.body if variant else ()]
 
 
-def known(program: Program, task: s.Task | None, variant: s.Variant | None) -> Expressions:
+def scope_of(program: Program, task: s.Task | None, variant: s.Variant | None) -> Expressions:
     """Return the checker state of a variant, a task without variants, or a library; errors are ignored."""
     report = Report()
     return _Task(task, Modules(program, report), _items(program, task, variant), report, set()).check
@@ -144,7 +144,7 @@ class _Task:
         declared = (x.name for x in self.statements if isinstance(x, s.Let | s.Factor) and guessed)
         self.check.tainted = {n.id for n in declared if (n.span.source.name, n.span.line) in guessed}
         self.factors = Factors(self.check)
-        self.things = Things(self.check)
+        self.things = Entities(self.check)
         self.questions = Questions(self.check, modules, self.things)
         self.observations = Observations(self.check)
         self._replace(Sets(self.check, self.factors, substitute).members)
@@ -177,13 +177,13 @@ class _Task:
             with suppress(Failed):
                 self.things.block(block)
         things = [thing for group in self.each(s.Block, self.things.block) for thing in group]
-        no_circles(self.check, things)
+        report_placement_cycles(self.check, things)
         return things
 
     def task(self) -> ir.TaskSpec | None:
         assert self.declaration is not None
         path = [n.id for n in self.declaration.path]
-        near_known(self.declaration.path, self.report)
+        warn_near_known(self.declaration.path, self.report)
         factors = self.each(s.Factor, self.factors.factor)
         lets = self.each(s.Let, self.factors.let)
         requires = self.each(s.Require, self.factors.require)

@@ -12,7 +12,7 @@ from wmspec.lang.parse import syntax as s
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-def unused(file: s.File, report: Report) -> None:
+def warn_unused(file: s.File, report: Report) -> None:
     """Warn about unused declarations of a file. A name that occurs in a text counts as used."""
     if not any(isinstance(item, s.Task) for item in file.items) or not file.whole:
         return

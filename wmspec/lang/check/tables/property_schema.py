@@ -80,7 +80,9 @@ def remedy(of: EntityType, name: str) -> str:
 @cache
 def allowed_properties(of: EntityType) -> dict[str, PropertySpec]:
     """Return the properties that an entity can have."""
-    return {name: _fitted(of, name, slot) for name, slot in PROPERTIES[of.kind].items() if not exclusion_reason(of, name)}
+    return {
+        name: _fitted(of, name, slot) for name, slot in PROPERTIES[of.kind].items() if not exclusion_reason(of, name)
+    }
 
 
 def _fitted(of: EntityType, name: str, slot: PropertySpec) -> PropertySpec:

@@ -43,7 +43,9 @@ class Verb:
     whatever: bool = False
 
 
-_DIRECTION = PropertySpec((AN_ANGLE, DIRECTION), "heading on the ground, anticlockwise from +x; a word; or `toward(object)`")
+_DIRECTION = PropertySpec(
+    (AN_ANGLE, DIRECTION), "heading on the ground, anticlockwise from +x; a word; or `toward(object)`"
+)
 _OBJECT = PropertySpec((OBJECT,), "what is moved")
 
 VERBS: dict[str, Verb] = {
@@ -141,7 +143,9 @@ _GRIPPED = PropertySpec((OBJECT,), "what is handled")
 _FAR = PropertySpec((A_LENGTH,), "how far", above=0, most=100)
 _HIGH = PropertySpec((A_LENGTH,), "how high", above=0, most=2)
 _SIDE = PropertySpec((DIRECTION,), "to which side, as the robot sees it: `left` or `right`", among=("left", "right"))
-_WHERE = PropertySpec((POINT2,), "where it takes it, along its own axes, from its middle: beside it, it misses", "(0 m, 0 m)")
+_WHERE = PropertySpec(
+    (POINT2,), "where it takes it, along its own axes, from its middle: beside it, it misses", "(0 m, 0 m)"
+)
 _HANDLE = PropertySpec((OBJECT,), "what it takes")
 _JOINT = PropertySpec((JOINT,), "a hinge or slider")
 _ALONG = PropertySpec((AN_ANGLE, A_LENGTH), "how far, in the joint's own sense", above=0, most=6.3)

@@ -188,7 +188,9 @@ _FORM: dict[str, PropertySpec] = {
     "radius": PropertySpec((A_LENGTH,), "of a round object, instead of half its size", optional=True, above=0),
     "height": PropertySpec((A_LENGTH,), "of a cylinder, cone or capsule, instead of its size", optional=True, above=0),
     **_SHAPE_PARAMETERS,
-    "color": PropertySpec((COLOR,), "its colour, which tints its material; instead of its material's own", optional=True),
+    "color": PropertySpec(
+        (COLOR,), "its colour, which tints its material; instead of its material's own", optional=True
+    ),
     "material": PropertySpec((MATERIAL,), "what it seems to be made of: its pattern and its gloss", "plastic"),
     "image": PropertySpec((TEXT,), "a picture on its surface: a PNG or JPEG file beside the spec", optional=True),
     "repeats": PropertySpec(
@@ -200,7 +202,9 @@ _FORM: dict[str, PropertySpec] = {
     "roughness": PropertySpec(
         (A_NUMBER,), "of its surface, 0 is a mirror; instead of its material's", optional=True, least=0, most=1
     ),
-    "metallic": PropertySpec((A_NUMBER,), "1 for bare metal; instead of its material's", optional=True, least=0, most=1),
+    "metallic": PropertySpec(
+        (A_NUMBER,), "1 for bare metal; instead of its material's", optional=True, least=0, most=1
+    ),
 }
 _MESH: dict[str, PropertySpec] = {
     "file": PropertySpec(
@@ -304,7 +308,7 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         "at": PropertySpec((POINT2, POINT3), "where it stands", "(0 m, 0 m)"),
         "yaw": PropertySpec((AN_ANGLE,), "where it faces, anticlockwise from +x", "0 deg"),
         "color": PropertySpec((COLOR,), "its colour", "white"),
-        "model": PropertySpec((TEXT,), "of an arm: the file that `wmspec arm` has made of it", optional=True),
+        "model": PropertySpec((TEXT,), "of an arm: the file that `wmspec import-arm` wrote", optional=True),
         "roads": PropertySpec((List(OBJECT),), "of a car: the objects that it drives on, which cross each other", optional=True),
         "lane": PropertySpec((A_LENGTH,), "of a car: how wide the lanes of its roads are", "3.5 m", above=0),
         "keeps": PropertySpec((DIRECTION,), "of a car: to which side of a road it keeps, `left` or `right`", "right", among=("left", "right")),
@@ -323,7 +327,9 @@ SETTINGS: dict[str, Type] = {
 #: Quantities in which engines may disagree.
 TOLERANCES: dict[str, PropertySpec] = {
     "rest": PropertySpec((A_LENGTH,), "a body that has never moved", least=0),
-    "drift": PropertySpec((Quantity(SPEED),), "a body in motion that has met nothing yet, for each second of motion", least=0),
+    "drift": PropertySpec(
+        (Quantity(SPEED),), "a body in motion that has met nothing yet, for each second of motion", least=0
+    ),
     "impact": PropertySpec((A_NUMBER,), "after an impact: share of the speed with which the bodies met", least=0),
     "event": PropertySpec((A_TIME,), "the first touch of two bodies", least=0),
     "angle": PropertySpec((AN_ANGLE,), "the orientation of a body", least=0),
@@ -344,7 +350,9 @@ FACTOR_DOMAINS = (
     SyntaxForm("[0.5, 1, 2] m/s", "quantities of one unit"),
     SyntaxForm("10 cm .. 20 cm by 5 cm", "steps from the start, up to the end"),
     SyntaxForm("0 .. 1 in 5", "so many values at equal distances, with both ends"),
-    SyntaxForm("product([0 cm, 10 cm], [-5 cm, 5 cm])", "points with these coordinates; three lists for points in space"),
+    SyntaxForm(
+        "product([0 cm, 10 cm], [-5 cm, 5 cm])", "points with these coordinates; three lists for points in space"
+    ),
 )
 
 #: Continuous domains of nuisances, and of factors of a Latin hypercube.
@@ -386,7 +394,9 @@ WORD_ALIASES = {
 WEIGHTED_DOMAINS = (SyntaxForm("weighted([red, blue], [3, 1])", "these values, the first three times as often"),)
 
 #: Domains for factors only.
-CONDITIONAL_DOMAINS = (SyntaxForm("if shape == cube then [red, blue] else [green]", "values that depend on another factor"),)
+CONDITIONAL_DOMAINS = (
+    SyntaxForm("if shape == cube then [red, blue] else [green]", "values that depend on another factor"),
+)
 
 
 @dataclass(frozen=True)
@@ -400,14 +410,18 @@ class DesignForm(SyntaxForm):
 DESIGNS: dict[str, DesignForm] = {
     "factorial": DesignForm("design factorial", "all of them; the same if there is no `design`"),
     "sample": DesignForm("design sample of 500", "so many of them, the values of a factor equally often", counted=True),
-    "latin": DesignForm("design latin of 200", "a Latin hypercube: factors may be intervals, covered evenly", counted=True),
+    "latin": DesignForm(
+        "design latin of 200", "a Latin hypercube: factors may be intervals, covered evenly", counted=True
+    ),
     "groups": DesignForm(
         "design groups of 120 { cross: x  turn: [y] }",
         "so many control groups: in each some factors are crossed, all others are drawn anew for each group; `balance` "
         "keeps draws in which the answers of a question come equally often",
         counted=True,
     ),
-    "one_at_a_time": DesignForm("design one_at_a_time { speed: 1 m/s }", "a baseline, and each factor varied by itself"),
+    "one_at_a_time": DesignForm(
+        "design one_at_a_time { speed: 1 m/s }", "a baseline, and each factor varied by itself"
+    ),
 }
 
 #: Maximum length (m): engines lose precision beyond it.

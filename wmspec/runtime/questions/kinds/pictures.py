@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wmspec.compile.design.about import named
 from wmspec.lang.check.ir.evaluate import evaluate
-from wmspec.lang.check.ir.ir import Counterfactual, Level, Outcome, Question, QuestionKind, OrbitFactor
+from wmspec.lang.check.ir.ir import Counterfactual, Level, OrbitFactor, Outcome, Question, QuestionKind
 from wmspec.runtime.caches.cache_keys import look_key
 from wmspec.runtime.questions.changes import change_of
 from wmspec.runtime.questions.kinds.kind import Kind, OptionImage, OptionSet

@@ -1,4 +1,4 @@
-"""`wmspec seal`: a dataset that stays private, and can be shown later to be the one."""
+"""`wmspec attest`: publish hashes of a dataset that stays private."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from wmspec.cli.common import tell
 from wmspec.core.diagnostics import WmsError
 
 
-@click.command("seal")
+@click.command("attest")
 @click.argument("dataset", type=click.Path(path_type=Path))
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Folder to publish.")
 @click.option("--check", "sealed_as", type=click.Path(path_type=Path), help="Check DATASET against this seal.json.")
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @click.pass_context
-def seal_command(
+def attest_command(
     ctx: click.Context, dataset: Path, output: Path | None, sealed_as: Path | None, workers: int | None
 ) -> None:
     """Attest a DATASET that stays private.

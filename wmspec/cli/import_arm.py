@@ -1,4 +1,4 @@
-"""`wmspec arm`: an arm of one's own, for `robot NAME : arm { model: ... }`."""
+"""`wmspec import-arm`: convert an arm for `robot NAME : arm { model: ... }`."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import click
 from wmspec.cli.common import tell
 
 
-@click.command("arm")
+@click.command("import-arm")
 @click.argument("description", type=click.Path(path_type=Path))
 @click.option(
     "--output", "-o", type=click.Path(path_type=Path), help="Output file.  [default: next to DESCRIPTION, as .usdc]"
 )
-def arm_command(description: Path, output: Path | None) -> None:
+def import_arm_command(description: Path, output: Path | None) -> None:
     """Convert an arm to USD. DESCRIPTION is a TOML file that names a URDF, MJCF or USD file and a hand.
 
     A spec uses the result as `robot arm : arm { model: "FILE.usdc" }`.
@@ -22,10 +22,10 @@ def arm_command(description: Path, output: Path | None) -> None:
     from wmspec.compile.robots.arm_assets import write_arm
 
     target = output or description.with_suffix(".usdc")
-    made = write_arm(description, target)
-    for what in {d.message: f"{d.place}: {d.message}" for d in reversed(made.ignored)}.values():
-        tell(f"left out, since an arm that moves as it is told does not need it: {what}")
-    hinges, opens = len(made.arm.low), 100 * made.arm.opening
+    result = write_arm(description, target)
+    for feature in {d.message: f"{d.place}: {d.message}" for d in reversed(result.ignored)}.values():
+        tell(f"ignored, because arms are kinematic: {feature}")
+    hinges, opening = len(result.arm.low), 100 * result.arm.opening
     click.echo(
-        f'{target}: {hinges} hinges and a hand that opens {opens:g} cm; robot arm : arm {{ model: "{target.name}" }}'
+        f'{target}: {hinges} hinges and a hand that opens {opening:g} cm; robot arm : arm {{ model: "{target.name}" }}'
     )

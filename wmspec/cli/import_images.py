@@ -1,4 +1,4 @@
-"""`wmspec recast`: people's own photographs and clips as a dataset."""
+"""`wmspec import-images`: create a dataset from photographs and clips."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 
-@click.command("recast")
+@click.command("import-images")
 @click.argument("table", type=click.Path(path_type=Path))
 @click.option("--images", type=click.Path(path_type=Path), required=True, help="Folder of the pictures and clips.")
 @click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="Dataset folder.")
@@ -18,7 +18,7 @@ import click
     show_default=True,
     help="Longest side of a picture, in pixels; larger pictures are downscaled.",
 )
-def recast_command(table: Path, images: Path, output: Path, size: int) -> None:
+def import_images_command(table: Path, images: Path, output: Path, size: int) -> None:
     """Create a dataset from your own photographs and clips.
 
     TABLE is a CSV with one question per row: question, pictures, options, answer, and optional columns
@@ -26,14 +26,14 @@ def recast_command(table: Path, images: Path, output: Path, size: int) -> None:
     """
     from wmspec.eval.image_import.recast import recast
 
-    made = recast(table, images, output, size)
-    for task, count in made.questions.items():
+    result = recast(table, images, output, size)
+    for task, count in result.questions.items():
         click.echo(f"{task}: {count:,} {'question' if count == 1 else 'questions'}")
-    if made.unlicensed:
+    if result.unlicensed:
         click.echo(
-            f"{made.unlicensed:,} rows state no licence (column `license`): say under which the pictures are", err=True
+            f"{result.unlicensed:,} rows have no licence; give one in the column `license`", err=True
         )
-    if made.unused:
-        more = f" and {len(made.unused) - 3:,} more" if len(made.unused) > 3 else ""
-        click.echo(f"not asked about: {', '.join(made.unused[:3])}{more}", err=True)
+    if result.unused:
+        more = f" and {len(result.unused) - 3:,} more" if len(result.unused) > 3 else ""
+        click.echo(f"pictures without a question: {', '.join(result.unused[:3])}{more}", err=True)
     click.echo(output)
