@@ -15,7 +15,7 @@ from pathlib import Path
 
 os.environ.setdefault("LP_NUM_THREADS", "0")
 
-from wmspec.api.making import planned
+from wmspec.api.generating import planned
 from wmspec.dataset.build.generate import job_of
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.units import units

@@ -19,7 +19,7 @@ os.environ.setdefault("MUJOCO_GL", "egl")
 
 from benchmarks.cost import cost
 from benchmarks.loops import LOOPS
-from wmspec.api.making import planned
+from wmspec.api.generating import planned
 from wmspec.compile.design.design import Design
 from wmspec.dataset.build.generate import job_of
 from wmspec.runtime.caches.cache_keys import look_key, physics_key, shot_key

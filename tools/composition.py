@@ -18,8 +18,8 @@ import numpy as np
 
 import wmspec
 from tools.reference import table
-from wmspec.api.drawing import renderer_of
 from wmspec.api.episode import executor
+from wmspec.api.rendering import renderer_of
 from wmspec.api.task import Task
 from wmspec.compile.design.about import named
 from wmspec.runtime.questions.model import Reject

@@ -62,7 +62,9 @@ def main() -> None:
     hull(stage, "/panda/hand/hull", "hand", rubber)
     for side, turn in (("left", 0.0), ("right", np.pi)):
         frame = finger(PANDA, turn)
-        link = body(stage, f"/panda/{side}_finger", frames[-1] @ frame @ translation(0.0, PANDA.opening / 2, 0.0), moves=True)
+        link = body(
+            stage, f"/panda/{side}_finger", frames[-1] @ frame @ translation(0.0, PANDA.opening / 2, 0.0), moves=True
+        )
         meshes(stage, link, [("finger", np.eye(4))])
         pad(stage, f"{link}/pad", PANDA, rubber)
     articulate(stage, "/panda", PANDA)

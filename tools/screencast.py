@@ -25,7 +25,7 @@ from pygments.formatters import HtmlFormatter
 
 from wmspec.editor.page import PageServer
 from wmspec.editor.pygments import WmsLexer
-from wmspec.editor.watch import Drawing, Watch
+from wmspec.editor.watch import PreviewOptions, Watch
 
 WIDE, LEFT, HIGH = 1160, 470, 640  # px: of the film, of the text, and their height
 CARET, COLORS = "\ue000", 192
@@ -181,7 +181,7 @@ def main(path: Path) -> None:
     with TemporaryDirectory() as folder, chdir(folder), sync_playwright() as started:
         spec = Path("bump.wms")  # so that messages name it so
         spec.write_text(SPEC)
-        watch = Watch(spec, Drawing("mujoco", instances=2, size=160))
+        watch = Watch(spec, PreviewOptions("mujoco", instances=2, size=160))
         server = PageServer(watch, 0)
         threads = [threading.Thread(target=watch.run), threading.Thread(target=server.serve_forever, args=(0.05,))]
         for thread in threads:

@@ -16,7 +16,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.generate import generate
 from wmspec.dataset.build.plan import Shard
-from wmspec.dataset.build.reuse import Before
+from wmspec.dataset.build.reuse import PriorInstances
 from wmspec.dataset.build.worker import Job, Made, Outcome
 from wmspec.runtime.questions.model import Rejected
 from wmspec.runtime.workers.pool import Effort
@@ -60,7 +60,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
 
         monkeypatch.setattr("wmspec.dataset.build.generate.by_units", by_units)
         with Dataset.open(tmp_path / "out", PLAN) as dataset:
-            generate(dataset, Effort(1, 1), lambda task, count: None, Before(before, PLAN))
+            generate(dataset, Effort(1, 1), lambda task, count: None, PriorInstances(before, PLAN))
             dataset.finish()
         return made
 
@@ -178,7 +178,7 @@ def fails(job: Job, task: str, indices: tuple[int]) -> Made:
 def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wmspec.dataset.build.generate.work", fails)
     with Dataset.open(tmp_path, PLAN) as dataset:
-        generate(dataset, Effort(0, 1), lambda task, count: None, Before((), PLAN))
+        generate(dataset, Effort(0, 1), lambda task, count: None, PriorInstances((), PLAN))
         summary = dataset.finish()
     assert summary.rejected["error"] == 2 * len(PLAN.engines)
     listed = json.loads((tmp_path / "manifest.json").read_bytes())["rejected"]["list"]

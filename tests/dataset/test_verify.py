@@ -21,7 +21,7 @@ from tests.engines import installed
 from wmspec.api import generate
 from wmspec.api.verifying import verify
 from wmspec.core.diagnostics import WmsError
-from wmspec.dataset.build.pictures import png
+from wmspec.dataset.build.pictures import encode_png
 from wmspec.dataset.build.shards import parquet
 
 
@@ -49,7 +49,7 @@ def altered(made: Path, folder: Path, change: Callable[[dict[str, Any]], object]
 
 def noisy(row: dict[str, Any]) -> None:
     pixels = np.asarray(Image.open(io.BytesIO(row["context"][0]["bytes"])))
-    row["context"][0]["bytes"] = png((pixels ^ (np.arange(64) == 0)[:, None, None]).astype(np.uint8))
+    row["context"][0]["bytes"] = encode_png((pixels ^ (np.arange(64) == 0)[:, None, None]).astype(np.uint8))
 
 
 def test_the_same_comes_out_again(made: Path) -> None:

@@ -17,7 +17,7 @@ from wmspec.api.loading import diagnose_text
 from wmspec.core.diagnostics import WmsError
 from wmspec.editor.page import PageServer
 from wmspec.editor.start import first_spec
-from wmspec.editor.watch import Drawing, State, Watch, picture_name
+from wmspec.editor.watch import PreviewOptions, State, Watch, picture_name
 
 
 @dataclass
@@ -41,7 +41,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
     installed("mujoco")
     path = tmp_path_factory.mktemp("watch") / "marbles.wms"
     path.write_text(first_spec("marbles", "perception"))
-    watch = Watch(path, Drawing("mujoco", instances=2, size=64))
+    watch = Watch(path, PreviewOptions("mujoco", instances=2, size=64))
     server = PageServer(watch, 0)
     threads = [threading.Thread(target=watch.run), threading.Thread(target=server.serve_forever, args=(0.05,))]
     for thread in threads:
@@ -90,7 +90,7 @@ def test_a_text_may_be_gone_before_its_mistakes_are_told(tmp_path: Path, monkeyp
         return diagnose_text(text, at)
 
     monkeypatch.setattr("wmspec.editor.watch.diagnose_text", then_gone)
-    watch = Watch(path, Drawing("mujoco", instances=1, size=32))
+    watch = Watch(path, PreviewOptions("mujoco", instances=1, size=32))
     page = Page(path, watch, PageServer(watch, 0))
     worker = threading.Thread(target=watch.run)
     worker.start()

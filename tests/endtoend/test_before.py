@@ -8,7 +8,7 @@ import pytest
 from tests.endtoend.test_commands import SPECS, SPEED, wmspec
 from tests.engines import installed
 from wmspec.api import load_all
-from wmspec.api.making import indices
+from wmspec.api.generating import indices
 from wmspec.core.wm_abench import COLUMN_OF_TASK, COLUMNS, column
 
 VISION = SPECS / "perception/vision"

@@ -94,6 +94,24 @@ def test_a_mistake_on_the_command_line_is_told_in_a_sentence(args: list[object],
     assert said in wmspec(*args, folder=tmp_path, code=2).stderr
 
 
+@pytest.mark.parametrize(
+    ("args", "current"),
+    [
+        (["recast", "photos.csv"], "import-images"),
+        (["seal", "private"], "attest"),
+        (["arm", "iiwa.toml"], "import-arm"),
+        (["conform"], "conformance"),
+        (["run", COLLIDE, "--redrawn", "3"], "--redraw"),
+        (["audit", "out", "--pictures-of=400"], "--max-images"),
+        (["list", "--only-dimension", "perception"], "--dimension"),
+    ],
+)
+def test_a_former_name_gives_one_line_with_the_current_name(args: list[object], current: str, tmp_path: Path) -> None:
+    (line,) = wmspec(*args, folder=tmp_path, code=2).stderr.splitlines()
+    assert line.startswith("error: `")
+    assert line.endswith(f"{current}`")
+
+
 STIFF = """#usda 1.0
 (
     metersPerUnit = 1

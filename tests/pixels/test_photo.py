@@ -18,7 +18,7 @@ from tests.endtoend.test_commands import SPEED
 from tests.engines import installed
 from tests.pixels.scenes import body, scene
 from wmspec.api import generate
-from wmspec.api.making import planned
+from wmspec.api.generating import planned
 from wmspec.api.verifying import verify
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError

@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.dataset.build.dataset import Dataset
-from wmspec.dataset.build.pictures import png
+from wmspec.dataset.build.pictures import encode_png
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.rows import COLUMNS, Row, identity, schema
@@ -79,7 +79,7 @@ def dataset(folder: Path, count: int | None = None, engines: tuple[str, ...] = (
 def asked(design: Design, index: int, engine: str) -> Iterable[Row]:
     """Every question of an instance, as a row. The true option's place is drawn."""
     instance, spec = design[index], design.spec
-    picture = {"bytes": png(np.full((16, 16, 3), TONES[str(instance.factors["color"])], np.uint8)), "path": None}
+    picture = {"bytes": encode_png(np.full((16, 16, 3), TONES[str(instance.factors["color"])], np.uint8)), "path": None}
     for number, question in enumerate(spec.questions):
         options, value, strength = _options(spec.name, question.name, instance.factors)
         options = [options[i] for i in rng("place", spec.name, index, number).permutation(len(options))]

@@ -15,7 +15,7 @@ from tests.trust.made import below, edited, png, rewritten, signed, wmspec
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.dataset.build.reuse import Before
+from wmspec.dataset.build.reuse import PriorInstances
 
 SHARD = "data/collide/test-00000-of-00003.parquet"
 Change = Callable[[list[dict[str, Any]]], None]
@@ -156,10 +156,10 @@ def test_a_plan_that_was_lost_is_rebuilt_for_reuse(tmp_path: Path) -> None:
     few = replace(ordered, tasks=tuple(replace(t, indices=t.indices[:2]) for t in ordered.tasks))
     make(tmp_path / "few", few)
     (tmp_path / "few/plan.json").unlink()
-    before = Before([tmp_path / "few"], ordered)
+    before = PriorInstances([tmp_path / "few"], ordered)
     assert all(before.missing(s) == s.indices[len(s.indices) :] for s in few.shards())
     with pytest.raises(WmsError, match="holds no dataset that could be reused"):
-        Before([tmp_path / "few"], replace(ordered, seed=8))
+        PriorInstances([tmp_path / "few"], replace(ordered, seed=8))
 
 
 def test_a_factor_without_a_value_is_a_dash(tmp_path: Path, folder: Path) -> None:

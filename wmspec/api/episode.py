@@ -15,7 +15,7 @@ from PIL import Image
 from pxr import Usd, UsdUtils
 
 import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
-from wmspec.api.drawing import Drawing, renderer_of
+from wmspec.api.rendering import RenderOptions, renderer_of
 from wmspec.core.diagnostics import Diagnostic, StageError, WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.dataset.build import typeset, video
@@ -132,29 +132,31 @@ class Episode:
         times = sorted({t for c, t in views if c == camera} or {t for _, t in views})
         return [(camera, t) for t in times]
 
-    def frame(self, camera: str, time: float, **drawing: Unpack[Drawing]) -> NDArray[np.uint8]:
+    def frame(self, camera: str, time: float, **drawing: Unpack[RenderOptions]) -> NDArray[np.uint8]:
         """What a camera sees at the sample nearest to a time (s): (height, width, 3), sRGB.
 
         Raises WmsError if there is no such camera, the time is outside the episode, or the engine cannot draw.
         """
         return self._drawn(camera, time, False, drawing).rgb
 
-    def ids(self, camera: str, time: float, **drawing: Unpack[Drawing]) -> NDArray[np.int16]:
+    def ids(self, camera: str, time: float, **drawing: Unpack[RenderOptions]) -> NDArray[np.int16]:
         """Which of the `bodies` each pixel shows, (height, width); -1 for none. Raises as `frame` does."""
         return self._drawn(camera, time, False, drawing).ids
 
-    def depth(self, camera: str, time: float, **drawing: Unpack[Drawing]) -> NDArray[np.float32]:
+    def depth(self, camera: str, time: float, **drawing: Unpack[RenderOptions]) -> NDArray[np.float32]:
         """How far what each pixel shows is, (height, width) m along the view axis; 0 for nothing. Raises as `frame`."""
         distances = self._drawn(camera, time, True, drawing).depth
         assert distances is not None
         return distances
 
-    def picture(self, camera: str, time: float, *, overlay: bool = False, **drawing: Unpack[Drawing]) -> Image.Image:
+    def picture(
+        self, camera: str, time: float, *, overlay: bool = False, **drawing: Unpack[RenderOptions]
+    ) -> Image.Image:
         """The same as a picture; with an `overlay` of names and of the ways that things have come."""
         frame = self._drawn(camera, time, False, drawing)
         return annotated(frame, self.scene, self.trace, camera, time) if overlay else Image.fromarray(frame.rgb)
 
-    def sheet(self, camera: str = "", *, overlay: bool = False, **drawing: Unpack[Drawing]) -> Image.Image:
+    def sheet(self, camera: str = "", *, overlay: bool = False, **drawing: Unpack[RenderOptions]) -> Image.Image:
         """All views on a sheet, a row for each camera, with both told above each; a single one as it is."""
         views = self.views(camera)
         if len(views) == 1:
@@ -176,7 +178,7 @@ class Episode:
         *,
         rate: float = 25.0,
         overlay: bool = False,
-        **drawing: Unpack[Drawing],
+        **drawing: Unpack[RenderOptions],
     ) -> Path:
         """Write the whole episode as a .gif, or, with the extra `video`, as an .mp4, at so many pictures a second.
 
@@ -198,7 +200,7 @@ class Episode:
         """Write trace and stage to an .npz file, which `load_episode` reads. Raises WmsError if that is impossible."""
         archive.save(self.stage, self.trace, Path(path), self.notes)
 
-    def _drawn(self, camera: str, time: float, depth: bool, drawing: Drawing) -> Frame:
+    def _drawn(self, camera: str, time: float, depth: bool, drawing: RenderOptions) -> Frame:
         find_camera(self.scene, camera)
         if not -1e-9 <= time <= self.time[-1] + 0.5 / self.scene.rate:
             raise WmsError(f"{time:g} s is outside the episode, which lasts {self.time[-1]:g} s")

@@ -20,8 +20,8 @@ from wmspec.lang.parse.load import Program
 if TYPE_CHECKING:
     from pxr import Usd
 
-    from wmspec.api.drawing import Drawing
     from wmspec.api.episode import Episode
+    from wmspec.api.rendering import RenderOptions
     from wmspec.runtime.questions.model import QuestionRow, Rejected
 
 
@@ -271,13 +271,13 @@ class Instance:
 
         return execute(self.stage(counterfactual), engine, duration)
 
-    def ask(self, engine: str, **drawing: Unpack[Drawing]) -> Asked:
+    def ask(self, engine: str, **drawing: Unpack[RenderOptions]) -> InstanceQuestions:
         """Ask its questions of an engine's execution, with pictures by the same engine or another.
 
         Where the options are a closed set, its siblings are asked as well: if one of them fails, none is asked.
         """
-        from wmspec.api.drawing import renderer_of
         from wmspec.api.episode import executor
+        from wmspec.api.rendering import renderer_of
         from wmspec.runtime.questions.closed_sets import ask_complete
         from wmspec.runtime.questions.model import Rejected
         from wmspec.runtime.questions.runs import EnginePair
@@ -285,11 +285,11 @@ class Instance:
         pair = EnginePair(executor(engine), renderer_of(engine, **drawing))
         answers = ask_complete(self.task.design.redrawn(self.drawn.redrawn), self.index, pair)
         rejected = tuple(a for a in answers if isinstance(a, Rejected))
-        return Asked(tuple(a for a in answers if not isinstance(a, Rejected)), rejected)
+        return InstanceQuestions(tuple(a for a in answers if not isinstance(a, Rejected)), rejected)
 
 
 @dataclass(frozen=True)
-class Asked(Sequence["QuestionRow"]):
+class InstanceQuestions(Sequence["QuestionRow"]):
     """The questions of an instance in one engine: a sequence of those that can be asked.
 
     `rejected` are the others, each with its `reason` and `detail`: what went wrong is data.

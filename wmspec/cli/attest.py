@@ -25,12 +25,12 @@ def attest_command(
     with seed 0. With --check, compares a dataset with a seal; exits with 1 if they differ.
     """
     from wmspec.api import progress_bar
-    from wmspec.api.sealing import check, seal
+    from wmspec.api.attesting import attest, check
 
     if (output is None) == (sealed_as is None):
         raise WmsError("give either -o FOLDER, to seal the dataset, or --check SEAL.json, to compare it with its seal")
     if output is not None:
-        seal(dataset, output, workers=workers, progress=progress_bar, tell=tell)
+        attest(dataset, output, workers=workers, progress=progress_bar, tell=tell)
         click.echo(f"{output / 'seal.json'} and {output / 'debug'} can be published; keep {dataset} and its seed")
         return
     assert sealed_as is not None

@@ -150,7 +150,7 @@ def instance_of(path: Path, name: str, index: int, seed: int, redraw: int = 0) -
 
 def parse_size(text: str) -> tuple[int, int]:
     """`384` or `320x240` as width and height in pixels. Raises WmsError for anything else."""
-    from wmspec.api.drawing import LEAST_SIDE, MOST_SIDE
+    from wmspec.api.rendering import LEAST_SIDE, MOST_SIDE
 
     match = re.fullmatch(r"(\d+)(?:x(\d+))?", text.strip())
     width, height = (int(match[1]), int(match[2] or match[1])) if match else (0, 0)

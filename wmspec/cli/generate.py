@@ -26,7 +26,7 @@ from wmspec.cli.cost import tell_cost
 from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
-    from wmspec.api import Choices
+    from wmspec.api import DatasetOptions
 
 
 @click.command("generate")
@@ -121,9 +121,9 @@ def generate_command(
     """
     from wmspec.api import generate, progress_bar
     from wmspec.api.agreement import effort
-    from wmspec.api.making import planned
+    from wmspec.api.generating import planned
 
-    choices: Choices = {
+    choices: DatasetOptions = {
         "per_task": per_task,
         "full": full,
         "part": parse_share(shard),

@@ -30,9 +30,7 @@ def import_images_command(table: Path, images: Path, output: Path, size: int) ->
     for task, count in result.questions.items():
         click.echo(f"{task}: {count:,} {'question' if count == 1 else 'questions'}")
     if result.unlicensed:
-        click.echo(
-            f"{result.unlicensed:,} rows have no licence; give one in the column `license`", err=True
-        )
+        click.echo(f"{result.unlicensed:,} rows have no licence; give one in the column `license`", err=True)
     if result.unused:
         more = f" and {len(result.unused) - 3:,} more" if len(result.unused) > 3 else ""
         click.echo(f"pictures without a question: {', '.join(result.unused[:3])}{more}", err=True)

@@ -33,7 +33,7 @@ from wmspec.lang.check.tables.vocabulary import STAGES
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from wmspec.api import Drawing, Episode
+    from wmspec.api import Episode, RenderOptions
 
 FILMS = (".gif", ".mp4")
 
@@ -87,9 +87,9 @@ def render_command(
 
     If an engine refuses or fails, pictures of the others are written; the exit code is then 1.
     """
-    from wmspec.api.drawing import renderer_of
+    from wmspec.api.rendering import renderer_of
 
-    drawing: Drawing = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
+    drawing: RenderOptions = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
     seconds = seconds_of(duration) if duration else None
     executions = _executions(source, backend, task, instance, seed, redraw, seconds)
     many = len(executions) > 1 or backend == "all"
@@ -126,7 +126,7 @@ class _Pictures:
     episode: Episode
     camera: str
     overlay: bool
-    drawing: Drawing
+    drawing: RenderOptions
 
 
 def _executions(

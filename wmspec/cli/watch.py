@@ -28,7 +28,7 @@ def watch_command(spec: Path, port: int, instances: int, size: int, backend: str
     The page is on the loopback address, reachable from this machine only. Stop with Control-C.
     """
     from wmspec.editor.page import PageServer
-    from wmspec.editor.watch import Drawing, Watch
+    from wmspec.editor.watch import PreviewOptions, Watch
     from wmspec.runtime.engines.registry import chosen
 
     if not spec.is_file():
@@ -36,7 +36,7 @@ def watch_command(spec: Path, port: int, instances: int, size: int, backend: str
     engines = chosen(backend)
     if len(engines) > 1:
         raise WmsError("a page is drawn by one engine; name one with `--backend`")
-    watch = Watch(spec, Drawing(engines[0], instances, size))
+    watch = Watch(spec, PreviewOptions(engines[0], instances, size))
     server = PageServer(watch, port)
     worker = threading.Thread(target=watch.run)
     worker.start()

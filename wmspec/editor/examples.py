@@ -31,7 +31,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Asked:
+class QuestionPreview:
     """A question with what is shown before it and its options; or why it cannot be asked."""
 
     text: str
@@ -47,7 +47,7 @@ class Row:
     task: str
     index: int
     factors: str
-    asked: tuple[Asked, ...]
+    asked: tuple[QuestionPreview, ...]
 
 
 def draw(text: str, path: Path, task: str, index: int, engine: str, size: int) -> Row:
@@ -59,7 +59,7 @@ def draw(text: str, path: Path, task: str, index: int, engine: str, size: int) -
     try:
         asked = tuple(_asked(instance, engine, size))
     except WmsError as error:
-        asked = (Asked("", rejected=str(error)),)
+        asked = (QuestionPreview("", rejected=str(error)),)
     return Row(task, index, str(instance), asked)
 
 
@@ -83,26 +83,26 @@ def changed() -> None:
     _tasks.cache_clear()
 
 
-def _asked(instance: Instance, engine: str, size: int) -> Iterator[Asked]:
+def _asked(instance: Instance, engine: str, size: int) -> Iterator[QuestionPreview]:
     if not instance.task.questions:
         run = instance.run(engine)
         views = run.views()
-        yield Asked("", tuple(Cell(_when(c, t), png=_png(run.frame(c, t, size=size))) for c, t in views))
+        yield QuestionPreview("", tuple(Cell(_when(c, t), png=_png(run.frame(c, t, size=size))) for c, t in views))
         return
     answers = instance.ask(engine, size=size)
     for row in answers:
         yield _question(row)
     for refusal in answers.rejected:
-        yield Asked("", rejected=f"no question: {refusal.detail or refusal.reason} ({refusal.reason})")
+        yield QuestionPreview("", rejected=f"no question: {refusal.detail or refusal.reason} ({refusal.reason})")
 
 
-def _question(row: QuestionRow) -> Asked:
+def _question(row: QuestionRow) -> QuestionPreview:
     shown = tuple(Cell(_when(p.camera, p.time), png=_png(p.rgb)) for p in row.context)
     options = [
         Cell(o.name if o.picture else "", o.text or "", _png(o.picture.rgb) if o.picture else b"", i == row.answer)
         for i, o in enumerate(row.options)
     ]
-    return Asked(row.text, shown, tuple(options) or (Cell("measured", row.value, true=True),))
+    return QuestionPreview(row.text, shown, tuple(options) or (Cell("measured", row.value, true=True),))
 
 
 def _when(camera: str, time: float) -> str:

@@ -24,7 +24,7 @@ PERIOD, PATIENCE = 0.2, 60.0
 
 
 @dataclass(frozen=True)
-class Drawing:
+class PreviewOptions:
     """How a sheet is drawn: the engine, the instances of each task, the width of a picture (px)."""
 
     engine: str
@@ -50,7 +50,7 @@ class Watch:
     """Looks at a spec's file and its libraries; `state` is always a whole one, and who waits is told of the next."""
 
     path: Path
-    drawing: Drawing
+    drawing: PreviewOptions
     state: State = field(default_factory=State)
     stopped: Event = field(default_factory=Event)
     _before: tuple[examples.Row, ...] = ()
@@ -132,7 +132,9 @@ class Watch:
                 examples.draw, text, self.path.resolve(), task.name, index, self.drawing.engine, self.drawing.size
             )
             if isinstance(row, Lost):
-                row = examples.Row(task.name, index, str(task[index]), (examples.Asked("", rejected=row.reason),))
+                row = examples.Row(
+                    task.name, index, str(task[index]), (examples.QuestionPreview("", rejected=row.reason),)
+                )
             rows = (*rows, row)
             self._say(replace(told, rows=rows, stale=False))
         self._say(replace(told, phase="done", rows=rows, stale=False))

@@ -11,8 +11,8 @@ from wmspec.core.diagnostics import ImpossibleValue, WmsError
 from wmspec.core.limits import POINTS
 from wmspec.core.space import Vector
 from wmspec.lang.check.tables.vocabulary import FILES, MAX_LENGTH, STAGES
-from wmspec.lang.importers.mesh_files import harmless
-from wmspec.lang.importers.prim_names import parted
+from wmspec.lang.importers.mesh_files import check_mesh_file
+from wmspec.lang.importers.prim_names import split_prim_name
 from wmspec.lang.parse.files import resolve_display_path
 from wmspec.sim.shapes import Mesh
 
@@ -61,7 +61,7 @@ def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileM
 
     Raises: ImpossibleValue: if the file is missing, unsupported or broken, or has no volume though it is `solid`.
     """
-    name, prim = parted(path)
+    name, prim = split_prim_name(path)
     file = resolve_display_path(name)
     if file.suffix.lower() not in (STAGES if prim else FILES["file"]):
         raise ImpossibleValue(
@@ -85,7 +85,7 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
     import numpy as np
 
     stretch = np.broadcast_to(np.asarray(scale, float), 3)
-    whole = _of_stage(path) if parted(path)[1] else _of_file(path)
+    whole = _of_stage(path) if split_prim_name(path)[1] else _of_file(path)
     points, faces = whole.points * stretch, whole.faces[:, :: -1 if np.sign(stretch).prod() < 0 else 1]
     low, high = points.min(axis=0), points.max(axis=0)
     if not (size := float((high - low).max())) <= MAX_LENGTH:
@@ -105,7 +105,7 @@ def _of_stage(path: str) -> Mesh:
     """Return the triangles of the mesh in a USD file. Raises ImpossibleValue if it is broken."""
     from wmspec.lang.importers.usd_file import mesh
 
-    name, prim = parted(path)
+    name, prim = split_prim_name(path)
     read = mesh(resolve_display_path(name), None, name, prim)
     if isinstance(read, tuple):
         raise ImpossibleValue("; ".join(f"{mistake.place}: {mistake.message}" for mistake in read))
@@ -117,7 +117,7 @@ def _of_file(path: str) -> Mesh:
     import trimesh
 
     try:
-        harmless(resolve_display_path(path))
+        check_mesh_file(resolve_display_path(path))
         loaded: Any = trimesh.load(resolve_display_path(path), force="mesh", process=False, skip_materials=True)
         if path.lower().endswith(".dae"):  # this format declares its unit; others use metres or none
             loaded.apply_scale(trimesh.units.unit_conversion(loaded.units, "m"))

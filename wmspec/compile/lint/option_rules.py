@@ -138,4 +138,6 @@ def _same(a: object, b: object, directions: bool) -> bool:
 
 
 def _shown(value: object, question: Question) -> str:
-    return units.format_quantity(value, units.dimension_named(question.sort)) if isinstance(value, float) else f"`{value}`"
+    return (
+        units.format_quantity(value, units.dimension_named(question.sort)) if isinstance(value, float) else f"`{value}`"
+    )

@@ -147,7 +147,9 @@ def measure_outside_the_episode(scene: Scene) -> Iterator[Breach]:
             for call in (part for part in parts(expr) if isinstance(part, Call)):
                 times = dict(_times(call, values))
                 if late := [time for time in times.values() if not values.during(time)]:
-                    lasts = f"the episode, which lasts {units.format_quantity(values.ref('end'), units.TIME)} {scene.where}"
+                    lasts = (
+                        f"the episode, which lasts {units.format_quantity(values.ref('end'), units.TIME)} {scene.where}"
+                    )
                     what = f"`{call.function}` at {units.format_quantity(late[0], units.TIME)} is outside {lasts}"
                     yield Breach(what, place, "ask for an earlier time, or set a longer `horizon`")
                 elif times.get("from", 0.0) >= times.get("to", math.inf):

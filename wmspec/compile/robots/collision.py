@@ -121,7 +121,7 @@ def _hand_collision(made: Plan, action: Entity, hand: list[Box]) -> tuple[str, s
     return None
 
 
-# ---------------------------------------------------------------- links, and what is led
+# ---------------------------------------------------------------- links and moved objects
 
 
 def _is_near(frames: Array, box: Box) -> bool:

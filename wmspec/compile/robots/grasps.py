@@ -120,7 +120,7 @@ def drop(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     return thing.moved((0.0, 0.0, float(manipuland_of(made.values, thing.name).middle[2] - thing.middle[2])))
 
 
-# ---------------------------------------------------------------- by which means
+# ---------------------------------------------------------------- steps
 
 
 def take(

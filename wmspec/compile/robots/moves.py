@@ -79,7 +79,7 @@ def close(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     return _along_joint(made, require_single(acts), thing, -1.0)
 
 
-# ---------------------------------------------------------------- by which means
+# ---------------------------------------------------------------- steps
 
 
 def heading_vector(direction: Any) -> Array:

@@ -75,9 +75,9 @@ def _plan(values: Values) -> dict[str, Reach]:
         except PlanningError as unable:
             problems.append(unable)
     # a collision is a better explanation than an unreachable alternative grasp
-    told = min(problems, key=lambda unable: not isinstance(unable, PathBlockedError))
-    action = told.action
-    raise ImpossibleValue(f"`{action.of}` cannot {action.verb} so: {told.reason}", action.place, told.help)
+    problem = min(problems, key=lambda unable: not isinstance(unable, PathBlockedError))
+    action = problem.action
+    raise ImpossibleValue(f"`{action.of}` cannot {action.verb} so: {problem.reason}", action.place, problem.help)
 
 
 def _attempt(values: Values, choice: int) -> dict[str, Reach]:

@@ -43,7 +43,7 @@ class Reach:
     """The motion of an arm during an action: joint `values` (n, k) at `times` (n,) s after the action's start."""
 
     robot: str
-    knot_times: tuple[float, ...]
+    times: tuple[float, ...]
     values: Array
     hold: Hold | None
 
@@ -137,8 +137,8 @@ class Plan:
         """Return an argument of an action."""
         return self.values.number(action.name, name)
 
-    def action_duration(self, action: Entity) -> float:
-        """How long (s) an action takes."""
+    def duration(self, action: Entity) -> float:
+        """Return the duration (s) of an action."""
         return action_duration(self.values, action)
 
     def go(self, action: Entity, legs: Sequence[ToolSegment]) -> None:

@@ -84,7 +84,7 @@ class Traffic:
         """Return the number of lanes per direction."""
         return max(1, math.floor(road.half_width / self.lane + 1e-9))
 
-    # ------------------------------------------------------------ what cars do
+    # ------------------------------------------------------------ actions
 
     def forward(self, spot: Pose2D, distance: float) -> list[PathSegment]:
         """Return the path straight along the lane."""
@@ -119,7 +119,7 @@ class Traffic:
         return [straight, bend, on]
 
     def go_to(self, spot: Pose2D, place: tuple[float, float]) -> list[PathSegment]:
-        """Return the shortest path to the point of the nearest road that is closest to a place (E. W. Dijkstra, 1959)."""
+        """Return the shortest path to the point of the nearest road closest to a place (E. W. Dijkstra, 1959)."""
         goal = min(self.roads, key=lambda road: road.distance_to(*place))
         most = goal.half_length - CAR_LENGTH / 2
         far = min(most, max(-most, goal.to_local(*place)[0]))
@@ -147,7 +147,7 @@ class Traffic:
             "let it start further away, or headed the other way",
         )
 
-    # ------------------------------------------------------------ by which means
+    # ------------------------------------------------------------ steps
 
     def _turns(self, spot: Pose2D, to: int) -> list[tuple[Straight, Bend, Straight]]:
         """Return the turns into all roads that branch off ahead on that side."""

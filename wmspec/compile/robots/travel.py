@@ -56,7 +56,7 @@ class _Segment:
 
     action: Entity
     start: float
-    action_duration: float
+    duration: float
     length: float
     at: Callable[[float], tuple[Pose2D, float]]
     flows: bool = False
@@ -236,8 +236,8 @@ def _plan_walker(values: Values, level: float, spot: Pose2D, acts: Sequence[Enti
             raise ImpossibleValue(problem, values.place(walker, "at"), "place it further away")
     for action in acts:
         if action.verb in ("move", "back"):
-            wanted, sign = values.number(action.name, "distance"), 1 if action.verb == "move" else -1
-            way = Straight(spot, _free_distance(Straight(spot, wanted, sign), standing), sign)
+            distance, sign = values.number(action.name, "distance"), 1 if action.verb == "move" else -1
+            way = Straight(spot, _free_distance(Straight(spot, distance, sign), standing), sign)
             stretch = _segment(values, action, way.length, partial(_at_straight, way, pitch))
         elif action.verb == "go_to":
             goal = _goal(values, action)

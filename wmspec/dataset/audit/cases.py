@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.dataset.build.pictures import opened
+from wmspec.dataset.build.pictures import decode_image
 from wmspec.dataset.build.reader import PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row
 
@@ -105,7 +105,7 @@ class Enlarging:
     def __call__(self, indices: set[int]) -> dict[str, list[Small]]:
         """Return the pictures shown in the rows of the given instances, by row id."""
         rows = self.dataset.rows(self.task, only=indices)
-        return {row["id"]: [np.asarray(opened(p["bytes"])) for p in row["context"]] for row in rows}
+        return {row["id"]: [np.asarray(decode_image(p["bytes"])) for p in row["context"]] for row in rows}
 
 
 def units(dataset: DatasetReader, task: str, most: int) -> Iterator[Unit]:
@@ -150,4 +150,4 @@ def _case(row: Row, looked: bool) -> Case:
 
 
 def _small(content: bytes) -> Small:
-    return np.asarray(opened(content).resize((SIDE, SIDE), Image.Resampling.BOX))
+    return np.asarray(decode_image(content).resize((SIDE, SIDE), Image.Resampling.BOX))

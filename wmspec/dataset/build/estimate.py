@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 from wmspec.core.crash import Crash
-from wmspec.dataset.build.generate import job_of, nothing
+from wmspec.dataset.build.generate import job_of, failed_outcome
 from wmspec.dataset.build.manifest import by_reason
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.rows import schema, table
@@ -152,7 +152,7 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
     rejected = [r for outcome in outcomes for r in outcome.rejected]
     for unit, trial in trials:
         if isinstance(trial, Lost):
-            nothings = (nothing(plan, task.spec, index, trial) for piece in unit.pieces for index in piece)
+            nothings = (failed_outcome(plan, task.spec, index, trial) for piece in unit.pieces for index in piece)
             rejected += (r for outcome in nothings for r in outcome.rejected)
     reasons, examples = by_reason(rejected)
     seconds, error = _rate(

@@ -16,7 +16,7 @@ from wmspec.core.crash import Crash
 from wmspec.dataset.build.checkpoint import passing
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.plan import Plan, Shard
-from wmspec.dataset.build.reuse import Before
+from wmspec.dataset.build.reuse import PriorInstances
 from wmspec.dataset.build.units import Piece, units, weight
 from wmspec.dataset.build.worker import Balance, Job, Outcome, Sharing, work
 from wmspec.lang.check.ir.ir import TaskSpec
@@ -26,7 +26,7 @@ from wmspec.runtime.workers.pool import Effort, Lost, by_units
 
 
 @dataclass(frozen=True)
-class Spent:
+class RunStats:
     """Cache statistics, the cost of balancing answers by task, and the first unexpected error."""
 
     shared: Sharing = field(default_factory=Sharing)
@@ -34,7 +34,7 @@ class Spent:
     crash: Crash | None = None
 
 
-def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> Spent:
+def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: PriorInstances) -> RunStats:
     """Make every pending shard, except instances found in `before` or saved by an interrupted run.
 
     `progress` is called with a task and the number of its instances that were finished.
@@ -42,11 +42,11 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
     plan = dataset.plan
     pending = dataset.pending()
     if not pending:
-        return Spent()
+        return RunStats()
     job, shared, balance = job_of(plan, effort), Sharing(), dict[str, Balance]()
     crash: Crash | None = None
     specs = {task.spec.name: task.spec for task in plan.tasks}
-    making = [_Making(dataset, shard, before) for shard in pending]
+    making = [_PendingShard(dataset, shard, before) for shard in pending]
     for one in making:
         progress(one.task, len(one.shard.indices) - len(one.missing))
         one.finish()
@@ -62,15 +62,15 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
             for at, index in enumerate(indices):
                 one = shard_of[task, index]
                 spec = specs[task]
-                one.keep(index, nothing(plan, spec, index, made) if isinstance(made, Lost) else made.outcomes[at])
+                one.keep(index, failed_outcome(plan, spec, index, made) if isinstance(made, Lost) else made.outcomes[at])
                 progress(task, 1)
-    return Spent(shared, balance, crash)
+    return RunStats(shared, balance, crash)
 
 
-class _Making:
+class _PendingShard:
     """A shard being made: its missing instances, and failures, which are not saved on disk."""
 
-    def __init__(self, dataset: Dataset, shard: Shard, before: Before) -> None:
+    def __init__(self, dataset: Dataset, shard: Shard, before: PriorInstances) -> None:
         self.shard, self.task = shard, shard.task.spec.name
         kept = dataset.kept(shard)
         self.missing = {index for index in before.missing(shard) if index not in kept}
@@ -93,7 +93,7 @@ class _Making:
             self._dataset.write(self.shard, rows, [r for outcome in made.values() for r in outcome.rejected])
 
 
-def _units(job: Job, plan: Plan, making: Iterable[_Making]) -> Iterator[list[tuple[Job, str, Piece]]]:
+def _units(job: Job, plan: Plan, making: Iterable[_PendingShard]) -> Iterator[list[tuple[Job, str, Piece]]]:
     """Yield the work of all tasks in order, one unit of pieces at a time."""
     for task, shards in groupby(making, key=lambda one: one.task):
         of_task = list(shards)
@@ -112,7 +112,7 @@ def job_of(plan: Plan, effort: Effort) -> Job:
     return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, plan.look, plan.samples, plan.renderer)
 
 
-def nothing(plan: Plan, spec: TaskSpec, index: int, lost: Lost) -> Outcome:
+def failed_outcome(plan: Plan, spec: TaskSpec, index: int, lost: Lost) -> Outcome:
     """Return the outcome of a failed instance: every question is rejected in every engine."""
     rejected = (
         Rejected(spec.name, index, q, engine, lost.kind, lost.reason)

@@ -15,35 +15,35 @@ from wmspec.core.safe_io import load_image
 #: The image formats of a dataset, by Pillow's names.
 PNG, WEBP = "PNG", "WEBP"
 #: Number of encoded pictures (about 50 kB each) in the cache.
-REMEMBERED = 128
-_latest: OrderedDict[bytes, bytes] = OrderedDict()
+CACHE_SIZE = 128
+_cache: OrderedDict[bytes, bytes] = OrderedDict()
 
 
-def lossless(pixels: NDArray[np.uint8]) -> bytes:
+def encode_webp(pixels: NDArray[np.uint8]) -> bytes:
     """Return a picture (h, w, 3) of 8 bits as lossless WebP, by the fastest method.
 
     WebP is a sixth smaller than PNG and seven times as fast; slower methods save at most a tenth more. Results are
     cached by content, since instances of a control group share many pictures.
     """
     key = blake2b(pixels.tobytes(), digest_size=16, key=repr(pixels.shape).encode()).digest()
-    if key not in _latest:
+    if key not in _cache:
         out = io.BytesIO()
         Image.fromarray(pixels).save(out, WEBP, lossless=True, method=0, quality=0)
-        _latest[key] = out.getvalue()
-        if len(_latest) > REMEMBERED:
-            _latest.popitem(last=False)
-    _latest.move_to_end(key)
-    return _latest[key]
+        _cache[key] = out.getvalue()
+        if len(_cache) > CACHE_SIZE:
+            _cache.popitem(last=False)
+    _cache.move_to_end(key)
+    return _cache[key]
 
 
-def png(pixels: NDArray[np.uint8] | NDArray[np.uint16], level: int = 1) -> bytes:
+def encode_png(pixels: NDArray[np.uint8] | NDArray[np.uint16], level: int = 1) -> bytes:
     """Return a picture (h, w, 3) of 8 bits or (h, w) of 16 bits as a PNG file."""
     out = io.BytesIO()
     Image.fromarray(pixels).save(out, PNG, compress_level=level)
     return out.getvalue()
 
 
-def form(content: object) -> str:
+def image_format(content: object) -> str:
     """Return the image format of a file's content, `PNG` or `WEBP`; empty if it is neither."""
     if not isinstance(content, bytes):
         return ""
@@ -52,11 +52,11 @@ def form(content: object) -> str:
     return WEBP if content.startswith(b"RIFF") and content[8:12] == b"WEBP" else ""
 
 
-def opened(content: bytes) -> Image.Image:
+def decode_image(content: bytes) -> Image.Image:
     """Decode a picture (RGB). Raises WmsError if it is damaged, too large or of another format."""
     return load_image(content, PNG, WEBP).convert("RGB")
 
 
 def as_png(content: bytes) -> bytes:
-    """Return a picture as a PNG file, for readers without WebP. Raises WmsError as `opened` does."""
-    return png(np.asarray(opened(content))) if form(content) == WEBP else content
+    """Return a picture as a PNG file, for readers without WebP. Raises WmsError as `decode_image` does."""
+    return encode_png(np.asarray(decode_image(content))) if image_format(content) == WEBP else content

@@ -23,7 +23,7 @@ from wmspec.dataset.build.worker import Outcome
 
 
 @dataclass(frozen=True)
-class File:
+class ShardFile:
     """A shard file of another folder and its record."""
 
     folder: Path
@@ -42,7 +42,7 @@ class File:
         return (i for i in self.shard.indices if i not in again)
 
 
-class Before:
+class PriorInstances:
     """The instances of a plan that other folders hold.
 
     Raises WmsError if a folder holds no dataset, or one that was made with other settings.
@@ -54,7 +54,7 @@ class Before:
 
     def outcomes(self, shard: Shard) -> dict[int, Outcome]:
         """Return the outcomes of a shard's instances that were made before, by index."""
-        task, wanted = shard.task.spec.name, dict[str, tuple[File, list[int]]]()
+        task, wanted = shard.task.spec.name, dict[str, tuple[ShardFile, list[int]]]()
         for index in shard.indices:
             if file := self._files.get((task, index)):
                 wanted.setdefault(f"{file.folder}/{file.shard.path}", (file, []))[1].append(index)
@@ -65,7 +65,7 @@ class Before:
         return tuple(i for i in shard.indices if (shard.task.spec.name, i) not in self._files)
 
 
-def _files(folder: Path, plan: Plan) -> Iterator[File]:
+def _files(folder: Path, plan: Plan) -> Iterator[ShardFile]:
     """Yield the files of a folder that match their records."""
     there = _plan(folder, plan)
     records = read_records(folder, there.shards())
@@ -77,7 +77,7 @@ def _files(folder: Path, plan: Plan) -> Iterator[File]:
             and path.is_file()
             and files.digest(path) == record.sha256
         ):
-            yield File(folder, shard, record)
+            yield ShardFile(folder, shard, record)
 
 
 def _plan(folder: Path, plan: Plan) -> Plan:

@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from wmspec.dataset.build.pictures import lossless, png
+from wmspec.dataset.build.pictures import encode_webp, encode_png
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Strength, VisibleObject, Vote
@@ -284,11 +284,11 @@ def _image(picture: Picture) -> dict[str, bytes | None]:
 
 def encoded(pixels: NDArray[np.uint8]) -> dict[str, bytes | None]:
     """Return a picture (h, w, 3) in the layout of a row."""
-    return {"bytes": lossless(pixels), "path": None}
+    return {"bytes": encode_webp(pixels), "path": None}
 
 
 def _channel(pixels: NDArray[np.uint16]) -> dict[str, bytes | None]:
-    return {"bytes": png(pixels), "path": None}
+    return {"bytes": encode_png(pixels), "path": None}
 
 
 def table(rows: list[Row], columns: pa.Schema) -> pa.Table:

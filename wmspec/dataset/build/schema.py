@@ -11,7 +11,7 @@ import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from wmspec.core.safe_io import is_file_name
-from wmspec.dataset.build.pictures import form
+from wmspec.dataset.build.pictures import image_format
 from wmspec.dataset.build.rows import COLUMNS, Row
 from wmspec.runtime.questions.consensus import Consensus
 
@@ -160,6 +160,6 @@ def pictures_fault(row: Row, names: Iterable[str]) -> str:
     """Return the first problem of a row's pictures that shows without decoding, or ''."""
     for name in names:
         for number, each in enumerate(row.get(name) or ()):
-            if not form(each.get("bytes")):
+            if not image_format(each.get("bytes")):
                 return f"picture {number + 1} of `{name}` is no PNG or WebP"
     return ""

@@ -12,7 +12,7 @@ from PIL import Image
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build import typeset
-from wmspec.dataset.build.pictures import opened
+from wmspec.dataset.build.pictures import decode_image
 from wmspec.dataset.build.reader import PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.typeset import BLACK, GREEN, GREY, PALE, Picture, Style
@@ -116,7 +116,7 @@ def _spread(keys: list[Row], count: int) -> list[tuple[int, int]]:
 
 
 def _decoded(row: Row) -> Row:
-    return row | {name: [opened(p["bytes"]) for p in row[name]] for name in PICTURES}
+    return row | {name: [decode_image(p["bytes"]) for p in row[name]] for name in PICTURES}
 
 
 # ---------------------------------------------------------------- questions

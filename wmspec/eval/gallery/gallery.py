@@ -11,7 +11,7 @@ from typing import Any
 
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import explained
-from wmspec.dataset.build.pictures import form, opened
+from wmspec.dataset.build.pictures import image_format, decode_image
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.webpage import encoded, webpage
 from wmspec.eval.gallery.records import Record, about, records
@@ -32,7 +32,7 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = N
 
     def inside(task: str, content: bytes) -> str:  # noqa: ARG001  signature of `Put`
         out = io.BytesIO()
-        opened(content).save(out, "WEBP", quality=QUALITY, method=4)
+        decode_image(content).save(out, "WEBP", quality=QUALITY, method=4)
         return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
 
     dataset.intact()
@@ -51,8 +51,8 @@ def folder(dataset: DatasetReader, per_task: int, path: Path, replies: Replies =
     """
 
     def beside(task: str, content: bytes) -> str:  # noqa: ARG001  signature of `Put`
-        name = f"{hashlib.sha256(content).hexdigest()[:20]}.{form(content).lower()}"
-        opened(content)
+        name = f"{hashlib.sha256(content).hexdigest()[:20]}.{image_format(content).lower()}"
+        decode_image(content)
         place = path / "pictures" / name[:2] / name
         if not place.exists():
             make_folders(place.parent)

@@ -10,17 +10,17 @@ from dataclasses import dataclass, replace
 from wmspec.core.diagnostics import Diagnostic
 from wmspec.lang.check.tables.property_schema import APPEARANCE
 from wmspec.lang.importers import model
-from wmspec.lang.importers.model import MOST_FAULTS, Form, Joint, Link, MeshFile, Refused, Shape
-from wmspec.lang.importers.tree import Placed, Tree
-from wmspec.lang.importers.turns import angles, clean
+from wmspec.lang.importers.model import MAX_FAULTS, Form, Joint, Link, MeshFile, RejectedAsset, Shape
+from wmspec.lang.importers.tree import LinkTree, PlacedLink
+from wmspec.lang.importers.turns import angles, without_rounding
 from wmspec.lang.importers.write import Writer
 from wmspec.lang.parse import syntax as s
 from wmspec.sim.shapes import shape_word
 
 #: Properties of links, and of joints, that a spec may override.
 OF_LINK = (
-    *APPEARANCE, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed", "velocity",
-    "spin", "passes",
+    *APPEARANCE, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed",
+    "velocity", "spin", "passes",
 )  # fmt: skip
 OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "touching")
 #: Properties of the whole asset that apply to every link, beyond its appearance.
@@ -32,20 +32,22 @@ _UNITS = {"density": "kg/m^3", "damping": "Hz", "spin_damping": "Hz"}
 Overrides = Mapping[str, tuple[s.Property, ...]]
 
 
-def plain(name: str) -> str:
+def to_identifier(name: str) -> str:
     """Return a name of the file as an identifier: other characters become `_`."""
     made = re.sub(r"\W", "_", name, flags=re.ASCII)
     return made if not made[:1].isdigit() else f"_{made}"
 
 
-def mattering(of: Tree | Refused, overrides: Overrides, whole: Collection[str]) -> tuple[Diagnostic, ...]:
+def relevant_errors(
+    of: LinkTree | RejectedAsset, overrides: Overrides, whole: Collection[str]
+) -> tuple[Diagnostic, ...]:
     """Return the first relevant errors, each once, given the spec's overrides of links and of the `whole`."""
-    mistakes = dict.fromkeys(of.diagnostics if isinstance(of, Refused) else ())
-    for link in of.links if isinstance(of, Refused) else (placed.link for placed in of.links):
-        own = {p.name.id for p in overrides.get(plain(link.name), ())}
+    mistakes = dict.fromkeys(of.diagnostics if isinstance(of, RejectedAsset) else ())
+    for link in of.links if isinstance(of, RejectedAsset) else (placed.link for placed in of.links):
+        own = {p.name.id for p in overrides.get(to_identifier(link.name), ())}
         conditional = (c for shape in link.shapes for c in (*shape.look.conditional, *shape.conditional))
         mistakes |= {c.diagnostic: None for c in conditional if not {*own, *whole}.intersection(c.unless)}
-    return tuple(mistakes)[:MOST_FAULTS]
+    return tuple(mistakes)[:MAX_FAULTS]
 
 
 @dataclass(frozen=True)
@@ -53,14 +55,14 @@ class Blocks:
     """Converts an asset; `base` is the object that names it, `overrides` are the spec's properties of its links."""
 
     base: s.Block
-    tree: Tree
+    tree: LinkTree
     overrides: Overrides
     write: Writer
 
     def name(self, of: str) -> str:
         """Return the block name of a link or joint."""
         first = self.tree.links[0].link.name
-        return self.base.name.id if of == first else f"{self.base.name.id}_{plain(of)}"
+        return self.base.name.id if of == first else f"{self.base.name.id}_{to_identifier(of)}"
 
     def all(self) -> tuple[s.Block, ...]:
         """Return the base, the other links, and the joints."""
@@ -72,63 +74,65 @@ class Blocks:
         stands = (self.tree.held or link.fixed) and "fixed" not in here
         held: dict[str, s.Expr] = {"fixed": self.write.truth(True)} if stands else {}
         own = tuple(p for p in self.base.properties if p.name.id not in ("file", "collision"))
-        properties = _instead((*own, *self.write.properties(held | self._by_file(link))), self._of(link))
-        made = (*properties, *self.write.properties(self._matter(link, properties)))
+        properties = _with_overrides(
+            (*own, *self.write.properties(held | self._from_file(link))), self._overrides_of(link)
+        )
+        made = (*properties, *self.write.properties(self._mass_properties(link, properties)))
         return replace(self.base, properties=made, parts=self._parts(link, properties))
 
-    def _link(self, placed: Placed) -> s.Block:
+    def _link(self, placed: PlacedLink) -> s.Block:
         link, base = placed.link, self.base.name.id
         yaw, pitch, roll = angles(placed.pose.orientation)
-        at = self.write.numbers(clean(placed.pose.position), "m")
+        at = self.write.numbers(without_rounding(placed.pose.position), "m")
         turns = {"yaw": yaw, "pitch": pitch, "roll": roll}
         where = {"at": at, **{name: self.write.number(angle, "rad") for name, angle in turns.items()}}
         if link.fixed:
             where["fixed"] = self.write.truth(True)
         whole = {p.name.id for p in self.base.properties}
         common = ("present", *_COMMON, *(look for look in APPEARANCE if look in whole))
-        shared = self.write.properties({name: self.write.of(base, name) for name in common} | self._by_file(link))
-        properties = _instead((*self.write.properties(where), *shared), self._of(link))
-        made = (*properties, *self.write.properties(self._matter(link, properties)))
+        shared = self.write.properties({name: self.write.of(base, name) for name in common} | self._from_file(link))
+        properties = _with_overrides((*self.write.properties(where), *shared), self._overrides_of(link))
+        made = (*properties, *self.write.properties(self._mass_properties(link, properties)))
         parts = self._parts(link, properties)
         name = s.Name(self.name(link.name), self.base.name.span)
         return s.Block("object", name, made, self.write.span, parts=parts, whole=base)
 
-    def _of(self, link: Link) -> tuple[s.Property, ...]:
+    def _overrides_of(self, link: Link) -> tuple[s.Property, ...]:
         """Return the overrides of a link, without those that apply to its parts."""
-        return tuple(p for p in self.overrides.get(plain(link.name), ()) if p.name.id != "collision")
+        return tuple(p for p in self.overrides.get(to_identifier(link.name), ()) if p.name.id != "collision")
 
     # ------------------------------------------------------------ what a link is made of
 
-    def _by_file(self, link: Link) -> dict[str, s.Expr]:
+    def _from_file(self, link: Link) -> dict[str, s.Expr]:
         """Return the file's properties of a link except its mass, unless the spec sets them for the whole."""
         whole = {p.name.id for p in self.base.properties}
         values = {n: self.write.number(x, _UNITS.get(n)) for n, x in link.given.items()}
         if link.velocity is not None:
-            values["velocity"] = self.write.numbers(clean(link.velocity), "m/s")
+            values["velocity"] = self.write.numbers(without_rounding(link.velocity), "m/s")
         if link.spin is not None:
-            values["spin"] = self.write.numbers(clean(link.spin), "rad/s")
+            values["spin"] = self.write.numbers(without_rounding(link.spin), "rad/s")
         if link.passes:
             values["passes"] = self.write.names(self.name(other) for other in link.passes)
         return {n: made for n, made in values.items() if n not in whole}
 
-    def _matter(self, link: Link, properties: tuple[s.Property, ...]) -> dict[str, s.Expr]:
+    def _mass_properties(self, link: Link, properties: tuple[s.Property, ...]) -> dict[str, s.Expr]:
         """Return mass, centre and moments; empty if the spec sets the density."""
         names = {p.name.id for p in properties}
-        if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._of(link))}:
+        if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._overrides_of(link))}:
             return {}
         values = {} if "mass" in names else {"mass": self.write.number(link.mass.mass, "kg")}
         own = self.write.of(self.name(link.name), "mass")
-        values["centre"] = self.write.numbers(clean(link.mass.center), "m")
+        values["centre"] = self.write.numbers(without_rounding(link.mass.center), "m")
         values["moments"] = self.write.times((float(m) / link.mass.mass for m in link.mass.moments), "m^2", own)
         values["axes"] = self.write.numbers(angles(link.mass.axes), "rad")
         return values
 
     def _parts(self, link: Link, properties: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
         names = {p.name.id for p in properties}
-        looks = set(APPEARANCE) - names if not names.intersection(model.LOOKS) else set()
-        ways = (*self.overrides.get(plain(link.name), ()), *self.base.properties)
+        looks = set(APPEARANCE) - names if not names.intersection(model.OVERRIDING_PROPERTIES) else set()
+        ways = (*self.overrides.get(to_identifier(link.name), ()), *self.base.properties)
         touched = next((p.value for p in ways if p.name.id == "collision"), None)
-        spec = {p.name.id for p in (*self.base.properties, *self._of(link))}
+        spec = {p.name.id for p in (*self.base.properties, *self._overrides_of(link))}
         files = {*looks, *({"friction", "restitution"} - spec)}
         return tuple(self._part(i, shape, files, touched) for i, shape in enumerate(link.shapes))
 
@@ -139,10 +143,10 @@ class Blocks:
         yaw, pitch, roll = angles(shape.pose.orientation)
         values = {
             **self._form(shape.form, touched),
-            "at": self.write.numbers(clean(shape.pose.position), "m"),
+            "at": self.write.numbers(without_rounding(shape.pose.position), "m"),
             **{n: self.write.number(a, "rad") for n, a in (("yaw", yaw), ("pitch", pitch), ("roll", roll)) if a},
         }
-        values |= {name: made for name, made in (self._look(shape) | self._rubs(shape)).items() if name in files}
+        values |= {name: made for name, made in (self._look(shape) | self._friction(shape)).items() if name in files}
         if not shape.solid:
             values["solid"] = self.write.truth(False)
         if not shape.drawn:
@@ -159,9 +163,13 @@ class Blocks:
             made["image"] = self.write.text(look.image)
         return made | ({"repeats": self.write.numbers(look.repeats)} if look.image and look.repeats else {})
 
-    def _rubs(self, shape: Shape) -> dict[str, s.Expr]:
+    def _friction(self, shape: Shape) -> dict[str, s.Expr]:
         names = ("friction", "restitution")
-        return {n: self.write.number(x) for n, x in zip(names, shape.rubs, strict=True)} if shape.rubs else {}
+        return (
+            {n: self.write.number(x) for n, x in zip(names, shape.friction_restitution, strict=True)}
+            if shape.friction_restitution
+            else {}
+        )
 
     def _form(self, form: Form, touched: s.Expr | None) -> dict[str, s.Expr]:
         if isinstance(form, MeshFile):
@@ -177,12 +185,12 @@ class Blocks:
         values: dict[str, s.Expr] = {"of": self.write.name(self.name(joint.child))}
         if joint.parent:
             values["to"] = self.write.name(self.name(joint.parent))
-        values["at"] = self.write.numbers(clean(joint.at), "m")
+        values["at"] = self.write.numbers(without_rounding(joint.at), "m")
         if joint.touching:
             values["touching"] = self.write.truth(True)
         if joint.kind in ("hinge", "slider"):
             values |= self._coordinate(joint)
-        properties = _instead(self.write.properties(values), self.overrides.get(plain(joint.name), ()))
+        properties = _with_overrides(self.write.properties(values), self.overrides.get(to_identifier(joint.name), ()))
         name = s.Name(self.name(joint.name), self.base.name.span)
         model = self.write.name(joint.kind)
         return s.Block("joint", name, properties, self.write.span, model, whole=self.base.name.id)
@@ -197,10 +205,10 @@ class Blocks:
         drive = (joint.stiffness, joint.damping, joint.pace, joint.strength)
         plain_numbers = zip(("stiffness", "damping", "pace", "strength"), drive, strict=True)
         values |= {name: self.write.number(value) for name, value in plain_numbers if value}
-        return {"axis": self.write.numbers(clean(joint.axis)), **values}
+        return {"axis": self.write.numbers(without_rounding(joint.axis)), **values}
 
 
-def _instead(made: tuple[s.Property, ...], instead: tuple[s.Property, ...]) -> tuple[s.Property, ...]:
+def _with_overrides(made: tuple[s.Property, ...], instead: tuple[s.Property, ...]) -> tuple[s.Property, ...]:
     """Return properties with overrides applied."""
     names = {p.name.id for p in instead}
     return *(p for p in made if p.name.id not in names), *instead

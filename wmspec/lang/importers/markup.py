@@ -11,10 +11,10 @@ from xml.parsers import expat
 from wmspec.core.diagnostics import suggestion
 from wmspec.core.limits import XML_BYTES, XML_DEPTH, XML_ELEMENTS
 from wmspec.core.places import FilePlace
-from wmspec.lang.importers.model import Broken, Faults
+from wmspec.lang.importers.model import Faults, UnreadableAsset
 
 #: Maximum magnitude of any quantity (SI).
-MOST = 1e6
+MAX_MAGNITUDE = 1e6
 
 
 @dataclass
@@ -89,7 +89,7 @@ class Reader:
         if name in e.attributes and len(values) != count:
             what = "a number" if count == 1 else f"{count} numbers"
             self.faults.add(e.where, f'{name}="{shown}" is not {what}', "correct it")
-        elif any(not math.isfinite(x) or abs(x) > MOST for x in values):
+        elif any(not math.isfinite(x) or abs(x) > MAX_MAGNITUDE for x in values):
             self.faults.add(e.where, f'{name}="{shown}" is out of all proportion', "use SI units: m, kg, rad")
         elif any(x <= above for x in values):
             self.faults.add(e.where, f'{name}="{shown}" must be more than {above:g}', "correct it")
@@ -106,7 +106,7 @@ class Reader:
         return factors
 
 
-def read(path: Path, shown: str, faults: Faults) -> Element:
+def read_xml(path: Path, shown: str, faults: Faults) -> Element:
     """Return the root element of a file. Raises Broken, after adding the fault, if it is no XML or too large."""
     try:
         with path.open("rb") as file:
@@ -135,7 +135,7 @@ class _Builder:
         top = self._open[0]
         try:
             self._parser.Parse(content, True)
-        except Broken:
+        except UnreadableAsset:
             raise
         except (expat.ExpatError, ValueError, LookupError) as error:
             raise self._stop(f"is no XML: {error}", "mend it, or export it again") from None
@@ -154,5 +154,5 @@ class _Builder:
     def _doctype(self, *_: object) -> None:
         raise self._stop("has a document type, in which entities could be declared", "remove the line `<!DOCTYPE`")
 
-    def _stop(self, message: str, help: str) -> Broken:
+    def _stop(self, message: str, help: str) -> UnreadableAsset:
         return self._faults.stop(FilePlace(self._shown, self._parser.CurrentLineNumber), message, help)

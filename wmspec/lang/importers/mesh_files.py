@@ -19,7 +19,7 @@ from wmspec.core.safe_io import is_within
 _STL_FACE, _STL_HEAD = 50, 84
 
 
-def harmless(path: Path) -> None:
+def check_mesh_file(path: Path) -> None:
     """Raise WmsError if a file is too large, has entities, or refers to files outside its folder."""
     size = path.stat().st_size
     kind = path.suffix.lower()
@@ -30,7 +30,7 @@ def harmless(path: Path) -> None:
     if kind == ".dae" and b"<!" in path.read_bytes().replace(b"<!--", b"").replace(b"<![CDATA[", b""):
         raise WmsError("has a document type or entities", help="remove them, or export it again")
     if kind in (".gltf", ".glb"):
-        _referring(path, _gltf(path))
+        _check_references(path, _gltf(path))
 
 
 def _binary(path: Path) -> bool:
@@ -52,7 +52,7 @@ def _gltf(path: Path) -> Any:
         return None
 
 
-def _referring(path: Path, told: Any) -> None:
+def _check_references(path: Path, told: Any) -> None:
     """Raise WmsError for a reference outside the file's folder, and for too many points."""
     for uri in _all(told, "uri"):
         if not uri.startswith("data:") and not is_within(path.parent, path.parent / uri):

@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.lang.importers.markup import Element
-from wmspec.lang.importers.mjcf_defaults import Defaults, Find
+from wmspec.lang.importers.mjcf_defaults import Defaults, MeshResolver
 from wmspec.lang.importers.mjcf_geoms import Geoms
 from wmspec.lang.importers.mjcf_joints import Joints
-from wmspec.lang.importers.model import MOST_LINKS, MOST_SHAPES, Asset, Faults, Joint, Link
+from wmspec.lang.importers.model import MAX_LINKS, MAX_SHAPES, Asset, Faults, Joint, Link
 from wmspec.lang.importers.tree import WORLD
 from wmspec.lang.importers.turns import X
 from wmspec.sim.scene.model.transform import identity
@@ -25,13 +25,13 @@ _LEFT_OUT = ("option", "size", "visual", "statistic", "sensor", "keyframe", "cus
 _BODY = ("name", "childclass", "pos", "quat", "euler", "axisangle")
 
 
-def mjcf(root: Element, find: Find, faults: Faults) -> Asset:
+def mjcf(root: Element, find: MeshResolver, faults: Faults) -> Asset:
     """Return the asset of an MJCF root element. Raises Broken if it is invalid."""
     return _Mjcf(root, find, faults).asset()
 
 
 class _Mjcf:
-    def __init__(self, root: Element, find: Find, faults: Faults) -> None:
+    def __init__(self, root: Element, find: MeshResolver, faults: Faults) -> None:
         self.root = root
         self.faults = faults
         self.read = Defaults(root, find, faults)
@@ -90,8 +90,8 @@ class _Mjcf:
             return
         link = self.geoms.link(body, inherited, name)
         self.shapes += len(link.shapes)
-        if len(self.links) > MOST_LINKS or self.shapes > MOST_SHAPES:
-            what = f"has more than {MOST_LINKS} bodies or {MOST_SHAPES} geoms"
+        if len(self.links) > MAX_LINKS or self.shapes > MAX_SHAPES:
+            what = f"has more than {MAX_LINKS} bodies or {MAX_SHAPES} geoms"
             raise self.faults.stop(self.root.where, what, "make it simpler")
         if link.shapes and link.mass is None:
             what = "nothing says what it weighs"

@@ -13,7 +13,7 @@ from wmspec.sim.scene.model import Array, Pose
 from wmspec.sim.scene.model.transform import from_rotation_vector, multiply
 
 #: Resolves a mesh reference to a path relative to the spec; '' if it is missing, which is reported.
-Find = Callable[[Element, str], str]
+MeshResolver = Callable[[Element, str], str]
 
 _TURNS = ("quat", "euler", "axisangle")
 _COMPILER = ("angle", "eulerseq", "autolimits", "meshdir", "texturedir", "assetdir", "inertiafromgeom", "coordinate")
@@ -22,7 +22,7 @@ _COMPILER = ("angle", "eulerseq", "autolimits", "meshdir", "texturedir", "assetd
 class Defaults(Reader):
     """Reads the elements of one file."""
 
-    def __init__(self, root: Element, find: Find, faults: Faults) -> None:
+    def __init__(self, root: Element, find: MeshResolver, faults: Faults) -> None:
         super().__init__(faults)
         self.find = find
         self.root = root

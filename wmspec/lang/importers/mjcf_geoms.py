@@ -8,7 +8,16 @@ import numpy as np
 
 from wmspec.lang.importers.markup import Element
 from wmspec.lang.importers.mjcf_defaults import Defaults
-from wmspec.lang.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, conditional
+from wmspec.lang.importers.model import (
+    OVERRIDING_PROPERTIES,
+    Appearance,
+    Color,
+    Form,
+    Link,
+    MeshFile,
+    Shape,
+    conditional,
+)
 from wmspec.sim.scene.model import Inertia, Pose
 from wmspec.sim.scene.model.transform import multiply, quaternion
 from wmspec.sim.scene.physics.inertia import inertia, principal
@@ -50,7 +59,7 @@ class Geoms:
         kind = e.attributes.get("type", "mesh" if "mesh" in e.attributes else "sphere")
         here = self.read.place(e)
         solid, drawn = self._touched(e), self.read.number(e, "group", 0.0) <= _DRAWN
-        look = self._look(e) if drawn else Look()
+        look = self._look(e) if drawn else Appearance()
         if kind == "mesh":
             file = self._mesh(e)
             return Shape(file, here, look, solid, drawn) if file else None
@@ -118,11 +127,11 @@ class Geoms:
         given = e.attributes.get("friction", "1").split()
         return self.read.numbers(e, "friction", max(1, len(given)), (1.0,))[0]
 
-    def _look(self, e: Element) -> Look:
+    def _look(self, e: Element) -> Appearance:
         """Return the colour of a geom, with errors."""
-        with self.faults.apart() as faults:
+        with self.faults.separately() as faults:
             color = self._color(e)
-        return Look(color, conditional=conditional(faults, LOOKS))
+        return Appearance(color, conditional=conditional(faults, OVERRIDING_PROPERTIES))
 
     def _color(self, e: Element) -> Color | None:
         """Return the colour of a geom or of its material, or None."""

@@ -18,10 +18,10 @@ from wmspec.sim.shapes import Shape as Solid
 Color = tuple[float, float, float]
 
 #: Properties of the spec that override the file's appearance.
-LOOKS = ("color", "material", "image")
+OVERRIDING_PROPERTIES = ("color", "material", "image")
 
 #: Limits of an asset: larger ones are rejected as mistakes.
-MOST_LINKS, MOST_SHAPES, MOST_FAULTS = 500, 2000, 10
+MAX_LINKS, MAX_SHAPES, MAX_FAULTS = 500, 2000, 10
 
 #: Diagnostic code of errors in assets.
 ASSET = "WMS210"
@@ -40,7 +40,7 @@ def conditional(mistakes: Iterable[Diagnostic], unless: tuple[str, ...]) -> tupl
     return tuple(Conditional(replace(d, help=f"{d.help}, or say `{unless[0]}` in the spec"), unless) for d in mistakes)
 
 
-class Broken(Exception):
+class UnreadableAsset(Exception):
     """An asset that cannot be read further; the last error is the reason."""
 
 
@@ -53,22 +53,22 @@ class Faults:
     def add(self, where: FilePlace, message: str, help: str) -> None:
         """Add an error. Raises Broken after the maximum number."""
         self.diagnostics.append(Diagnostic(message, where, help, ASSET))
-        if len(self.diagnostics) >= MOST_FAULTS:
-            raise Broken
+        if len(self.diagnostics) >= MAX_FAULTS:
+            raise UnreadableAsset
 
-    def stop(self, where: FilePlace, message: str, help: str) -> Broken:
+    def stop(self, where: FilePlace, message: str, help: str) -> UnreadableAsset:
         """Add a fatal error; raise what this returns."""
         self.diagnostics.append(Diagnostic(message, where, help, ASSET))
-        return Broken()
+        return UnreadableAsset()
 
     @contextmanager
-    def apart(self) -> Iterator[list[Diagnostic]]:
+    def separately(self) -> Iterator[list[Diagnostic]]:
         """Collect the errors of a `with` block separately."""
         whole, self.diagnostics = self.diagnostics, []
         apart = self.diagnostics
         try:
             yield apart
-        except Broken:
+        except UnreadableAsset:
             whole += apart
             raise
         finally:
@@ -76,7 +76,7 @@ class Faults:
 
 
 @dataclass(frozen=True)
-class Look:
+class Appearance:
     """Appearance of a shape: colour (sRGB), image (path relative to the spec's folder), roughness and metalness.
 
     None or '' means unset. The image is mapped once, or `repeats` times per metre. `conditional` holds unsupported
@@ -109,10 +109,10 @@ class Shape:
 
     form: Form
     pose: Pose
-    look: Look = field(default_factory=Look)
+    look: Appearance = field(default_factory=Appearance)
     solid: bool = True
     drawn: bool = True
-    rubs: tuple[float, float] | None = None
+    friction_restitution: tuple[float, float] | None = None
     conditional: tuple[Conditional, ...] = ()
 
 
@@ -136,7 +136,7 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Refused:
+class RejectedAsset:
     """Errors of an asset, plus links whose errors depend on overrides."""
 
     diagnostics: tuple[Diagnostic, ...]

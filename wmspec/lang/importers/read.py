@@ -11,22 +11,22 @@ from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_within
 from wmspec.lang.check.tables.vocabulary import FILES
 from wmspec.lang.importers.markup import Element
-from wmspec.lang.importers.markup import read as read_xml
+from wmspec.lang.importers.markup import read_xml
 from wmspec.lang.importers.mjcf import mjcf
-from wmspec.lang.importers.model import ASSET, Asset, Broken, Faults, Refused
-from wmspec.lang.importers.tree import Tree, tree
+from wmspec.lang.importers.model import ASSET, Asset, Faults, RejectedAsset, UnreadableAsset
+from wmspec.lang.importers.tree import LinkTree, link_tree
 from wmspec.lang.importers.urdf import urdf
 
 
-def read(folder: Path, name: str) -> Tree | Refused:
+def read(folder: Path, name: str) -> LinkTree | RejectedAsset:
     """Return the links and joints of the asset `name` below the spec's folder, or its errors."""
     faults = Faults()
     asset = Asset({}, {})
-    with suppress(Broken):
+    with suppress(UnreadableAsset):
         asset = _asset(folder, name, faults)
         if not faults.diagnostics:
-            made = tree(asset, FilePlace(name), faults)
-    return Refused(tuple(faults.diagnostics), tuple(asset.links.values())) if faults.diagnostics else made
+            made = link_tree(asset, FilePlace(name), faults)
+    return RejectedAsset(tuple(faults.diagnostics), tuple(asset.links.values())) if faults.diagnostics else made
 
 
 class _Lenient(Faults):
@@ -45,7 +45,7 @@ def structure(folder: Path, name: str) -> tuple[Asset, tuple[Diagnostic, ...]]:
     faults = _Lenient()
     try:
         return _asset(folder, name, faults), tuple(faults.diagnostics)
-    except Broken:
+    except UnreadableAsset:
         raise WmsError.of(faults.diagnostics) from None
 
 

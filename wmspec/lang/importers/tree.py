@@ -17,7 +17,7 @@ WORLD = "world"
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedLink:
     """A link with its pose in the asset's frame, all joints at 0."""
 
     link: Link
@@ -25,18 +25,18 @@ class Placed:
 
 
 @dataclass(frozen=True)
-class Tree:
+class LinkTree:
     """Links with shapes, base first, and joints between them or to the world (`parent` is '').
 
     The base's frame is the asset's. `held` is whether the base is fixed to the world.
     """
 
-    links: tuple[Placed, ...]
+    links: tuple[PlacedLink, ...]
     joints: tuple[Joint, ...]
     held: bool
 
 
-def tree(asset: Asset, where: FilePlace, faults: Faults) -> Tree:
+def link_tree(asset: Asset, where: FilePlace, faults: Faults) -> LinkTree:
     """Return the kinematic tree. Raises Broken if the links form none; other errors are added to the faults."""
     root = _root(asset, where, faults)
     below: dict[str, list[Joint]] = {}
@@ -44,26 +44,26 @@ def tree(asset: Asset, where: FilePlace, faults: Faults) -> Tree:
         below.setdefault(joint.parent, []).append(joint)
     walk = _Walk(asset, below, faults)
     walk.from_root(root)
-    _solid(walk, faults)
-    return Tree(tuple(walk.links), tuple(walk.joints), walk.held)
+    _check_inertias(walk, faults)
+    return LinkTree(tuple(walk.links), tuple(walk.joints), walk.held)
 
 
 def _root(asset: Asset, where: FilePlace, faults: Faults) -> str:
     """Return the one link without a parent."""
     if not asset.links:
         raise faults.stop(where, "has no links", "is this the right file?")
-    held = _held(asset, faults)
+    held = _child_links(asset, faults)
     roots = [name for name in asset.links if name not in held]
     if not roots:
         raise faults.stop(where, "every link is held by another, in a circle", "let one of them be the base")
     if len(roots) > 1:
         what = f"`{roots[0]}` and `{roots[1]}` are not joined to one another"
         raise faults.stop(where, what, "join them, or make an asset of each")
-    _reached(asset, roots[0], faults)
+    _check_reachable(asset, roots[0], faults)
     return roots[0]
 
 
-def _held(asset: Asset, faults: Faults) -> set[str]:
+def _child_links(asset: Asset, faults: Faults) -> set[str]:
     """Return the child links, each of which has one joint."""
     holders: dict[str, str] = {}
     for joint in asset.joints.values():
@@ -77,7 +77,7 @@ def _held(asset: Asset, faults: Faults) -> set[str]:
     return set(holders)
 
 
-def _reached(asset: Asset, root: str, faults: Faults) -> None:
+def _check_reachable(asset: Asset, root: str, faults: Faults) -> None:
     """Report cycles of links that the root does not reach."""
     reached, grown = set[str](), {root}
     while grown != reached:
@@ -94,7 +94,7 @@ class _Walk:
         self._asset = asset
         self._below = below
         self._faults = faults
-        self.links: list[Placed] = []
+        self.links: list[PlacedLink] = []
         self.joints: list[Joint] = []
         self.held = False
 
@@ -130,7 +130,7 @@ class _Walk:
 
     def _base(self, link: Link, here: Pose, others: list[Joint]) -> None:
         """Add the base, all its descendants, and the `others` that the world holds."""
-        self.links.append(Placed(_moved(link, here), identity()))
+        self.links.append(PlacedLink(_in_frame(link, here), identity()))
         waiting = [(j, "", identity()) for j in reversed(others)]
         waiting += [(j, link.name, here) for j in reversed(self._below.get(link.name, ()))]
         while waiting:
@@ -148,13 +148,13 @@ class _Walk:
             waiting += [(j, name, here) for j in reversed(self._below.get(joint.child, ()))]
 
     def _take(self, joint: Joint, holder: str, child: Link, here: Pose) -> None:
-        self.links.append(Placed(child, here))
+        self.links.append(PlacedLink(child, here))
         if joint.kind != "free":
             at, axis = apply(here, joint.at), rotate(here.orientation, joint.axis)
             self.joints.append(replace(joint, parent=holder, at=at, axis=axis))
 
 
-def _moved(link: Link, here: Pose) -> Link:
+def _in_frame(link: Link, here: Pose) -> Link:
     """Return a link expressed in the frame in which its own frame has the pose `here`."""
     if not here.position.any() and here.orientation[0] == 1:
         return link
@@ -165,7 +165,7 @@ def _moved(link: Link, here: Pose) -> Link:
     return replace(link, shapes=shapes, mass=mass)
 
 
-def _solid(walk: _Walk, faults: Faults) -> None:
+def _check_inertias(walk: _Walk, faults: Faults) -> None:
     """Report physically impossible inertias."""
     for placed in walk.links:
         link = placed.link
@@ -178,7 +178,7 @@ def _solid(walk: _Walk, faults: Faults) -> None:
             faults.add(link.where, what, "correct `inertia`, or remove `inertial` to have it by density")
 
 
-def names(tree: Tree) -> Iterator[tuple[str, FilePlace]]:
+def names(tree: LinkTree) -> Iterator[tuple[str, FilePlace]]:
     """Yield the links and joints by name, with their locations."""
     yield from ((placed.link.name, placed.link.where) for placed in tree.links)
     yield from ((joint.name, joint.where) for joint in tree.joints)

@@ -12,10 +12,10 @@ from wmspec.sim.scene.model.transform import from_rotation_vector, multiply, rot
 X, Y, Z = np.eye(3)
 
 #: Smaller values are rounding errors (m, rad).
-_NOTHING = 1e-12
+_ROUNDING = 1e-12
 
 
-def posed(xyz: tuple[float, ...] = (0.0, 0.0, 0.0), rpy: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Pose:
+def pose_from_rpy(xyz: tuple[float, ...] = (0.0, 0.0, 0.0), rpy: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Pose:
     """Return a pose with a rotation by roll, pitch and yaw about the fixed axes, in this order."""
     roll, pitch, yaw = rpy
     turn = multiply(
@@ -24,9 +24,9 @@ def posed(xyz: tuple[float, ...] = (0.0, 0.0, 0.0), rpy: tuple[float, ...] = (0.
     return Pose(np.array(xyz, float), turn)
 
 
-def clean(numbers: Array) -> tuple[float, ...]:
+def without_rounding(numbers: Array) -> tuple[float, ...]:
     """Return the numbers with rounding errors of rotations removed."""
-    return tuple(0.0 if abs(x) < _NOTHING else float(x) for x in numbers)
+    return tuple(0.0 if abs(x) < _ROUNDING else float(x) for x in numbers)
 
 
 def angles(orientation: Array) -> tuple[float, float, float]:
@@ -38,5 +38,5 @@ def angles(orientation: Array) -> tuple[float, float, float]:
         yaw, roll = math.atan2(-axes[0, 1], axes[1, 1]), 0.0
     else:
         yaw, roll = math.atan2(axes[1, 0], axes[0, 0]), math.atan2(axes[2, 1], axes[2, 2])
-    yaw, pitch, roll = clean(np.array((yaw, pitch, roll)))
+    yaw, pitch, roll = without_rounding(np.array((yaw, pitch, roll)))
     return yaw, pitch, roll

@@ -7,12 +7,12 @@ and the motor limits `effort` and `velocity`.
 from __future__ import annotations
 
 from wmspec.lang.importers.markup import Element, Reader
-from wmspec.lang.importers.model import MOST_LINKS, MOST_SHAPES, Asset, Faults, Joint, Link
+from wmspec.lang.importers.model import MAX_LINKS, MAX_SHAPES, Asset, Faults, Joint, Link
 from wmspec.lang.importers.urdf_joints import Joints
-from wmspec.lang.importers.urdf_links import Find, Links
+from wmspec.lang.importers.urdf_links import Links, MeshResolver
 
 
-def urdf(robot: Element, find: Find, faults: Faults) -> Asset:
+def urdf(robot: Element, find: MeshResolver, faults: Faults) -> Asset:
     """Return the asset of a URDF root element. Raises Broken if it is invalid."""
     if robot.tag != "robot":
         raise faults.stop(
@@ -23,13 +23,13 @@ def urdf(robot: Element, find: Find, faults: Faults) -> Asset:
     return _asset(robot, Reader(faults), find)
 
 
-def _asset(robot: Element, read: Reader, find: Find) -> Asset:
+def _asset(robot: Element, read: Reader, find: MeshResolver) -> Asset:
     """Return the links and joints; of duplicates the first."""
     read.known(robot, ("name", "version"), ("link", "joint", "material", "gazebo", "transmission"))
     elements = robot.all("link")
     shapes = sum(len(e.all("visual")) + len(e.all("collision")) for e in elements)
-    if len(elements) > MOST_LINKS or shapes > MOST_SHAPES:
-        what = f"has more than {MOST_LINKS} links or {MOST_SHAPES} shapes"
+    if len(elements) > MAX_LINKS or shapes > MAX_SHAPES:
+        what = f"has more than {MAX_LINKS} links or {MAX_SHAPES} shapes"
         raise read.faults.stop(robot.where, what, "make it simpler")
     make_link = Links(read, find, {read.text(m, "name"): m for m in robot.all("material")}).link
     make_joint = Joints(read).joint

@@ -8,21 +8,30 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.lang.importers.markup import Element, Reader
-from wmspec.lang.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, conditional
-from wmspec.lang.importers.turns import posed
+from wmspec.lang.importers.model import (
+    OVERRIDING_PROPERTIES,
+    Appearance,
+    Color,
+    Form,
+    Link,
+    MeshFile,
+    Shape,
+    conditional,
+)
+from wmspec.lang.importers.turns import pose_from_rpy
 from wmspec.sim.scene.model import Inertia, Pose
 from wmspec.sim.scene.model.transform import multiply, rotation
 from wmspec.sim.scene.physics.inertia import principal
 from wmspec.sim.shapes import Box, Capsule, Cylinder, Sphere
 
 #: Resolves a mesh reference to a path relative to the spec; '' if it is missing, which is reported.
-Find = Callable[[Element, str], str]
+MeshResolver = Callable[[Element, str], str]
 
 
 class Links:
     """Converts links; `materials` collects the named materials."""
 
-    def __init__(self, read: Reader, find: Find, materials: dict[str, Element]) -> None:
+    def __init__(self, read: Reader, find: MeshResolver, materials: dict[str, Element]) -> None:
         self.read = read
         self.find = find
         self.materials = materials
@@ -34,7 +43,7 @@ class Links:
         touched = [s for c in e.all("collision") if (s := self._shape(c)) is not None]
         shapes = []
         for s in drawn:
-            same = next((t for t in touched if _alike(s, t)), None)
+            same = next((t for t in touched if _same_geometry(s, t)), None)
             touched = [t for t in touched if t is not same]
             shapes.append(replace(s, solid=same is not None))
         shapes += [replace(t, drawn=not drawn) for t in touched]
@@ -73,7 +82,7 @@ class Links:
         self.read.known(geometry, (), ("box", "sphere", "cylinder", "capsule", "mesh"))
         here = origin(self.read, e)
         form = self._form(geometry.children[0])
-        return Shape(form, here, self._look(e) if drawn else Look()) if form else None
+        return Shape(form, here, self._look(e) if drawn else Appearance()) if form else None
 
     def _form(self, e: Element) -> Form | None:
         match e.tag:
@@ -98,14 +107,14 @@ class Links:
         file = self.find(e, self.read.text(e, "filename"))
         return MeshFile(file, scale) if file else None
 
-    def _look(self, e: Element) -> Look:
+    def _look(self, e: Element) -> Appearance:
         """Return the colour of a `visual`, with errors."""
-        with self.read.faults.apart() as faults:
+        with self.read.faults.separately() as faults:
             material = self.read.only(e, "material")
-            color = self._color(self._meant(material)) if material is not None else None
-        return Look(color, conditional=conditional(faults, LOOKS))
+            color = self._color(self._definition(material)) if material is not None else None
+        return Appearance(color, conditional=conditional(faults, OVERRIDING_PROPERTIES))
 
-    def _meant(self, material: Element) -> Element:
+    def _definition(self, material: Element) -> Element:
         """Return the definition of a `material`: itself, or the first one of its name."""
         name = material.attributes.get("name", "")
         if material.children:
@@ -137,13 +146,13 @@ def origin(read: Reader, e: Element) -> Pose:
     """Return the pose given by `origin`."""
     origin_ = read.only(e, "origin")
     if origin_ is None:
-        return posed()
+        return pose_from_rpy()
     read.known(origin_, ("xyz", "rpy"))
     nowhere = (0.0, 0.0, 0.0)
-    return posed(read.numbers(origin_, "xyz", 3, nowhere), read.numbers(origin_, "rpy", 3, nowhere))
+    return pose_from_rpy(read.numbers(origin_, "xyz", 3, nowhere), read.numbers(origin_, "rpy", 3, nowhere))
 
 
-def _alike(a: Shape, b: Shape) -> bool:
+def _same_geometry(a: Shape, b: Shape) -> bool:
     """Whether two shapes have the same geometry and pose."""
     if a.form != b.form:
         return False

@@ -16,19 +16,19 @@ from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_within
 from wmspec.lang.check.tables.vocabulary import COLLISIONS, FILES
 from wmspec.lang.importers.model import (
-    LOOKS,
-    MOST_LINKS,
-    MOST_SHAPES,
+    MAX_LINKS,
+    MAX_SHAPES,
+    OVERRIDING_PROPERTIES,
+    Appearance,
     Asset,
     Conditional,
     Faults,
     Link,
-    Look,
     MeshFile,
     Shape,
     conditional,
 )
-from wmspec.lang.importers.usd_file import REST, bounded, note, stage_of
+from wmspec.lang.importers.usd_file import REST, add_problems, check_mesh_size, stage_of
 from wmspec.lang.importers.usd_tree import Stage
 from wmspec.sim.scene.model import Body, Motion
 from wmspec.sim.shapes import Mesh
@@ -45,7 +45,7 @@ from wmspec.sim.usd.stage_index import BodyPrim, GeomPrim, StageWalk
 from wmspec.sim.usd.unsupported import TYPES
 
 #: Prim types that the spec sets, not the asset.
-_ASIDE = frozenset(
+_IGNORED_TYPES = frozenset(
     {"PhysicsScene", "Camera", "DistantLight", "DomeLight", "WmsEpisode", "WmsAction", "WmsObservation"}
     | {kind for kind in TYPES if "Light" in kind}
 )
@@ -65,16 +65,16 @@ class _Usd:
         self.stage, self.folder, self.shown, self.faults = stage, folder.resolve(), shown, faults
         self.problems = Report(StageError)
         self.world = StageFrame(stage, self.problems)
-        self.census = StageWalk(stage, self.problems, _ASIDE).census
+        self.census = StageWalk(stage, self.problems, _IGNORED_TYPES).census
         self.owners = tuple(self.census.owners.values())
         self.materials = MaterialTable((piece for owner in self.owners for piece in owner.pieces), pictured=True)
 
     def asset(self) -> Asset:
         """Return the base, the rigid bodies and their joints, or one link for a stage without physics."""
-        self._sized()
+        self._check_size()
         if not any(_physical(owner) for owner in self.owners):
-            whole = Link("base", FilePlace(self.shown), tuple(self._bare()))
-            note(self.problems.diagnostics, self.shown, self.faults, self.folder)
+            whole = Link("base", FilePlace(self.shown), tuple(self._shapes_without_physics()))
+            add_problems(self.problems.diagnostics, self.shown, self.faults, self.folder)
             return Asset({whole.name: whole}, {})
         bodies, shapes = self._bodies()
         held = joints.joints(self.census.joints, bodies, self.world, self.problems).joints
@@ -82,16 +82,16 @@ class _Usd:
         with self.problems.collect_errors():
             groups = self.census.of("PhysicsCollisionGroup")
             apart = filtered_pairs(self.stage, self.census.filters, groups, self.census.owners, bodies, held)
-        note(self.problems.diagnostics, self.shown, self.faults, self.folder)
+        add_problems(self.problems.diagnostics, self.shown, self.faults, self.folder)
         stage = Stage(bodies, shapes, apart, self.shown)
         return Asset(stage.links, {}) if self.faults.diagnostics else stage.asset(tuple(held.values()), self.faults)
 
-    def _sized(self) -> None:
+    def _check_size(self) -> None:
         """Report an empty and a too large stage."""
         if not (self.owners or self.problems.failed):
             raise self.faults.stop(FilePlace(self.shown), "has no geometry", "is this the right file?")
-        if len(self.owners) > MOST_LINKS + MOST_SHAPES or sum(len(o.pieces) for o in self.owners) > MOST_SHAPES:
-            what = f"has more than {MOST_LINKS} rigid bodies or {MOST_SHAPES} shapes"
+        if len(self.owners) > MAX_LINKS + MAX_SHAPES or sum(len(o.pieces) for o in self.owners) > MAX_SHAPES:
+            what = f"has more than {MAX_LINKS} rigid bodies or {MAX_SHAPES} shapes"
             raise self.faults.stop(FilePlace(self.shown), what, "make it simpler")
 
     # ------------------------------------------------------------ bodies
@@ -114,7 +114,7 @@ class _Usd:
         problems = Report(StageError)
         for piece in owner.pieces:
             with problems.collect_errors():
-                bounded(piece.prim)
+                check_mesh_size(piece.prim)
                 here = placed_shape(piece.prim, split_transform(self.world.matrix(piece.prim) * back, piece.prim))
                 shapes += self._shapes(piece, here, owner.motion)
                 if piece.collides:
@@ -129,11 +129,11 @@ class _Usd:
                     raise
         return body(owner, name, place.pose, (), mass, self.world), tuple(shapes)
 
-    def _bare(self) -> Iterator[Shape]:
+    def _shapes_without_physics(self) -> Iterator[Shape]:
         """Yield all drawn geometry of a stage without physics: all of it collides except flat sheets."""
         for piece in (piece for owner in self.owners for piece in owner.pieces):
             with self.problems.collect_errors():
-                bounded(piece.prim)
+                check_mesh_size(piece.prim)
                 here = placed_shape(piece.prim, split_transform(self.world.matrix(piece.prim), piece.prim))
                 touches = not (isinstance(here.shape, Mesh) and meshes.is_flat(here.shape))
                 yield from self._shapes(GeomPrim(piece.prim, touches, visible=True), here, None)
@@ -150,7 +150,7 @@ class _Usd:
             self.materials.alike(prim)
             rubs = self._rubs(prim)
         if not isinstance(here.shape, Mesh):
-            look = self._look(prim) if piece.visible else Look()
+            look = self._look(prim) if piece.visible else Appearance()
             yield Shape(here.shape, here.pose, look, piece.collides, piece.visible, rubs)
             return
         way, why = self._touched(prim, here.shape, motion) if piece.collides and motion else ("hull", ())
@@ -161,7 +161,7 @@ class _Usd:
             yield Shape(MeshFile(name), here.pose, self._look(part), solid=False)
         if piece.collides or not parts:
             drawn = piece.visible and not parts
-            look = self._look(prim) if drawn else Look()
+            look = self._look(prim) if drawn else Appearance()
             yield Shape(MeshFile(file, collision=way), here.pose, look, piece.collides, drawn, rubs, why)
 
     def _rubs(self, prim: Usd.Prim) -> tuple[float, float]:
@@ -179,21 +179,21 @@ class _Usd:
         except StageError as error:
             if meshes.is_flat(mesh):
                 raise
-            return "hull", conditional(self._told(error), ("collision",))
+            return "hull", conditional(self._diagnostics(error), ("collision",))
 
-    def _look(self, prim: Usd.Prim) -> Look:
+    def _look(self, prim: Usd.Prim) -> Appearance:
         """Return the appearance of a geometry or subset, and its unsupported features."""
         try:
             surface = self.materials.surface(prim)
             if surface is None:
-                return Look()
-            image = self._picture(prim, surface.texture) if surface.texture else ""
+                return Appearance()
+            image = self._image(prim, surface.texture) if surface.texture else ""
         except StageError as error:
-            return Look(conditional=conditional(self._told(error), LOOKS))
+            return Appearance(conditional=conditional(self._diagnostics(error), OVERRIDING_PROPERTIES))
         color = None if image and surface.color == (1, 1, 1) else surface.color
-        return Look(color, image, surface.repeats, surface.roughness, surface.metallic)
+        return Appearance(color, image, surface.repeats, surface.roughness, surface.metallic)
 
-    def _picture(self, prim: Usd.Prim, texture: str) -> str:
+    def _image(self, prim: Usd.Prim, texture: str) -> str:
         """Return the path of an image relative to the spec's folder. Raises StageError if it is missing or invalid."""
         path = Path(texture)
         if not is_within(self.folder, path):
@@ -203,9 +203,9 @@ class _Usd:
             refuse(prim, f"`{path.name[:80]}` is no picture that can be read", f"make it {', '.join(FILES['image'])}")
         return path.resolve().relative_to(self.folder).as_posix()
 
-    def _told(self, error: StageError) -> list[Diagnostic]:
+    def _diagnostics(self, error: StageError) -> list[Diagnostic]:
         faults = Faults()
-        note(error.diagnostics, self.shown, faults, self.folder)
+        add_problems(error.diagnostics, self.shown, faults, self.folder)
         return faults.diagnostics
 
 

@@ -12,7 +12,7 @@ from pxr import Sdf, Usd, UsdUtils
 from wmspec.core.diagnostics import Diagnostic, Report, StageError, suggestion
 from wmspec.core.limits import POINTS, PRIMS, TooLarge
 from wmspec.core.places import FilePlace
-from wmspec.lang.importers.model import Broken, Faults
+from wmspec.lang.importers.model import Faults, UnreadableAsset
 from wmspec.sim.shapes import Mesh
 from wmspec.sim.usd import meshes
 from wmspec.sim.usd.files import error_text, open_stage_file
@@ -34,9 +34,9 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
     try:
         stat = path.stat()
         stage = _stage(str(path), stat.st_mtime_ns, stat.st_size)
-        _whole(stage, folder, shown, faults)
+        _check_layers(stage, folder, shown, faults)
         yield stage
-    except Broken:
+    except UnreadableAsset:
         raise
     except TooLarge as error:
         limit = error.diagnostics[0]
@@ -55,13 +55,13 @@ def _stage(path: str, _changed: int, _size: int) -> Usd.Stage:
     return open_stage_file(Path(path), Path(path).name)
 
 
-def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) -> None:
+def _check_layers(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) -> None:
     """Report missing layers, layers outside the folder, and too large stages."""
     problems = Report(StageError)
     report_missing_files(stage, problems)
-    note(problems.diagnostics, shown, faults, folder)
+    add_problems(problems.diagnostics, shown, faults, folder)
     if faults.diagnostics:
-        raise Broken
+        raise UnreadableAsset
     for layer in stage.GetUsedLayers():
         beside = folder is None or layer.anonymous or Path(layer.realPath).resolve().is_relative_to(folder.resolve())
         if not beside:
@@ -72,7 +72,7 @@ def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) ->
         raise faults.stop(FilePlace(shown), PRIMS.sentence, PRIMS.help)
 
 
-def note(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Path | None = None) -> None:
+def add_problems(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Path | None = None) -> None:
     """Add errors about prims of the file to the faults."""
     home = f"{folder.resolve()}/" if folder is not None else ""
     for problem in problems:
@@ -80,7 +80,7 @@ def note(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Pat
         faults.add(FilePlace(shown, element=f"`{problem.place}`"), reason[:300], problem.help)
 
 
-def bounded(prim: Usd.Prim) -> None:
+def check_mesh_size(prim: Usd.Prim) -> None:
     """Raise StageError for a mesh that is too large."""
     if max(len(value(prim, name, ())) for name in ("points", "faceVertexIndices")) > POINTS.most:
         refuse(prim, f"it {POINTS.sentence}", POINTS.help)
@@ -104,15 +104,15 @@ def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple
             else:
                 with problems.collect_errors():
                     made = _mesh(of, at, prim, StageFrame(stage, problems))
-                note(problems.diagnostics, shown, faults)
-    except Broken:
+                add_problems(problems.diagnostics, shown, faults)
+    except UnreadableAsset:
         pass
     return tuple(faults.diagnostics) or made or ()
 
 
 def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: StageFrame) -> Mesh:
     """Return a mesh, one of its subsets, or its remaining faces. Raises StageError."""
-    bounded(of)
+    check_mesh_size(of)
     faces = None
     if at != of:
         faces = meshes.subset(at)

@@ -13,11 +13,11 @@ import numpy as np
 from wmspec.core.diagnostics import StageError
 from wmspec.core.places import FilePlace, PrimPlace
 from wmspec.lang.check.tables.vocabulary import PROPERTIES
-from wmspec.lang.importers.blocks import plain
-from wmspec.lang.importers.model import MOST_LINKS, Asset, Faults, Joint, Link, Shape
+from wmspec.lang.importers.blocks import to_identifier
+from wmspec.lang.importers.model import MAX_LINKS, Asset, Faults, Joint, Link, Shape
 from wmspec.lang.importers.tree import WORLD
 from wmspec.lang.importers.turns import X
-from wmspec.lang.importers.usd_file import note
+from wmspec.lang.importers.usd_file import add_problems
 from wmspec.sim.scene import model
 from wmspec.sim.scene.joints.articulations import joint_coordinate, relative_frame
 from wmspec.sim.scene.model import Body, Pose
@@ -28,9 +28,9 @@ from wmspec.sim.usd.prims import Names
 Pair = tuple[str, str]
 
 #: Radius (m) of the placeholder ball for a body without geometry, invisible and without collisions.
-_POINT = 1e-3
+_PLACEHOLDER_RADIUS = 1e-3
 #: Default density of UsdPhysics (kg/m³).
-_WATER = 1000.0
+_DEFAULT_DENSITY = 1000.0
 _OVER = Pose(np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
 
 
@@ -47,45 +47,45 @@ class Stage:
         names = Names()
         for taken in (WORLD, *PROPERTIES["object"]):
             names.give(taken)
-        named = {body.name: names.give(plain(body.name)) for body in own}
+        named = {body.name: names.give(to_identifier(body.name)) for body in own}
         self._names = names
         merged = [body for body in bodies.values() if body.name not in named]
-        self._base = Link(names.give("base", "stand", "ground"), self._file, _still(merged, shapes))
+        self._base = Link(names.give("base", "stand", "ground"), self._file, _static_shapes(merged, shapes))
         self._root = self._base.name if self._base.shapes else WORLD
         self._link = {body.name: named.get(body.name, self._root) for body in bodies.values()}
         passes = {a: tuple(self._link[y] for x, y in apart if x == a) for a, _ in apart}
         self.links = {named[b.name]: self._made(b, named[b.name], shapes[b.path], passes.get(b.name, ())) for b in own}
 
     def _made(self, body: Body, name: str, shapes: tuple[Shape, ...], passes: tuple[str, ...]) -> Link:
-        shapes, properties = _rubbing(shapes)
+        shapes, properties = _common_friction(shapes)
         if body.linear_damping or body.angular_damping:
             properties |= {"damping": body.linear_damping, "spin_damping": body.angular_damping}
         if body.motion == "dynamic" and body.inertia is None:
-            properties["density"] = _WATER
+            properties["density"] = _DEFAULT_DENSITY
         if not shapes:
             middle = identity() if body.inertia is None else Pose(body.inertia.center, identity().orientation)
-            shapes = (Shape(Sphere(_POINT), middle, solid=False, drawn=False),)
+            shapes = (Shape(Sphere(_PLACEHOLDER_RADIUS), middle, solid=False, drawn=False),)
         velocity, spin = (v if v.any() else None for v in (body.linear_velocity, body.angular_velocity))
         where = FilePlace(self._shown, element=f"`{body.path}`")
         return Link(name, where, shapes, body.inertia, properties, body.motion != "dynamic", velocity, spin, passes)
 
     def asset(self, held: Sequence[model.Joint], faults: Faults) -> Asset:
         """Return all links and joints; unsupported ones are added to the faults."""
-        if len(self.links) > MOST_LINKS:
-            raise faults.stop(self._file, f"has more than {MOST_LINKS} rigid bodies", "make it simpler")
+        if len(self.links) > MAX_LINKS:
+            raise faults.stop(self._file, f"has more than {MAX_LINKS} rigid bodies", "make it simpler")
         links, made = dict(self.links), dict[str, Joint]()
         if self._base.shapes:
-            shapes, properties = _rubbing(self._base.shapes)
+            shapes, properties = _common_friction(self._base.shapes)
             links = {self._base.name: replace(self._base, shapes=shapes, given=properties), **links}
             made[""] = Joint("", self._file, "fixed", WORLD, self._base.name, identity(), np.zeros(3), X)
-        for joint in self._led(held, faults):
+        for joint in self._ordered_joints(held, faults):
             made[joint.name] = joint
         return Asset({WORLD: Link(WORLD, self._file), **links}, made)
 
     def _end(self, body: str | None) -> str:
         return self._root if body is None else self._link[body]
 
-    def _led(self, held: Sequence[model.Joint], faults: Faults) -> Iterator[Joint]:
+    def _ordered_joints(self, held: Sequence[model.Joint], faults: Faults) -> Iterator[Joint]:
         """Yield the joints, parents first; unreached links are free."""
         reached, waiting = {self._root}, list(held)
         for name, link in self.links.items():
@@ -105,7 +105,7 @@ class Stage:
             try:
                 yield self._joint(ready, turned)
             except StageError as error:
-                note(error.diagnostics, self._shown, faults)
+                add_problems(error.diagnostics, self._shown, faults)
 
     def _pose(self, link: str) -> Pose:
         """Return the pose of a link on the stage."""
@@ -143,7 +143,7 @@ class Stage:
         low, high = joint.limits or (-np.inf, np.inf)
         drive = joint.drive or model.Drive(0.0, 0.0)
         return Joint(
-            self._names.give(plain(joint.name)),
+            self._names.give(to_identifier(joint.name)),
             FilePlace(self._shown, element=f"`{joint.path}`"),
             joint.kind,
             parent,
@@ -163,15 +163,18 @@ class Stage:
         )
 
 
-def _still(bodies: Sequence[Body], shapes: Mapping[str, tuple[Shape, ...]]) -> tuple[Shape, ...]:
+def _static_shapes(bodies: Sequence[Body], shapes: Mapping[str, tuple[Shape, ...]]) -> tuple[Shape, ...]:
     """Return all static geometry, in the frame of the stage."""
     return tuple(replace(s, pose=compose(body.pose, s.pose)) for body in bodies for s in shapes[body.path])
 
 
-def _rubbing(shapes: tuple[Shape, ...]) -> tuple[tuple[Shape, ...], dict[str, float]]:
+def _common_friction(shapes: tuple[Shape, ...]) -> tuple[tuple[Shape, ...], dict[str, float]]:
     """Return the shapes and their common friction and restitution; if these differ, each shape keeps its own."""
-    frictions = {s.rubs for s in shapes if s.solid and s.rubs is not None}
+    frictions = {s.friction_restitution for s in shapes if s.solid and s.friction_restitution is not None}
     if len(frictions) != 1:
         return shapes, {}
     ((friction, restitution),) = frictions
-    return tuple(replace(s, rubs=None) for s in shapes), {"friction": friction, "restitution": restitution}
+    return tuple(replace(s, friction_restitution=None) for s in shapes), {
+        "friction": friction,
+        "restitution": restitution,
+    }

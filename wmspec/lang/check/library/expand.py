@@ -16,8 +16,8 @@ from wmspec.lang.parse.files import resolve_display_path
 
 if TYPE_CHECKING:  # most specs have no assets and do without the importers
     from wmspec.lang.importers.blocks import Blocks
-    from wmspec.lang.importers.model import Refused
-    from wmspec.lang.importers.tree import Tree
+    from wmspec.lang.importers.model import RejectedAsset
+    from wmspec.lang.importers.tree import LinkTree
 
 #: Properties that an asset has per link.
 _OF_LINKS = ("shape", "size", "radius", "height", "scale", "mass", "centre", "moments", "axes", "solid")
@@ -30,7 +30,7 @@ class Assets:
         self.check = check
         self.scope = check.scope
         self._substitute = substitute
-        self._known: dict[tuple[Path, str], Tree | Refused] = {}
+        self._known: dict[tuple[Path, str], LinkTree | RejectedAsset] = {}
 
     def expanded(self, block: s.Block) -> tuple[s.Block, ...]:
         """Return the links and joints of an asset, its base first; other blocks are unchanged. Raises Failed."""
@@ -62,18 +62,18 @@ class Assets:
                 self.check.report.add("WMS203", message, p.name.span, help)
 
     def _blocks(self, block: s.Block, named: s.Text) -> Blocks:
-        from wmspec.lang.importers.blocks import Blocks, mattering
-        from wmspec.lang.importers.model import Refused
+        from wmspec.lang.importers.blocks import Blocks, relevant_errors
+        from wmspec.lang.importers.model import RejectedAsset
         from wmspec.lang.importers.read import read
         from wmspec.lang.importers.write import Writer
 
         key = (resolve_display_path(named.span.source.name).parent, named.value)
         tree = self._known[key] = self._known.get(key) or read(*key)
         whole = {p.name.id for p in block.properties}
-        if isinstance(tree, Refused):
-            self._report(mattering(tree, {p.name.id: p.properties for p in block.parts}, whole), named)
+        if isinstance(tree, RejectedAsset):
+            self._report(relevant_errors(tree, {p.name.id: p.properties for p in block.parts}, whole), named)
         overrides = self._overrides(block, tree, named)
-        if mistakes := mattering(tree, overrides, whole):
+        if mistakes := relevant_errors(tree, overrides, whole):
             self._report(mistakes, named)
         bare = s.Block("object", block.name, self._own(block), block.span)
         return Blocks(bare, tree, overrides, Writer(named.span))
@@ -87,27 +87,27 @@ class Assets:
 
     # ------------------------------------------------------------ what the spec says of links and joints
 
-    def _names(self, tree: Tree, named: s.Text) -> dict[str, str]:
+    def _names(self, tree: LinkTree, named: s.Text) -> dict[str, str]:
         """Return the identifiers of the links and joints, each with its name in the file."""
-        from wmspec.lang.importers.blocks import plain
+        from wmspec.lang.importers.blocks import to_identifier
         from wmspec.lang.importers.tree import names
 
         by_plain: dict[str, str] = {}
         for name, where in names(tree):
-            taken = by_plain.get(plain(name))
-            if taken is not None or plain(name) in PROPERTIES["object"]:
+            taken = by_plain.get(to_identifier(name))
+            if taken is not None or to_identifier(name) in PROPERTIES["object"]:
                 whose = f"`{taken}`" if taken is not None else "a property of objects"
                 message = f"its name cannot be told from {whose} in a spec"
                 self._report((Diagnostic(message, where, "rename one of them in the file", "WMS210"),), named)
-            by_plain[plain(name)] = name
+            by_plain[to_identifier(name)] = name
         return by_plain
 
-    def _overrides(self, block: s.Block, tree: Tree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
+    def _overrides(self, block: s.Block, tree: LinkTree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
         """Return the properties that `part NAME { ... }` sets on links and joints."""
-        from wmspec.lang.importers.blocks import OF_JOINT, OF_LINK, plain
+        from wmspec.lang.importers.blocks import OF_JOINT, OF_LINK, to_identifier
         from wmspec.lang.importers.model import MeshFile
 
-        links = {plain(placed.link.name): placed.link for placed in tree.links}
+        links = {to_identifier(placed.link.name): placed.link for placed in tree.links}
         known = self._names(tree, named)
         overrides: dict[str, tuple[s.Property, ...]] = {}
         for part in block.parts:

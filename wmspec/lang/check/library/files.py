@@ -13,7 +13,7 @@ from wmspec.core.safe_io import is_within, load_image
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.vocabulary import ASSETS, FILES, STAGES
-from wmspec.lang.importers.prim_names import parted
+from wmspec.lang.importers.prim_names import split_prim_name
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.files import resolve_display_path
 
@@ -52,7 +52,7 @@ def is_asset(e: s.Expr) -> bool:
 
 def check_file(check: Expressions, name: str, text: s.Text, endings: tuple[str, ...]) -> None:
     """Report a file that is missing, of an unreadable type, or outside the spec's folder."""
-    file, prim = parted(text.value) if name == "file" else (text.value, "")
+    file, prim = split_prim_name(text.value) if name == "file" else (text.value, "")
     path = PurePosixPath(file)
     if path.is_absolute() or ntpath.isabs(file) or "\\" in file or ".." in path.parts:
         check.fail("WMS210", "a file is named from the folder of the spec downwards", text.span,

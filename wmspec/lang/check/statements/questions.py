@@ -106,7 +106,7 @@ class Questions:
         kinds = [outcome for made in self._check_each(self.kinds, question.kinds) for outcome in made]
         distinct = self._distinct(clauses.get("distinct", []), question.kinds)
         difference = self._check_each(self.difference, clauses.get("difference", []))
-        stable = self._check_each(self.apart, clauses.get("stable", []))
+        stable = self._check_each(self.separately, clauses.get("stable", []))
         return ir.Question(
             name=question.name.id if question.name else "",
             text=text,
@@ -302,14 +302,14 @@ class Questions:
         length, turn = clause.value, None
         if isinstance(clause.value, s.Operation) and clause.value.operator == "or":
             length, turn = clause.value.operands
-        apart = self.apart(replace(clause, value=length))
+        apart = self.separately(replace(clause, value=length))
         if turn is None:
             return apart, None
         typed = self.check.value(turn, _TURNED.types, "`distinct by`, after `or`,")
         check_bounds(self.check, typed.expr, _TURNED, turn.span, "`distinct by`")
         return apart, typed.expr
 
-    def apart(self, clause: s.Clause) -> ir.Expr:
+    def separately(self, clause: s.Clause) -> ir.Expr:
         """Return the required distance of options, or the displacement of objects."""
         typed = self.check.value(clause.value, _APART.types, f"`{clause.kind} by`")
         check_bounds(self.check, typed.expr, _APART, clause.value.span, f"`{clause.kind} by`")

@@ -7,8 +7,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from wmspec.api.agreement import gathered
+from wmspec.api.generating import generate
 from wmspec.api.loading import Tell, warn
-from wmspec.api.making import generate
 from wmspec.api.progress import Progress, silent
 from wmspec.api.verifying import drawn_in, unpacked
 from wmspec.dataset.build import files
@@ -19,7 +19,7 @@ from wmspec.dataset.seal import Seal, differences, sealed
 SHOWN, INSTANCES = 10, 50
 
 
-def seal(
+def attest(
     dataset: str | PathLike[str],
     output: str | PathLike[str],
     *,
@@ -27,7 +27,7 @@ def seal(
     progress: Progress = silent,
     tell: Tell = warn,
 ) -> Seal:
-    """Write what can be published of a dataset that stays private: `seal.json`, and a dataset `debug` to try things on.
+    """Write what can be published of a dataset that stays private: `attest.json`, and a dataset `debug` to try things on.
 
     That one has a tenth of the tasks, one at least, up to 50 instances of each, made in the same way with seed 0.
 

@@ -16,7 +16,7 @@ LEAST_SIDE, MOST_SIDE = 16, 4096
 SIDE = 384
 
 
-class Drawing(TypedDict, total=False):
+class RenderOptions(TypedDict, total=False):
     """How pictures are drawn.
 
     `size`: the side of a square, or (width, height), px; 384. `renderer`: the engine that draws, if not the one that

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Literal, TypedDict, Unpack
 
 from wmspec.api.agreement import Tasks, effort, gathered
-from wmspec.api.drawing import SIDE, pixels, samples_of
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
+from wmspec.api.rendering import SIDE, pixels, samples_of
 from wmspec.api.task import Task
 from wmspec.compile.design.design import share
 from wmspec.core.diagnostics import WmsError
@@ -25,7 +25,7 @@ from wmspec.dataset.build.generate import generate as make
 from wmspec.dataset.build.manifest import Summary
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
-from wmspec.dataset.build.reuse import Before
+from wmspec.dataset.build.reuse import PriorInstances
 from wmspec.runtime.engines.registry import chosen, drawing, versions
 from wmspec.runtime.questions.consensus import Consensus
 from wmspec.runtime.workers.cluster import ray_cluster
@@ -33,14 +33,14 @@ from wmspec.runtime.workers.pool import Effort
 from wmspec.sim.scene.model import Look
 
 
-class Choices(TypedDict, total=False):
+class DatasetOptions(TypedDict, total=False):
     """What a dataset is to hold.
 
     `per_task`: how many instances of each task, drawn at random; if left out, as many as the paper has of its tasks,
     and all of others; `full`: all. `part`: only share i of n of them, (i, n). `dimensions`: only tasks of these.
     `backend`: engines, joined by commas, or "all"; `renderer`: the one that draws, if not each what it executes.
     `consensus`: keep a question if "all" engines agree on it, the "majority", or "none" need to. `seed`: what the draws
-    depend on, of tasks that are given by their path. `size` (px), `look` and `samples`: as in `Drawing`. `licence`:
+    depend on, of tasks that are given by their path. `size` (px), `look` and `samples`: as in `RenderOptions`. `licence`:
     that of the data, such as "CC-BY-4.0"; if left out, what the specs say, and CC-BY-4.0 if all come with wmspec.
     """
 
@@ -76,7 +76,7 @@ def generate(
     address: str = "",
     progress: Progress = silent,
     tell: Tell = warn,
-    **choices: Unpack[Choices],
+    **choices: Unpack[DatasetOptions],
 ) -> Summary:
     """Make a dataset of tasks: Parquet with pictures, a manifest and a card, in the folder `output`.
 
@@ -93,7 +93,7 @@ def generate(
         address: of the Ray cluster, such as "auto" or "10.0.0.5:6379"; one of this machine alone if it is left out.
         progress: shows how far it has come; `wmspec.progress_bar` does.
         tell: told what is left out, and what was damaged and is made again.
-        **choices: what it is to hold, see `Choices`.
+        **choices: what it is to hold, see `DatasetOptions`.
 
     Returns:
         What was kept and what was rejected, counted.
@@ -103,7 +103,7 @@ def generate(
             be used.
     """
     plan = planned(tasks, tell, **choices)
-    before = Before([Path(folder) for folder in reuse], plan)
+    before = PriorInstances([Path(folder) for folder in reuse], plan)
     with Dataset.open(Path(output), plan, force) as dataset:
         for notice in dataset.notices:
             tell(notice)
@@ -127,7 +127,7 @@ def crew(
     return nullcontext(effort(workers, timeout, plan.engines))
 
 
-def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[Choices]) -> Plan:
+def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[DatasetOptions]) -> Plan:
     """What a dataset is to hold, before anything is made. Raises WmsError where `generate` would."""
     look, renderer, backend = choices.get("look", "parity"), choices.get("renderer", ""), choices.get("backend", "all")
     per_task, full = choices.get("per_task"), choices.get("full", False)
