@@ -18,22 +18,22 @@ os.environ.setdefault("LP_NUM_THREADS", "0")
 from wmspec.api.generating import planned
 from wmspec.dataset.build.generate import job_of
 from wmspec.dataset.build.plan import Plan, Task
-from wmspec.dataset.build.units import units
-from wmspec.dataset.build.worker import Job, Sharing, work
+from wmspec.dataset.build.units import batches
+from wmspec.dataset.build.worker import Job, CacheStats, make_instances
 from wmspec.runtime.workers.pool import Effort
 
 #: Of a unit so many pieces are made.
 PIECES = 16
 
 
-def cost(job: Job, task: Task, seed: int, tried: int) -> tuple[float, int, Sharing]:
+def cost(job: Job, task: Task, seed: int, tried: int) -> tuple[float, int, CacheStats]:
     """Seconds for some instances from all over the task, how many they are, and how much they shared."""
-    every, seconds, made, shared = list(units(task.spec, seed, task.indices)), 0.0, 0, Sharing()
-    work(job, task.spec.name, every[-1][0])
+    every, seconds, made, shared = list(batches(task.spec, seed, task.indices)), 0.0, 0, CacheStats()
+    make_instances(job, task.spec.name, every[-1][0])
     for number in range(0, len(every) - 1, max(1, len(every) * 4 // tried)):
         for piece in every[number][:PIECES]:
             began = time.process_time()
-            shared += work(job, task.spec.name, piece).shared
+            shared += make_instances(job, task.spec.name, piece).shared
             seconds += time.process_time() - began
             made += len(piece)
         if made >= tried:

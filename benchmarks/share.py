@@ -27,8 +27,8 @@ from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
 from wmspec.dataset.build.rows import png
-from wmspec.dataset.build.units import units
-from wmspec.dataset.build.worker import Job, Sharing, work
+from wmspec.dataset.build.units import batches
+from wmspec.dataset.build.worker import Job, CacheStats, make_instances
 from wmspec.lang.check.ir.record import to_json
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import load_source
@@ -74,12 +74,12 @@ def main() -> None:
     report.stop_if_failed()
     job = Job((("strike", to_json(spec)),), 0, ("mujoco",), (chosen.size, chosen.size), "none")
     design, pair = Design(spec), EnginePair(TraceCache("mujoco"), RenderCache("mujoco", 8, 8))
-    order = [piece for unit in units(spec, 0, range(len(design))) for piece in unit]
+    order = [piece for unit in batches(spec, 0, range(len(design))) for piece in unit]
     ours = bare = 0.0
-    rows, shared = 0, Sharing()
+    rows, shared = 0, CacheStats()
     for number, piece in enumerate(order):
         began = time.process_time()
-        made = work(job, "strike", piece)
+        made = make_instances(job, "strike", piece)
         ours += time.process_time() - began
         rows, shared = rows + len(made.outcomes[0].rows), shared + made.shared
         if number * chosen.native // len(order) != (number - 1) * chosen.native // len(order):

@@ -17,7 +17,7 @@ from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.generate import generate
 from wmspec.dataset.build.plan import Shard
 from wmspec.dataset.build.reuse import PriorInstances
-from wmspec.dataset.build.worker import Job, Made, Outcome
+from wmspec.dataset.build.worker import Job, BatchResult, Outcome
 from wmspec.runtime.questions.model import Rejected
 from wmspec.runtime.workers.pool import Effort
 
@@ -46,7 +46,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
 
         def by_units(
             work: Any, units: Iterable[list[tuple[Any, str, tuple[int]]]], effort: Effort, weight: Any
-        ) -> Iterator[tuple[tuple[Any, str, tuple[int]], Made]]:
+        ) -> Iterator[tuple[tuple[Any, str, tuple[int]], BatchResult]]:
             for _, task, (index,) in sorted(
                 (piece for unit in units for piece in unit), key=lambda p: ALL.index((p[1], p[2][0]))
             ):
@@ -55,7 +55,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
                 made.append((task, index))
                 yield (
                     (None, task, (index,)),
-                    Made((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)),
+                    BatchResult((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)),
                 )
 
         monkeypatch.setattr("wmspec.dataset.build.generate.by_units", by_units)
@@ -167,12 +167,12 @@ def test_a_full_disk_is_told_when_an_instance_is_kept(tmp_path: Path, whole: dic
 # ---------------------------------------------------------------- what failed
 
 
-def fails(job: Job, task: str, indices: tuple[int]) -> Made:
+def fails(job: Job, task: str, indices: tuple[int]) -> BatchResult:
     """An instance in which something unforeseen happens, as the third of each task does."""
     (index,) = indices
     if (task, index) in (ALL[2], ALL[13]):
         raise ZeroDivisionError("division by zero")
-    return Made((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),))
+    return BatchResult((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),))
 
 
 def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 import wmspec
 from wmspec.core.resources import resource
-from wmspec.dataset.build.units import MOST, units
+from wmspec.dataset.build.units import MAX_BATCH, batches
 from wmspec.runtime.questions.closed_sets import has_closed_set
 
 TASKS = {
@@ -23,9 +23,9 @@ def test_units(name: str, part: float) -> None:
     task = wmspec.load(resource("specs") / TASKS[name], task=name)
     chance = random.Random(name)
     indices = [index for index in range(len(task)) if chance.random() < part]
-    made = list(units(task.spec, 0, indices))
+    made = list(batches(task.spec, 0, indices))
     assert sorted(index for unit in made for piece in unit for index in piece) == indices
-    assert all(len(unit) == 1 or sum(map(len, unit)) <= MOST for unit in made)
+    assert all(len(unit) == 1 or sum(map(len, unit)) <= MAX_BATCH for unit in made)
     pieces = [piece for unit in made for piece in unit]
     blocks = [{task.design.blocks.locate(index)[0] for index in piece} for piece in pieces]
     assert all(len(of) == 1 for of in blocks)
@@ -35,6 +35,6 @@ def test_units(name: str, part: float) -> None:
 
 def test_a_group_that_draws_what_physics_reads_goes_to_one_worker() -> None:
     task = wmspec.load(resource("specs") / TASKS["direction_room"], task="direction_room")
-    for unit in units(task.spec, 0, range(400)):
+    for unit in batches(task.spec, 0, range(400)):
         assert len({task.design.blocks.locate(index)[0] for piece in unit for index in piece}) == 1
-    assert len(list(units(task.spec, 0, range(400)))) <= 400 // 8
+    assert len(list(batches(task.spec, 0, range(400)))) <= 400 // 8

@@ -53,7 +53,7 @@ def attest(
             tell=tell,
         )
     place = folder / "seal.json"
-    with files.explained(place):
+    with files.with_remedies(place):
         place.write_text(made.text, encoding="utf-8")
     return made
 

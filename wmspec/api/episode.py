@@ -19,7 +19,7 @@ from wmspec.api.rendering import RenderOptions, renderer_of
 from wmspec.core.diagnostics import Diagnostic, StageError, WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.dataset.build import typeset, video
-from wmspec.dataset.build.overlay import annotated
+from wmspec.dataset.build.overlay import annotate
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.compare.regimes import entered
 from wmspec.runtime.compare.tolerance import Tolerances
@@ -154,7 +154,7 @@ class Episode:
     ) -> Image.Image:
         """The same as a picture; with an `overlay` of names and of the ways that things have come."""
         frame = self._drawn(camera, time, False, drawing)
-        return annotated(frame, self.scene, self.trace, camera, time) if overlay else Image.fromarray(frame.rgb)
+        return annotate(frame, self.scene, self.trace, camera, time) if overlay else Image.fromarray(frame.rgb)
 
     def sheet(self, camera: str = "", *, overlay: bool = False, **drawing: Unpack[RenderOptions]) -> Image.Image:
         """All views on a sheet, a row for each camera, with both told above each; a single one as it is."""

@@ -16,7 +16,7 @@ from wmspec.core.safe_io import is_file_name
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
-from wmspec.dataset.build.reader import DatasetReader, plan_beside
+from wmspec.dataset.build.reader import DatasetReader, read_plan
 from wmspec.dataset.verify import Verification
 from wmspec.dataset.verify import verify as compare
 from wmspec.runtime.engines.registry import chosen, drawing, versions
@@ -105,7 +105,7 @@ class Drawn(NamedTuple):
 
 def drawn_in(dataset: DatasetReader) -> Drawn:
     """What its plan says; the usual look for an older dataset, and for one that was copied without its plan."""
-    plan = plan_beside(dataset.folder)
+    plan = read_plan(dataset.folder)
     return Drawn(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", ""))
 
 

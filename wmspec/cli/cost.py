@@ -74,7 +74,7 @@ def _print(costs: Sequence[Cost], workers: int) -> None:
 def _together(costs: Sequence[Cost], workers: int) -> tuple[str, str, str]:
     """Instances, time with its standard error, and size."""
     hours, count = sum(c.hours(workers) for c in costs), sum(c.bytes for c in costs)
-    errors = [error for c in costs if (error := c.within(workers)) is not None]
+    errors = [error for c in costs if (error := c.standard_error(workers)) is not None]
     within = f" ± {math.hypot(*errors) / hours:.0%}" if len(errors) == len(costs) and hours else ""
     return f"{sum(c.instances for c in costs):,}", _duration(hours) + within, _size(count)
 

@@ -20,8 +20,8 @@ from wmspec.dataset.build.generate import job_of
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.reader import CHANNELS, PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row, identity
-from wmspec.dataset.build.units import units, weight
-from wmspec.dataset.build.worker import work
+from wmspec.dataset.build.units import batches, weight
+from wmspec.dataset.build.worker import make_instances
 from wmspec.runtime.workers.pool import Effort, Lost, by_units
 
 #: Relative and absolute (SI units) tolerance within which numbers are nearly equal.
@@ -72,9 +72,9 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
         [(own, name, piece) for piece in unit]
         for name, task in tasks.items()
         for own in [job.of(name)]
-        for unit in units(task.spec, plan.seed, task.indices)
+        for unit in batches(task.spec, plan.seed, task.indices)
     )
-    with closing(by_units(work, every, effort, lambda p: weight(tasks[p[1]].spec, p[2]))) as outcomes:
+    with closing(by_units(make_instances, every, effort, lambda p: weight(tasks[p[1]].spec, p[2]))) as outcomes:
         for (_, name, indices), made in outcomes:
             there = _there(dataset, name, indices)
             for at, index in enumerate(indices):

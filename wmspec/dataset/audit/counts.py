@@ -9,7 +9,7 @@ from pathlib import Path
 from wmspec.dataset.audit.cases import Case, Unit
 from wmspec.dataset.audit.model import Counts, Finding
 from wmspec.dataset.build import files
-from wmspec.dataset.build.reader import MENDED, DatasetReader
+from wmspec.dataset.build.reader import REPAIR_HINT, DatasetReader
 from wmspec.runtime.questions.model import FAILED
 
 
@@ -29,11 +29,11 @@ def whole(dataset: DatasetReader) -> list[Finding]:
     for path, why in dataset.damaged().items():
         wrong.setdefault(Path(path).parent.name, []).append(f"{path} {why}")
     findings = [
-        Finding("files", task, "fails", f"{'; '.join(those)}. Nothing else of the task was looked at; {MENDED}")
+        Finding("files", task, "fails", f"{'; '.join(those)}. Nothing else of the task was looked at; {REPAIR_HINT}")
         for task, those in wrong.items()
     ]
     gone = [name for name in (files.CARD, files.CROISSANT) if not (dataset.folder / name).is_file()]
-    findings += [Finding("files", "", "fails", f"{name} is gone; {MENDED}") for name in gone]
+    findings += [Finding("files", "", "fails", f"{name} is gone; {REPAIR_HINT}") for name in gone]
     return findings or [
         Finding("files", "", "holds", f"{len(dataset.manifest['shards']):,} files are as they were written")
     ]

@@ -37,12 +37,12 @@ def baselines(files: Iterable[Path]) -> Baselines:
         questions=len(asked),
         groups=len({row["block"] for row in rows}),
         chance=sum(1 / len(row["option_kind"]) for row in asked) / count,
-        answer=_commonest(asked, "option_name") / count,
-        place=_commonest(asked, "") / count,
+        answer=_most_frequent_hits(asked, "option_name") / count,
+        place=_most_frequent_hits(asked, "") / count,
     )
 
 
-def _commonest(rows: Iterable[Row], column: str) -> int:
+def _most_frequent_hits(rows: Iterable[Row], column: str) -> int:
     """Return the number of questions that the most frequent true value answers.
 
     Names do not count where options are pictures.

@@ -71,7 +71,7 @@ def _front(plan: Plan, total: Summary) -> str:
     lines = ["---", "language:", "- en", "license:", *(f"- {json.dumps(name)}" for name in _licenses(plan))]
     lines += ["task_categories:", "- visual-question-answering", "- multiple-choice", "size_categories:", f"- {size}"]
     lines += ["tags:", "- wmspec", "- physics", "- world-models", "- synthetic"]
-    filled = _filled(total)
+    filled = _nonempty_tasks(total)
     if filled:
         lines.append("configs:")
         lines += [*configuration(ALL, "*"), "  default: true", "  columns:", *(f"  - {name}" for name in COLUMNS)]
@@ -97,7 +97,7 @@ def example(task: str) -> str:
     return f"{EXAMPLES}/{task}.webp"
 
 
-def _filled(total: Summary) -> list[str]:
+def _nonempty_tasks(total: Summary) -> list[str]:
     """Return the names of the tasks that have questions."""
     return [t.name for t in total.tasks if sum(t.rows.values())]
 
@@ -129,7 +129,7 @@ def _opening(plan: Plan, total: Summary) -> str:
 
 
 def _loading(total: Summary) -> str:
-    name = next(iter(_filled(total)), "TASK")
+    name = next(iter(_nonempty_tasks(total)), "TASK")
     return (
         "## Loading\n\n"
         "```python\n"

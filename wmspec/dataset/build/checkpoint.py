@@ -24,24 +24,24 @@ from wmspec.runtime.questions.model import TRANSIENT, Rejected
 _SUFFIX = ".instance"
 
 
-def keep(folder: Path, plan: Plan, shard: Shard, index: int, outcome: Outcome) -> None:
+def save(folder: Path, plan: Plan, shard: Shard, index: int, outcome: Outcome) -> None:
     """Save the outcome of an instance. Raises WmsError, and leaves no file, if it cannot be written."""
     rejected = json.dumps([asdict(r) for r in outcome.rejected])
     rows = table(list(outcome.rows), schema(shard.task.spec))
     metadata = {"plan": plan.fingerprint, "index": str(index), "rejected": rejected}
-    content = _arrow(rows.replace_schema_metadata(metadata))
+    content = _arrow_bytes(rows.replace_schema_metadata(metadata))
     name = f"{index}-{hashlib.sha256(content).hexdigest()}{_SUFFIX}"
-    files.write(folder, f"{_place(shard)}/{name}", content, synced=False)
+    files.write(folder, f"{_folder(shard)}/{name}", content, synced=False)
 
 
-def kept(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
+def load(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
     """Return the saved outcomes of a shard by index, except those that are to be retried.
 
     Raises WmsError if the files may not be read.
     """
     outcomes = {}
-    place = folder / _place(shard)
-    with files.explained(place):
+    place = folder / _folder(shard)
+    with files.with_remedies(place):
         for path in sorted(place.glob(f"*{_SUFFIX}")):
             content = path.read_bytes()
             if path.stem.partition("-")[2] != hashlib.sha256(content).hexdigest():
@@ -53,17 +53,17 @@ def kept(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
                 rejected = tuple(Rejected(**r) for r in json.loads(metadata[b"rejected"]))
             except (pa.ArrowException, ValueError, TypeError, LookupError, RecursionError):
                 continue  # written by another plan or program
-            if made_by == plan.fingerprint and index in shard.indices and not passing(rejected):
+            if made_by == plan.fingerprint and index in shard.indices and not transient(rejected):
                 outcomes[index] = Outcome(tuple(rows.to_pylist()), rejected)
     return outcomes
 
 
-def passing(rejected: Iterable[Rejected]) -> set[int]:
+def transient(rejected: Iterable[Rejected]) -> set[int]:
     """Return the instances whose rejection may be transient, such as timeouts."""
     return {r.index for r in rejected if r.reason in TRANSIENT}
 
 
-def _arrow(content: pa.Table) -> bytes:
+def _arrow_bytes(content: pa.Table) -> bytes:
     """Return a table in Arrow's IPC format, which is about 40 times as fast as Parquet."""
     sink = pa.BufferOutputStream()
     with pa.ipc.new_stream(sink, content.schema) as stream:
@@ -73,8 +73,8 @@ def _arrow(content: pa.Table) -> bytes:
 
 def discard(folder: Path, shard: Shard) -> None:
     """Remove the checkpoints of a complete shard. Raises WmsError if that fails."""
-    place = folder / _place(shard)
-    with files.explained(place):
+    place = folder / _folder(shard)
+    with files.with_remedies(place):
         _clear(place)
 
 
@@ -92,6 +92,6 @@ def _clear(place: Path) -> None:
             place.rmdir()
 
 
-def _place(shard: Shard) -> str:
+def _folder(shard: Shard) -> str:
     """Return the folder of a shard's checkpoints, relative to the dataset folder."""
     return f"{files.PROGRESS}/{shard.task.spec.name}/{shard.number:05d}"

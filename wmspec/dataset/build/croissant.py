@@ -54,13 +54,13 @@ CONTEXT: dict[str, Any] = {
 }
 
 #: Description of every column by name.
-_MEANINGS = {name: meaning for columns in (COLUMNS, *CHANNELS.values()) for name, (_, meaning) in columns.items()}
+_DESCRIPTIONS = {name: meaning for columns in (COLUMNS, *CHANNELS.values()) for name, (_, meaning) in columns.items()}
 
 _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
 
 
 @dataclass(frozen=True)
-class Described:
+class TaskMetadata:
     """A task that has questions: its name, title and columns."""
 
     name: str
@@ -76,7 +76,7 @@ def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: 
     rows = {t.spec.name: 0 for t in plan.tasks}
     for shard in plan.shards():
         rows[shard.task.spec.name] += records[shard.path].rows
-    filled = [Described(t.spec.name, t.spec.title, schema(t.spec)) for t in plan.tasks if rows[t.spec.name]]
+    filled = [TaskMetadata(t.spec.name, t.spec.title, schema(t.spec)) for t in plan.tasks if rows[t.spec.name]]
     description = f"{sum(rows.values())} questions about a physical world, made by wmspec"
     licenses = [plan.licence] if plan.licence else sorted({t.spec.license for t in plan.tasks if t.spec.license})
     name = "-".join(t.spec.name for t in plan.tasks[:3])
@@ -85,7 +85,7 @@ def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: 
 
 
 def metadata(
-    name: str, description: str, version: str, tasks: Sequence[Described], licenses: Iterable[str]
+    name: str, description: str, version: str, tasks: Sequence[TaskMetadata], licenses: Iterable[str]
 ) -> dict[str, Any]:
     """Return the metadata of a dataset with the given tasks, as JSON values."""
     described: dict[str, Any] = {
@@ -112,7 +112,7 @@ def _files(name: str) -> dict[str, Any]:
     }
 
 
-def _records(task: Described) -> dict[str, Any]:
+def _records(task: TaskMetadata) -> dict[str, Any]:
     name = task.name
     fields = [_field(name, f) for f in task.columns]
     described = {"description": task.title} if task.title else {}
@@ -140,8 +140,8 @@ def _one(task: str, column: pa.Field, kind: str, part: str = "", named: str = ""
     """Return the Croissant field of a column, or of one member of its structs."""
     name = f"{task}/{column.name}{named}"
     field: dict[str, Any] = {"@type": "cr:Field", "@id": name, "name": name, "dataType": kind}
-    if column.name in _MEANINGS:
-        field["description"] = _MEANINGS[column.name]
+    if column.name in _DESCRIPTIONS:
+        field["description"] = _DESCRIPTIONS[column.name]
     if pa.types.is_list(column.type):
         field["repeated"] = True
     transform = {"transform": {"jsonPath": part}} if part else {}

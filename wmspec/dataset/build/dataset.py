@@ -21,14 +21,14 @@ from wmspec.dataset.build.croissant import croissant
 from wmspec.dataset.build.examples import examples
 from wmspec.dataset.build.manifest import Summary, manifest, summary
 from wmspec.dataset.build.plan import Plan, Shard, differences
-from wmspec.dataset.build.reader import DatasetReader, foreign
+from wmspec.dataset.build.reader import DatasetReader, unlisted_files
 from wmspec.dataset.build.rebuild import rebuilt
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.shards import Record, read_outcomes, read_records, sidecar, write_record, write_shard
 from wmspec.dataset.build.worker import Outcome
 from wmspec.runtime.questions.model import Rejected
 
-_OURS = ("data", files.EXAMPLES, files.MANIFEST, files.CARD, files.CROISSANT)
+_OWN_FILES = ("data", files.EXAMPLES, files.MANIFEST, files.CARD, files.CROISSANT)
 _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
 
 
@@ -54,13 +54,13 @@ class Dataset:
 
         Raises: WmsError: the folder holds something else or another plan, is being written to, or cannot be written to.
         """
-        _today()  # fail early if the date is invalid
+        _build_date()  # fail early if the date is invalid
         scratch = folder / files.PROGRESS
-        with files.explained(folder):
+        with files.with_remedies(folder):
             make_folders(scratch)
         dataset = cls(folder, plan, files.lock(scratch / "lock"))
         try:
-            with files.explained(folder):
+            with files.with_remedies(folder):
                 dataset._begin(force)
         except BaseException:
             dataset.close()
@@ -86,11 +86,11 @@ class Dataset:
 
     def keep(self, shard: Shard, index: int, outcome: Outcome) -> None:
         """Save the outcome of an instance until its shard is complete. Raises WmsError if it cannot be written."""
-        checkpoint.keep(self.folder, self.plan, shard, index, outcome)
+        checkpoint.save(self.folder, self.plan, shard, index, outcome)
 
     def kept(self, shard: Shard) -> dict[int, Outcome]:
         """Return the outcomes that an interrupted run saved for a pending shard, by instance index."""
-        return checkpoint.kept(self.folder, self.plan, shard)
+        return checkpoint.load(self.folder, self.plan, shard)
 
     def write(self, shard: Shard, rows: Iterable[Row], rejected: Iterable[Rejected]) -> None:
         """Write a shard atomically and discard its checkpoints. `rows` come from `rows.encode`, in any order.
@@ -114,8 +114,8 @@ class Dataset:
             self._put(name, example)
         self._put(files.CARD, card(self.plan, total, self._baselines()).encode())
         described = croissant(self.plan, self._records, bibtex(self.plan, total), self._published())
-        self._put(files.CROISSANT, files.text(described))
-        self._put(files.MANIFEST, files.text(whole))
+        self._put(files.CROISSANT, files.pretty_json(described))
+        self._put(files.MANIFEST, files.pretty_json(whole))
         self._finished = True
         return total
 
@@ -133,7 +133,7 @@ class Dataset:
             there = json.loads(read_bytes(self.folder / files.CROISSANT))
             return str(date.fromisoformat(there["datePublished"]))
         except (OSError, ValueError, TypeError, KeyError, RecursionError):
-            return _today()
+            return _build_date()
 
     # ------------------------------------------------------------ creation
 
@@ -142,7 +142,7 @@ class Dataset:
         for part in (self.folder / files.PROGRESS).glob("*.part"):
             part.unlink()  # left by an interrupted run
         there = self._plan()
-        if there is None and any((self.folder / name).exists() for name in _OURS):
+        if there is None and any((self.folder / name).exists() for name in _OWN_FILES):
             raise WmsError(f"{self.folder} holds files that are not a dataset of wmspec; choose another folder with -o")
         here = self.plan.record
         if there is not None and there != here:
@@ -154,8 +154,8 @@ class Dataset:
                 )
             self._clear()
         if there != here or not (self.folder / files.PLAN).exists():
-            self._put(files.PLAN, files.lines(here))
-        if others := foreign(self.folder, {shard.path for shard in self.plan.shards()}):
+            self._put(files.PLAN, files.compact_json(here))
+        if others := unlisted_files(self.folder, {shard.path for shard in self.plan.shards()}):
             raise WmsError(
                 f"{self.folder / others[0]} is none of the dataset's files, and would be loaded with them; "
                 "move it away, or choose another folder with -o"
@@ -200,7 +200,7 @@ class Dataset:
                 self._again(shard, "is gone")
             elif files.digest(path) != record.sha256:
                 self._again(shard, "is not as it was written")
-            elif again := checkpoint.passing(record.rejected):
+            elif again := checkpoint.transient(record.rejected):
                 self._unmade(shard, record, again)
             else:
                 self._records[shard.path] = record
@@ -233,7 +233,7 @@ class Dataset:
         files.write(self.folder, name, content)
 
 
-def _today() -> str:
+def _build_date() -> str:
     """Return the date (YYYY-MM-DD) of SOURCE_DATE_EPOCH, or the current one. Raises WmsError if it is invalid."""
     said = os.environ.get("SOURCE_DATE_EPOCH")
     try:

@@ -14,16 +14,16 @@ from wmspec.dataset.build.manifest import by_reason
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.shards import parquet
-from wmspec.dataset.build.units import Piece, units, weight
-from wmspec.dataset.build.worker import Balance, Job, Outcome, work
+from wmspec.dataset.build.units import Piece, batches, weight
+from wmspec.dataset.build.worker import Balance, Job, Outcome, make_instances
 from wmspec.runtime.questions.model import FAILED, Rejected
 from wmspec.runtime.workers.pool import Effort, Lost, in_order
 
 #: Number of units timed for a task. The cost of an instance may depend on what differs between units, such as the
 #: number of objects.
-UNITS = 6
+MAX_UNITS = 6
 #: Maximum number of instances timed for a task; each unit has at least one piece.
-TRIED = 24
+MAX_TRIALS = 24
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Cost:
         """Return the hours that `workers` workers need for the whole task."""
         return self.instances * self.seconds / workers / 3600
 
-    def within(self, workers: int) -> float | None:
+    def standard_error(self, workers: int) -> float | None:
         """Return the standard error of `hours`, or None if unknown."""
         return None if self.error is None else self.instances * self.error / workers / 3600
 
@@ -86,11 +86,11 @@ def estimate(plan: Plan, effort: Effort, progress: Callable[[str, int], None]) -
     """Make instances of units spread over every task, with all workers busy; `progress` is called for each task."""
     job = job_of(plan, effort)
     own = {task.spec.name: job.of(task.spec.name) for task in plan.tasks}
-    todo = [(task.spec.name, unit) for task in plan.tasks for unit in _spread(task, plan.seed)]
+    todo = [(task.spec.name, unit) for task in plan.tasks for unit in _spaced_units(task, plan.seed)]
     pieces = [(own[name], name, unit.other, unit.pieces) for name, unit in todo]
     trials: dict[str, list[tuple[_Unit, _Trial | Lost]]] = {task.spec.name: [] for task in plan.tasks}
     specs = {task.spec.name: task.spec for task in plan.tasks}
-    with closing(in_order(timed, pieces, effort, lambda p: sum(weight(specs[p[1]], x) for x in p[-1]))) as outcomes:
+    with closing(in_order(run_trial, pieces, effort, lambda p: sum(weight(specs[p[1]], x) for x in p[-1]))) as outcomes:
         for number, ((name, unit), trial) in enumerate(zip(todo, outcomes, strict=True), 1):
             trials[name].append((unit, trial))
             if number == len(todo) or todo[number][0] != name:
@@ -102,35 +102,35 @@ def estimate(plan: Plan, effort: Effort, progress: Callable[[str, int], None]) -
 _warm: set[str] = set()
 
 
-def timed(job: Job, task: str, other: Piece, pieces: Sequence[Piece]) -> _Trial:
+def run_trial(job: Job, task: str, other: Piece, pieces: Sequence[Piece]) -> _Trial:
     """Make pieces and return the seconds they took, without the start-up cost of a worker.
 
     The warm-up uses `other`, because the results of the same piece would be cached.
     """
     if task not in _warm:
-        work(job, task, other)
+        make_instances(job, task, other)
         _warm.add(task)
     seconds, outcomes, balance = [], list[Outcome](), Balance()
     for piece in pieces:
         began = perf_counter()
-        made = work(job, task, piece)
+        made = make_instances(job, task, piece)
         seconds.append(perf_counter() - began)
         outcomes += made.outcomes
         balance += made.balance
     return _Trial(tuple(seconds), tuple(outcomes), balance)
 
 
-def _spread(task: Task, seed: int) -> Iterator[_Unit]:
+def _spaced_units(task: Task, seed: int) -> Iterator[_Unit]:
     """Yield units spread over a task; all units if they are few."""
-    every = list(units(task.spec, seed, task.indices))
-    tried = min(UNITS, len(every))
+    every = list(batches(task.spec, seed, task.indices))
+    tried = min(MAX_UNITS, len(every))
     for i in range(tried):
         place = (2 * i + 1) * len(every) // (2 * tried)
         unit = every[place]
-        yield _Unit(_size(unit), _few(unit, TRIED // tried), every[place - 1][-1])
+        yield _Unit(_size(unit), _first_pieces(unit, MAX_TRIALS // tried), every[place - 1][-1])
 
 
-def _few(unit: list[Piece], most: int) -> list[Piece]:
+def _first_pieces(unit: list[Piece], most: int) -> list[Piece]:
     """Return the first pieces of a unit, with at most `most` instances in all.
 
     The remaining pieces share as much as the last of these.

@@ -47,7 +47,7 @@ REMEDIES = {
 
 
 @contextmanager
-def explained(path: Path) -> Iterator[None]:
+def with_remedies(path: Path) -> Iterator[None]:
     """Turn an error of the file system into a WmsError with a remedy."""
     try:
         yield
@@ -65,7 +65,7 @@ def write(folder: Path, name: str, content: bytes, synced: bool = True) -> None:
     """
     path, scratch = folder / name, folder / PROGRESS
     part = scratch / f"{hashlib.sha256(name.encode()).hexdigest()[:16]}.part"
-    with explained(path):
+    with with_remedies(path):
         make_folders(path.parent)
         try:
             with part.open("wb") as file:
@@ -90,12 +90,12 @@ def _sync(folder: Path) -> None:
         os.close(handle)
 
 
-def text(value: Any) -> bytes:
+def pretty_json(value: Any) -> bytes:
     """Return a value as indented JSON with the order of its keys kept; deterministic."""
     return (json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode()
 
 
-def lines(values: dict[str, Any]) -> bytes:
+def compact_json(values: dict[str, Any]) -> bytes:
     """Return values as JSON with one key a line, for long lists."""
     entries = (f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in values.items())
     return ("{\n" + ",\n".join(entries) + "\n}\n").encode()
@@ -112,7 +112,7 @@ def lock(path: Path) -> int:
 
     Raises WmsError if another process holds the lock.
     """
-    with explained(path):
+    with with_remedies(path):
         while True:
             make_folders(path.parent)
             handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)

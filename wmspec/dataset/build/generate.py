@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 from itertools import groupby
 
 from wmspec.core.crash import Crash
-from wmspec.dataset.build.checkpoint import passing
+from wmspec.dataset.build.checkpoint import transient
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.plan import Plan, Shard
 from wmspec.dataset.build.reuse import PriorInstances
-from wmspec.dataset.build.units import Piece, units, weight
-from wmspec.dataset.build.worker import Balance, Job, Outcome, Sharing, work
+from wmspec.dataset.build.units import Piece, batches, weight
+from wmspec.dataset.build.worker import Balance, Job, Outcome, CacheStats, make_instances
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import to_json
 from wmspec.runtime.questions.model import Rejected
@@ -29,7 +29,7 @@ from wmspec.runtime.workers.pool import Effort, Lost, by_units
 class RunStats:
     """Cache statistics, the cost of balancing answers by task, and the first unexpected error."""
 
-    shared: Sharing = field(default_factory=Sharing)
+    shared: CacheStats = field(default_factory=CacheStats)
     balance: dict[str, Balance] = field(default_factory=dict)
     crash: Crash | None = None
 
@@ -43,7 +43,7 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
     pending = dataset.pending()
     if not pending:
         return RunStats()
-    job, shared, balance = job_of(plan, effort), Sharing(), dict[str, Balance]()
+    job, shared, balance = job_of(plan, effort), CacheStats(), dict[str, Balance]()
     crash: Crash | None = None
     specs = {task.spec.name: task.spec for task in plan.tasks}
     making = [_PendingShard(dataset, shard, before) for shard in pending]
@@ -51,7 +51,7 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
         progress(one.task, len(one.shard.indices) - len(one.missing))
         one.finish()
     shard_of = {(one.task, index): one for one in making for index in one.missing}
-    with closing(by_units(work, _units(job, plan, making), effort, lambda p: weight(specs[p[1]], p[2]))) as outcomes:
+    with closing(by_units(make_instances, _units(job, plan, making), effort, lambda p: weight(specs[p[1]], p[2]))) as outcomes:
         for (_, task, indices), made in outcomes:
             if isinstance(made, Lost):
                 crash = crash or made.crash
@@ -80,7 +80,7 @@ class _PendingShard:
     def keep(self, index: int, outcome: Outcome) -> None:
         """Save the outcome of an instance, and write the shard after the last one."""
         self._dataset.keep(self.shard, index, outcome)
-        if passing(outcome.rejected):
+        if transient(outcome.rejected):
             self._failed[index] = outcome
         self.missing.remove(index)
         self.finish()
@@ -100,7 +100,7 @@ def _units(job: Job, plan: Plan, making: Iterable[_PendingShard]) -> Iterator[li
         wanted = [index for one in of_task for index in one.shard.indices if index in one.missing]
         if wanted:
             own = job.of(task)
-            for unit in units(of_task[0].shard.task.spec, plan.seed, wanted):
+            for unit in batches(of_task[0].shard.task.spec, plan.seed, wanted):
                 yield [(own, task, piece) for piece in unit]
 
 

@@ -11,11 +11,11 @@ from wmspec.core.crash import Crash
 from wmspec.core.tally import Tally
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.shards import Record
-from wmspec.dataset.build.worker import Balance, Sharing
+from wmspec.dataset.build.worker import Balance, CacheStats
 from wmspec.runtime.questions.model import FAILED, Rejected
 
 #: Maximum number of rejection reasons in a summary.
-REASONS = 3
+MAX_REASONS = 3
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class TaskSummary:
 
 def top_reasons(rejected: Mapping[str, int], examples: Mapping[str, Rejected]) -> list[str]:
     """Return the most frequent rejection reasons, one line each, with an example."""
-    often = sorted(rejected.items(), key=lambda one: (-one[1], one[0]))[:REASONS]
+    often = sorted(rejected.items(), key=lambda one: (-one[1], one[0]))[:MAX_REASONS]
     return [f"  {n:,} {reason}, such as {told(examples[reason])}" for reason, n in often]
 
 
@@ -64,7 +64,7 @@ class Summary:
     """
 
     tasks: tuple[TaskSummary, ...]
-    shared: Sharing = field(default_factory=Sharing)
+    shared: CacheStats = field(default_factory=CacheStats)
     balance: Mapping[str, Balance] = field(default_factory=dict)
     crash: Crash | None = None
 

@@ -25,7 +25,7 @@ PICTURES = ("context", "option_image")
 CHANNELS = ("context_depth", "context_ids")
 
 #: Remedy for a damaged dataset.
-MENDED = "give the command that made the dataset again (`wmspec generate ... -o FOLDER`), it is mended then"
+REPAIR_HINT = "give the command that made the dataset again (`wmspec generate ... -o FOLDER`), it is mended then"
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class DatasetReader:
         except (ValueError, RecursionError):
             manifest = None
         if fault := manifest_fault(manifest):
-            raise WmsError(f"{place} is not one that `wmspec generate` writes: {fault}; {MENDED}")
-        _planned(folder, manifest)
+            raise WmsError(f"{place} is not one that `wmspec generate` writes: {fault}; {REPAIR_HINT}")
+        _check_plan(folder, manifest)
         return cls(folder, manifest)
 
     def damaged(self) -> dict[str, str]:
@@ -57,7 +57,7 @@ class DatasetReader:
 
         Raises WmsError if a file may not be read.
         """
-        wrong = dict.fromkeys(foreign(self.folder, self.manifest["shards"]), "is none of the dataset's files")
+        wrong = dict.fromkeys(unlisted_files(self.folder, self.manifest["shards"]), "is none of the dataset's files")
         for path, shard in self.manifest["shards"].items():
             file = self.folder / path
             if not file.is_file():
@@ -71,7 +71,7 @@ class DatasetReader:
         wrong = [f"{self.folder / path} {why}" for path, why in self.damaged().items()]
         if wrong:
             more = f", and {len(wrong) - 3:,} more are damaged" if len(wrong) > 3 else ""
-            raise WmsError(f"{', '.join(wrong[:3])}{more}; {MENDED}")
+            raise WmsError(f"{', '.join(wrong[:3])}{more}; {REPAIR_HINT}")
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -89,14 +89,14 @@ class DatasetReader:
 
     def columns(self, task: str) -> tuple[str, ...]:
         """Return the names of a task's columns; empty if it has no rows. Raises WmsError if a shard cannot be read."""
-        return tuple(n for path in self.shards(task)[:1] for n in _opened(self.folder / path).schema_arrow.names)
+        return tuple(n for path in self.shards(task)[:1] for n in _open_parquet(self.folder / path).schema_arrow.names)
 
     def units(self, task: str) -> dict[str, str]:
         """Return the SI unit of every column that has one. Raises WmsError if a shard cannot be read."""
         return {
             field.name: field.metadata[b"unit"].decode()
             for path in self.shards(task)[:1]
-            for field in _opened(self.folder / path).schema_arrow
+            for field in _open_parquet(self.folder / path).schema_arrow
             if field.metadata and field.metadata.get(b"unit")
         }
 
@@ -108,7 +108,7 @@ class DatasetReader:
         Without `columns`, all except the channels. Raises WmsError if a shard cannot be read.
         """
         for path in self.shards(task):
-            file = _opened(self.folder / path)
+            file = _open_parquet(self.folder / path)
             wanted = columns or [name for name in file.schema_arrow.names if name not in CHANNELS]
             try:
                 for group in range(file.num_row_groups):
@@ -121,16 +121,16 @@ class DatasetReader:
     def _check(self, path: str, number: int, row: Row, task: str) -> None:
         """Raise WmsError, with file and row, if a row is invalid."""
         if fault := row_fault(row, task, self.engines) or pictures_fault(row, PICTURES):
-            raise WmsError(f"row {number + 1}: {fault}", FilePlace(str(self.folder / path)), MENDED)
+            raise WmsError(f"row {number + 1}: {fault}", FilePlace(str(self.folder / path)), REPAIR_HINT)
 
 
-def foreign(folder: Path, known: Collection[str]) -> list[str]:
+def unlisted_files(folder: Path, known: Collection[str]) -> list[str]:
     """Return the files that `load_dataset` would load from a folder and that are not in `known`, in order."""
     there = (path.relative_to(folder).as_posix() for path in sorted(folder.glob("data/*/test-*.parquet")))
     return [path for path in there if path not in known]
 
 
-def plan_beside(folder: Path) -> dict[str, Any]:
+def read_plan(folder: Path) -> dict[str, Any]:
     """Return the content of `plan.json`; empty if it is missing or invalid."""
     try:
         plan = json.loads(read_bytes(folder / files.PLAN))
@@ -139,13 +139,13 @@ def plan_beside(folder: Path) -> dict[str, Any]:
     return plan if isinstance(plan, dict) else {}
 
 
-def _planned(folder: Path, manifest: dict[str, Any]) -> None:
+def _check_plan(folder: Path, manifest: dict[str, Any]) -> None:
     """Raise WmsError if a manifest contradicts the plan in its folder."""
-    plan = plan_beside(folder)
+    plan = read_plan(folder)
     same = all(plan[key] == manifest[key] for key in plan.keys() & {"seed", "engines", "size", "consensus", "versions"})
     if plan and not (same and fingerprint(plan) == manifest.get("fingerprint")):
         place = folder / files.MANIFEST
-        raise WmsError(f"{place} is not of the dataset that {folder / files.PLAN} plans; {MENDED}")
+        raise WmsError(f"{place} is not of the dataset that {folder / files.PLAN} plans; {REPAIR_HINT}")
 
 
 def _digest(path: Path) -> str:
@@ -168,7 +168,7 @@ def _group(
             yield number, row
 
 
-def _opened(path: Path) -> pq.ParquetFile:
+def _open_parquet(path: Path) -> pq.ParquetFile:
     """Open a Parquet file and check its columns."""
     try:
         file = pq.ParquetFile(regular_file(path))
@@ -176,10 +176,10 @@ def _opened(path: Path) -> pq.ParquetFile:
     except (OSError, pa.ArrowException, ValueError) as error:
         raise _unreadable(path, error) from None
     if fault:
-        raise WmsError(fault, FilePlace(str(path)), MENDED)
+        raise WmsError(fault, FilePlace(str(path)), REPAIR_HINT)
     return file
 
 
 def _unreadable(path: Path, error: Exception) -> WmsError:
     reason = (str(error).splitlines() or [type(error).__name__])[0][:200]
-    return WmsError(f"cannot be read ({reason})", FilePlace(str(path)), MENDED)
+    return WmsError(f"cannot be read ({reason})", FilePlace(str(path)), REPAIR_HINT)

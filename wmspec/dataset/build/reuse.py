@@ -15,7 +15,7 @@ from typing import Any
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
-from wmspec.dataset.build.checkpoint import passing
+from wmspec.dataset.build.checkpoint import transient
 from wmspec.dataset.build.plan import Plan, Shard, Task, differences
 from wmspec.dataset.build.rebuild import rebuilt
 from wmspec.dataset.build.shards import Record, read_outcomes, read_records
@@ -38,7 +38,7 @@ class ShardFile:
     @property
     def indices(self) -> Iterator[int]:
         """Yield its instances, except those that are to be retried."""
-        again = passing(self.record.rejected)
+        again = transient(self.record.rejected)
         return (i for i in self.shard.indices if i not in again)
 
 

@@ -127,4 +127,4 @@ def _recorded(finished: dict[str, Any], shard: Shard) -> Record | None:
 
 def write_record(folder: Path, shard: Shard, record: Record) -> None:
     """Write the record of a shard. Raises WmsError if that fails."""
-    files.write(folder, sidecar(shard), files.text(asdict(record)))
+    files.write(folder, sidecar(shard), files.pretty_json(asdict(record)))

@@ -22,13 +22,13 @@ from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.runtime.questions.closed_sets import has_closed_set
 
 #: Maximum number of instances in a unit; closed sets are never split.
-MOST = 32
+MAX_BATCH = 32
 
 #: Instances made together: one, those of a closed set, or those among which answers are balanced.
 Piece = tuple[int, ...]
 
 
-def units(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Piece]]:
+def batches(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Piece]]:
     """Yield the pieces of every unit, ordered by how much they share; every index occurs once."""
     design = Design(spec, seed)
     if spec.plan.balance:
@@ -37,16 +37,16 @@ def units(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[Pi
             laps.setdefault(design.lap(design.blocks.locate(index)[0]), []).append(index)
         yield from ([tuple(lap)] for lap in laps.values())
         return
-    kin = _Kin(design)
+    batch_key = _BatchKey(design)
     shared: dict[object, dict[object, dict[object, list[Piece]]]] = {}
     for piece in _pieces(design, indices):
         first = design[piece[0]]
-        alike = shared.setdefault(kin.unit(first), {}).setdefault(kin.physics(first), {})
-        alike.setdefault(kin.looks(first), []).append(piece)
+        alike = shared.setdefault(batch_key.unit(first), {}).setdefault(batch_key.physics(first), {})
+        alike.setdefault(batch_key.looks(first), []).append(piece)
     for physics in shared.values():
         unit: list[Piece] = []
         for piece in (piece for looks in physics.values() for pieces in looks.values() for piece in pieces):
-            if unit and sum(map(len, unit)) + len(piece) > MOST:
+            if unit and sum(map(len, unit)) + len(piece) > MAX_BATCH:
                 yield unit
                 unit = []
             unit.append(piece)
@@ -68,17 +68,17 @@ def weight(spec: TaskSpec, piece: Piece) -> int:
     return len(piece) * (MAX_DRAWS if spec.plan.balance else 1)
 
 
-class _Kin:
+class _BatchKey:
     """Keys of the instances of a task that share episodes."""
 
     def __init__(self, design: Design) -> None:
         spec, depend = design.spec, Dependencies(design.spec)
         changes = (change for question in spec.questions for change in question.counterfactuals)
         changed = {source for change in changes for name in changed_by(change) for source in depend.source(name)}
-        felt = {source for name in _felt(design) for source in depend.source(name)}
+        relevant = {source for name in _physics_variables(design) for source in depend.source(name)}
         self._looks = [factor.name for factor in design.factors if factor.name not in changed]
-        self._physics = [name for name in self._looks if name in felt]
-        self._drawn = bool({factor.name for factor in design.nuisances} & felt)
+        self._physics = [name for name in self._looks if name in relevant]
+        self._drawn = bool({factor.name for factor in design.nuisances} & relevant)
 
     def unit(self, instance: Instance) -> object:
         """Return the key of instances that belong to one unit: their draws if physics depends on draws, else their
@@ -95,7 +95,7 @@ class _Kin:
         return (instance.key, *(instance.factors[name] for name in self._looks))
 
 
-def _felt(design: Design) -> set[str]:
+def _physics_variables(design: Design) -> set[str]:
     """Return the variables that physics depends on; all variables if the first instance cannot be staged."""
     instance = design[0]
     try:

@@ -48,7 +48,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Sharing:
+class CacheStats:
     """Cache statistics: episodes and pictures requested, executed and rendered."""
 
     episodes: int = 0
@@ -56,8 +56,8 @@ class Sharing:
     pictures: int = 0
     drawn: int = 0
 
-    def __add__(self, other: Sharing) -> Sharing:
-        return Sharing(*map(sum, zip(astuple(self), astuple(other), strict=True)))
+    def __add__(self, other: CacheStats) -> CacheStats:
+        return CacheStats(*map(sum, zip(astuple(self), astuple(other), strict=True)))
 
     def __str__(self) -> str:
         return (
@@ -82,21 +82,21 @@ class Balance:
 
 
 @dataclass(frozen=True)
-class Made:
+class BatchResult:
     """The outcomes of instances in order, the cache statistics and the balancing cost."""
 
     outcomes: tuple[Outcome, ...]
-    shared: Sharing = field(default_factory=Sharing)
+    shared: CacheStats = field(default_factory=CacheStats)
     balance: Balance = field(default_factory=Balance)
 
 
-def work(job: Job, task: str, indices: tuple[int, ...]) -> Made:
+def make_instances(job: Job, task: str, indices: tuple[int, ...]) -> BatchResult:
     """Make instances in every engine of the job: one instance, or members of a group with a closed set.
 
     Such a group is made as a whole, whichever members are requested. The same holds for a batch of groups whose answers
     are balanced.
     """
-    design, before = _design(job, task), _counted(job)
+    design, before = _design(job, task), _cache_counters(job)
     block, balance = design.blocks.locate(indices[0])[0], Balance()
     if design.spec.plan.balance:
         lap = balanced_batch(design, block, partial(_group, job))
@@ -106,8 +106,8 @@ def work(job: Job, task: str, indices: tuple[int, ...]) -> Made:
     else:
         answers = {index: _answers(job, design, index) for index in indices}
     outcomes = tuple(_outcome(answers[index]) for index in indices)
-    after = _counted(job)
-    return Made(outcomes, Sharing(*(b - a for a, b in zip(before, after, strict=True))), balance)
+    after = _cache_counters(job)
+    return BatchResult(outcomes, CacheStats(*(b - a for a, b in zip(before, after, strict=True))), balance)
 
 
 def _group(job: Job, design: Design, block: int) -> Mapping[int, Answers]:
@@ -116,7 +116,7 @@ def _group(job: Job, design: Design, block: int) -> Mapping[int, Answers]:
     return drop_incomplete_groups(design.spec, answers) if has_closed_set(design.spec) else answers
 
 
-def _counted(job: Job) -> tuple[int, ...]:
+def _cache_counters(job: Job) -> tuple[int, ...]:
     """Return the cache counters of this process's engines."""
     counts = [(p.traces.requests, p.traces.executed, p.renders.requests, p.renders.drawn) for p in _pairs(job).values()]
     return tuple(map(sum, zip(*counts, strict=True)))

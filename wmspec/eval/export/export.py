@@ -95,11 +95,11 @@ def export(what: Export, tool: str, place: Path) -> int:
         "prompt": what.prompt_name,
         "prompt_hash": what.prompt.hash,
     }
-    with files.explained(place):
+    with files.with_remedies(place):
         folder.clear()
         count = TOOLS[tool](what, folder)
         folder.copy("eval/models/reply.py", "wmspec_reply.py")
-        (place / MARK).write_bytes(files.text({**about, "questions": count, "files": sorted(folder.written)}))
+        (place / MARK).write_bytes(files.pretty_json({**about, "questions": count, "files": sorted(folder.written)}))
     return count
 
 

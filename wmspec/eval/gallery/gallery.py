@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.safe_io import make_folders
-from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.pictures import image_format, decode_image
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.webpage import encoded, webpage
@@ -36,7 +36,7 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = N
         return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
 
     dataset.intact()
-    with explained(path):
+    with with_remedies(path):
         make_folders(path.parent)
         questions = list(records(dataset, per_task, inside, replies))
         path.write_text(html(about(dataset, replies) | {"questions": questions}), encoding="utf-8")
@@ -60,7 +60,7 @@ def folder(dataset: DatasetReader, per_task: int, path: Path, replies: Replies =
         return f"pictures/{name[:2]}/{name}"
 
     dataset.intact()
-    with explained(path):
+    with with_remedies(path):
         make_folders(path)
         questions = list(_parted(path, list(records(dataset, per_task, beside, replies)), inside))
         path.joinpath("index.html").write_text(

@@ -13,7 +13,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build import files
-from wmspec.dataset.build.croissant import Described, metadata
+from wmspec.dataset.build.croissant import TaskMetadata, metadata
 from wmspec.dataset.build.rows import table
 from wmspec.dataset.build.schema import SHARD, manifest_fault
 from wmspec.dataset.build.shards import parquet
@@ -49,13 +49,13 @@ def recast(path: Path, folder: Path, output: Path, size: int) -> Recast:
     _one_dimension(path, tasks)
     _clear(output)
     shards = {_path(name): _shard(of_one, pictures) for name, of_one in tasks.items()}
-    with files.explained(output):
+    with files.with_remedies(output):
         make_folders(output / files.PROGRESS)
     for name, content in shards.items():
         files.write(output, name, content)
     files.write(output, files.CARD, _card(path, tasks).encode())
-    files.write(output, files.CROISSANT, files.text(_metadata(tasks)))
-    files.write(output, files.MANIFEST, files.text(_manifest(path, tasks, shards, size)))
+    files.write(output, files.CROISSANT, files.pretty_json(_metadata(tasks)))
+    files.write(output, files.MANIFEST, files.pretty_json(_manifest(path, tasks, shards, size)))
     (output / files.PROGRESS).rmdir()
     unlicensed = sum(not entry.license for entry in entries)
     return Recast({name: len(of_one) for name, of_one in tasks.items()}, pictures.unused, unlicensed)
@@ -84,7 +84,7 @@ def _shard(entries: list[Entry], pictures: Pictures) -> bytes:
 
 def _clear(output: Path) -> None:
     """Remove an earlier import from the folder. Raises WmsError if it holds anything else."""
-    with files.explained(output):
+    with files.with_remedies(output):
         there = sorted(p.name for p in output.iterdir()) if output.exists() else []
     if not there:
         return
@@ -94,7 +94,7 @@ def _clear(output: Path) -> None:
         manifest = None
     if manifest_fault(manifest) or manifest.get("made by") != MADE_BY:
         raise WmsError(f"{output} holds files that `wmspec import-images` did not write; choose another folder with -o")
-    with files.explained(output):
+    with files.with_remedies(output):
         (output / files.MANIFEST).unlink()
         for shard in filter(SHARD.fullmatch, manifest["shards"]):
             (output / shard).unlink(missing_ok=True)
@@ -139,7 +139,7 @@ def _task(entries: list[Entry]) -> dict[str, Any]:
 
 
 def _metadata(tasks: dict[str, list[Entry]]) -> dict[str, Any]:
-    described = [Described(name, "", schema(of_one)) for name, of_one in tasks.items()]
+    described = [TaskMetadata(name, "", schema(of_one)) for name, of_one in tasks.items()]
     licenses = sorted({e.license for of_one in tasks.values() for e in of_one if e.license})
     count = sum(map(len, tasks.values()))
     return metadata(

@@ -19,7 +19,7 @@ from pydantic import TypeAdapter, ValidationError
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import make_folders
-from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.files import with_remedies
 from wmspec.eval.models.model import Reply
 
 Key = tuple[str, int, int]
@@ -37,7 +37,7 @@ class Journal:
         Raises WmsError if it belongs to another run, is open elsewhere, or cannot be written.
         """
         self.path = path
-        with explained(path):
+        with with_remedies(path):
             make_folders(path.parent)
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
             try:
@@ -76,7 +76,7 @@ class Journal:
     def keep(self, key: Key, reply: Reply) -> None:
         """Append a reply and flush it to disk. Raises WmsError if that fails."""
         id, permutation, sample = key
-        with explained(self.path):
+        with with_remedies(self.path):
             self._append({"id": id, "permutation": permutation, "sample": sample, **asdict(reply)})
 
     def _append(self, value: dict[str, Any]) -> None:
@@ -87,7 +87,7 @@ class Journal:
 
     def discard(self) -> None:
         """Remove the file after its replies have been saved elsewhere."""
-        with explained(self.path):
+        with with_remedies(self.path):
             self.path.unlink()
 
 

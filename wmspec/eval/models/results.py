@@ -18,7 +18,7 @@ import pyarrow.parquet as pq
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_file_name, make_folders, read_bytes, regular_file
-from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.files import with_remedies
 from wmspec.eval.models import reply as replies
 from wmspec.eval.models.journal import Key, Replies
 from wmspec.eval.models.model import Outcome, Reply
@@ -191,7 +191,7 @@ def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
 
 def _whole(path: Path, content: bytes) -> None:
     part = path.with_name(f"{path.name}.part")
-    with explained(path):
+    with with_remedies(path):
         make_folders(path.parent)
         with part.open("wb") as file:
             file.write(content)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.safe_io import make_folders
-from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.files import with_remedies
 from wmspec.eval.report.figures.all import figures
 from wmspec.eval.report.frames import latex, long, wide
 from wmspec.eval.report.page import page
@@ -29,7 +29,7 @@ def write(report: Report, folder: Path) -> Path:
         content["tables/thresholds.csv"] = printed["thresholds"][1].to_csv(lineterminator="\n")
     for name, written in content.items():
         path = folder / name
-        with explained(path):
+        with with_remedies(path):
             make_folders(path.parent)
             path.write_text(written, encoding="utf-8")
     return folder / "report.html"

@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
 from wmspec.core.safe_io import load_image, make_folders
 from wmspec.dataset.build import files
-from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models.question import Question, questions
 from wmspec.eval.study import page, store
@@ -50,7 +50,7 @@ def make(dataset: DatasetReader, options: Options, folder: Path) -> Study:
     chosen = dict(_chosen(dataset, options))
     if "question" not in chosen.values():
         raise WmsError("the dataset has no questions for a study; `wmspec view` shows what it has")
-    with explained(folder):
+    with with_remedies(folder):
         make_folders(pictures)
         items = [_item(question, chosen[question.id], pictures) for question in questions(dataset, chosen)]
     items += _checks(options)

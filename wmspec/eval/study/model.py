@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
-from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.words import READABLE
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.reply import LETTERS
@@ -148,7 +148,7 @@ def load(folder: Path) -> Study:
 def save(study: Study, folder: Path) -> None:
     """Write a study's file. Raises WmsError if it cannot be written."""
     path = folder / FILE
-    with explained(path):
+    with with_remedies(path):
         part = path.with_suffix(".part")
         part.write_text(study.model_dump_json(exclude_defaults=True) + "\n", encoding="utf-8")
         part.replace(path)

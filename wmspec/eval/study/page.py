@@ -10,7 +10,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.resources import resource
 from wmspec.core.safe_io import regular_file
-from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.study.model import PAGE, TEXTS, Item, Study
 
@@ -20,7 +20,7 @@ _LONGEST = 64 << 10
 
 def write(study: Study, folder: Path) -> None:
     """Write missing texts, and the page. Raises WmsError if they cannot be written."""
-    with explained(folder):
+    with with_remedies(folder):
         (folder / TEXTS).mkdir(exist_ok=True)
         for name, text in _texts(study):
             place = folder / TEXTS / f"{name}.txt"
