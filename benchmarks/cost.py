@@ -16,10 +16,10 @@ from pathlib import Path
 os.environ.setdefault("LP_NUM_THREADS", "0")
 
 from wmspec.api.generating import planned
+from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.generate import job_of
 from wmspec.dataset.build.plan import Plan, Task
-from wmspec.dataset.build.units import batches
-from wmspec.dataset.build.worker import Job, CacheStats, make_instances
+from wmspec.dataset.build.worker import CacheStats, Job, make_instances
 from wmspec.runtime.workers.pool import Effort
 
 #: Of a unit so many pieces are made.

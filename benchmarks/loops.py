@@ -25,7 +25,7 @@ from wmspec.backends.pybullet.world import World as PyBullet
 from wmspec.backends.sapien import physics as in_sapien
 from wmspec.backends.sapien.render import bodies, eye
 from wmspec.backends.sapien.world import World as Sapien
-from wmspec.dataset.build.rows import encoded
+from wmspec.dataset.build.rows import encode_picture
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.model.transform import compose
 from wmspec.sim.scene.physics.episode import kinematic_recording, play
@@ -54,7 +54,7 @@ def _mujoco(every: list[tuple[Scene, int]], size: int) -> None:
             with mujoco.Renderer(last, size, size) as renderer:
                 for camera in _cameras(scene, pictures):
                     renderer.update_scene(data, camera=camera.name)
-                    encoded(renderer.render())
+                    encode_picture(renderer.render())
 
 
 def _pybullet(every: list[tuple[Scene, int]], size: int) -> None:
@@ -78,7 +78,7 @@ def _pybullet(every: list[tuple[Scene, int]], size: int) -> None:
                     renderer=pybullet.ER_TINY_RENDERER,
                     physicsClientId=client,
                 )
-                encoded(np.asarray(image[2], np.uint8).reshape(size, size, 4)[..., :3])
+                encode_picture(np.asarray(image[2], np.uint8).reshape(size, size, 4)[..., :3])
             pybullet.disconnect(client)
 
 
@@ -115,7 +115,7 @@ def _sapien(every: list[tuple[Scene, int]], size: int) -> None:
                 world.update_render()
                 eyes[camera.name].take_picture()
                 seen = eyes[camera.name].get_picture("Color")[..., :3]
-                encoded((255 * seen.clip(0, 1)).astype(np.uint8))
+                encode_picture((255 * seen.clip(0, 1)).astype(np.uint8))
 
 
 @cache

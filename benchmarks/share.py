@@ -26,9 +26,9 @@ from wmspec.backends.mujoco.physics import prepare
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
+from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.rows import png
-from wmspec.dataset.build.units import batches
-from wmspec.dataset.build.worker import Job, CacheStats, make_instances
+from wmspec.dataset.build.worker import CacheStats, Job, make_instances
 from wmspec.lang.check.ir.record import to_json
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import load_source

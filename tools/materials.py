@@ -66,11 +66,11 @@ def sheet() -> Image.Image:
     label, name, wide = Style(18, bold=True), Style(15), 110
     parts, names = [], list(MATERIALS)
     for row in (names[i : i + 7] for i in range(0, len(names), 7)):
-        parts.append(typeset.beside([typeset.blank(wide, 1), *(typeset.paragraph(one, label, SIDE) for one in row)], 6))
+        parts.append(typeset.hstack([typeset.blank(wide, 1), *(typeset.paragraph(one, label, SIDE) for one in row)], 6))
         for title, color, look in ROWS:
             pictures = [picture(one, color, look) for one in row]
-            parts.append(typeset.beside([typeset.paragraph(title, name, wide), *pictures], 6, middle=True))
-    return typeset.padded(typeset.above(parts, 6), 14)
+            parts.append(typeset.hstack([typeset.paragraph(title, name, wide), *pictures], 6, middle=True))
+    return typeset.pad(typeset.vstack(parts, 6), 14)
 
 
 def main(output: str = str(OUTPUT)) -> int:

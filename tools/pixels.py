@@ -80,13 +80,13 @@ def sheet() -> Image.Image:
     """A row for each environment, a column for each engine and look."""
     label, name, wide = Style(20, bold=True), Style(17), 150
     heads = [typeset.paragraph(f"{engine}, {look}", label, SIDE) for engine, look in LOOKS]
-    rows = [typeset.beside([typeset.blank(wide, 1), *heads], 8)]
+    rows = [typeset.hstack([typeset.blank(wide, 1), *heads], 8)]
     for place in PLACES:
         scene = still(place)
         pictures = [picture(scene, *look) for look in LOOKS]
-        rows.append(typeset.beside([typeset.paragraph(place, name, wide), *pictures], 8, middle=True))
+        rows.append(typeset.hstack([typeset.paragraph(place, name, wide), *pictures], 8, middle=True))
         print(place, flush=True)
-    return typeset.padded(typeset.above(rows, 8), 16)
+    return typeset.pad(typeset.vstack(rows, 8), 16)
 
 
 def main(output: str = str(OUTPUT)) -> int:

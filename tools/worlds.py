@@ -161,22 +161,22 @@ def rows(cells: Iterable[Image.Image], abreast: int) -> Iterator[Image.Image]:
     """So many beside one another."""
     every = list(cells)
     for i in range(0, len(every), abreast):
-        yield typeset.beside(every[i : i + abreast], GAP)
+        yield typeset.hstack(every[i : i + abreast], GAP)
 
 
 def thing_cell(name: str, library: str, engines: Iterable[str], side: int) -> Image.Image:
     """A thing in each engine, with its name below."""
     what = thing(name, library)
-    cell = typeset.beside([one for engine in engines for one in pictures(what, engine, side)])
+    cell = typeset.hstack([one for engine in engines for one in pictures(what, engine, side)])
     label = typeset.paragraph(name.replace("_", " "), Style(15), cell.width, centred=True)
-    return typeset.above([cell, label])
+    return typeset.vstack([cell, label])
 
 
 def things_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Image.Image:
     """All things."""
     every = things()
     cells = [thing_cell(name, every[name], engines, side) for name in chosen]
-    return typeset.padded(typeset.above(rows(cells, ABREAST if len(tuple(engines)) == 1 else 5), GAP), GAP)
+    return typeset.pad(typeset.vstack(rows(cells, ABREAST if len(tuple(engines)) == 1 else 5), GAP), GAP)
 
 
 def rooms_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Image.Image:
@@ -186,8 +186,8 @@ def rooms_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Ima
         for engine in engines:
             label = typeset.paragraph(f"{name.replace('_', ' ')}, {engine}", Style(15), 90)
             shown = pictures(room(name), engine, side, CAMERAS)
-            lines.append(typeset.beside([label, *shown], GAP, middle=True))
-    return typeset.padded(typeset.above(lines, GAP), GAP)
+            lines.append(typeset.hstack([label, *shown], GAP, middle=True))
+    return typeset.pad(typeset.vstack(lines, GAP), GAP)
 
 
 def town_sheet(side: int, count: int) -> Image.Image:
@@ -197,8 +197,8 @@ def town_sheet(side: int, count: int) -> Image.Image:
         task = wmspec.load_all(library_folder().parent / f"prediction/mechanistic/{spec}.wms")[-1]
         episodes = [task[i * len(task) // count].run("mujoco") for i in range(count)]
         shown = [episode.picture(*episode.views()[0], size=side) for episode in episodes]
-        lines.append(typeset.beside(shown, GAP))
-    return typeset.padded(typeset.above(lines, GAP), GAP)
+        lines.append(typeset.hstack(shown, GAP))
+    return typeset.pad(typeset.vstack(lines, GAP), GAP)
 
 
 def apart(a: Frame, b: Frame) -> tuple[float, float, float]:

@@ -19,8 +19,8 @@ from tests.shared import Shared
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit import balance
 from wmspec.dataset.audit.audit import audit
-from wmspec.dataset.audit.cases import Enlarging, units
-from wmspec.dataset.audit.duplicates import duplicates, enlarged, judged
+from wmspec.dataset.audit.cases import FullSizePictures, units
+from wmspec.dataset.audit.duplicates import duplicates, mark_faint, duplicate_findings
 from wmspec.dataset.audit.model import Audit, Finding
 from wmspec.dataset.build.files import digest
 from wmspec.dataset.build.reader import DatasetReader
@@ -69,14 +69,14 @@ def doubled(folder: Path) -> list[Finding]:
     dataset = DatasetReader.open(folder)
     (task,) = dataset.tasks
     (unit,) = units(dataset, task, 2000)
-    return judged(unit, enlarged(unit, duplicates(unit), Enlarging(dataset, task)))
+    return duplicate_findings(unit, mark_faint(unit, duplicates(unit), FullSizePictures(dataset, task)))
 
 
 def balanced(folder: Path) -> list[Finding]:
     """What it finds about the balance of places and answers, likewise."""
     dataset = DatasetReader.open(folder)
     tested = (balance.tests(unit) for task in dataset.tasks for unit in units(dataset, task, 2000))
-    return [balance.judge(test) for test in balance.weighed([test for tests in tested for test in tests])]
+    return [balance.judge(test) for test in balance.corrected_tests([test for tests in tested for test in tests])]
 
 
 def share(found: Audit, sees: str) -> float:

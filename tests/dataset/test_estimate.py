@@ -7,9 +7,9 @@ import pytest
 
 import wmspec
 from wmspec.core.resources import resource
+from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.estimate import _first_pieces, _rate, _seconds, _spaced_units, _Trial, _Unit
 from wmspec.dataset.build.plan import Task
-from wmspec.dataset.build.units import batches
 from wmspec.dataset.build.worker import Balance
 from wmspec.runtime.workers.pool import Effort, Lost
 

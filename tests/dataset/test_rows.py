@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.dataset.made import ENGINES, asked, make, plan, spec
-from wmspec.dataset.build.pictures import as_png, image_format, encode_webp, decode_image
+from wmspec.dataset.build.images import as_png, decode_image, encode_webp, image_format
 from wmspec.dataset.build.rows import COLUMNS, encode, schema, table
 
 SHARDS = "data/{}/test-*.parquet"

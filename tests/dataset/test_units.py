@@ -6,7 +6,7 @@ import pytest
 
 import wmspec
 from wmspec.core.resources import resource
-from wmspec.dataset.build.units import MAX_BATCH, batches
+from wmspec.dataset.build.batching import MAX_BATCH, batches
 from wmspec.runtime.questions.closed_sets import has_closed_set
 
 TASKS = {

@@ -21,7 +21,7 @@ from tests.engines import installed
 from wmspec.api import generate
 from wmspec.api.verifying import verify
 from wmspec.core.diagnostics import WmsError
-from wmspec.dataset.build.pictures import encode_png
+from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.shards import parquet
 
 

@@ -13,7 +13,7 @@ import pytest
 import wmspec
 from tests.engines import installed
 from wmspec.compile.layout.values import Values
-from wmspec.dataset.build.words import human
+from wmspec.dataset.build.format_units import format_value
 from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.runtime.questions.verbalize import verbalize
 
@@ -86,7 +86,7 @@ def test_run_tells_the_middle_of_a_compound_as_measures_do(tmp_path: Path) -> No
 def test_a_mass_is_said_as_people_do(mass: float, words: str) -> None:
     values = Values(task("t", thing("camera", "front", at=(0, -1, 1)), observe("front", [0.0])), {})
     assert verbalize(mass, "mass", values) == words
-    assert mass < 1 or human(mass, "kg") == words
+    assert mass < 1 or format_value(mass, "kg") == words
 
 
 def test_who_reads_no_further_is_no_failure() -> None:

@@ -15,7 +15,7 @@ from PIL import Image
 from tests.browser import opened
 from tests.endtoend.test_commands import wmspec
 from tests.gallery.test_browser import chosen, counted, questions
-from wmspec.dataset.build.pictures import encode_png
+from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.gallery.gallery import folder, html
 from wmspec.eval.gallery.paths import paths

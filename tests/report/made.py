@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.dataset.build.dataset import Dataset
-from wmspec.dataset.build.pictures import encode_png
+from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.rows import COLUMNS, Row, identity, schema

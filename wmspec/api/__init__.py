@@ -1,6 +1,6 @@
-"""The public Python API: everything here may be relied on, and nothing else of wmspec.
+"""The public Python API; all other modules of wmspec may change.
 
-The names are those of `import wmspec` too. Each is imported when it is first used, so that `import wmspec` is quick.
+The names are also those of `import wmspec`. Each is imported on first use, so that `import wmspec` is quick.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from wmspec.core.diagnostics import WmsError as WmsError
     from wmspec.runtime.engines.registry import register as register
 
-#: Every public name and the module in which it is.
+#: Public name -> the module that defines it.
 HOMES = {
     "Agreement": "wmspec.api.agreement",
     "DatasetOptions": "wmspec.api.generating",

@@ -1,4 +1,4 @@
-"""Publishing a dataset without showing it."""
+"""Publish hashes of a dataset that stays private."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from wmspec.api.generating import generate
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.verifying import drawn_in, unpacked
+from wmspec.dataset.attestation import Attestation, attest, differences
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.dataset.seal import Seal, differences, sealed
 
-#: One in so many tasks is shown, with as many instances at most.
-SHOWN, INSTANCES = 10, 50
+#: Every n-th task is in the public sample.
+SAMPLE_STRIDE = 10
+#: The most instances per task in the public sample.
+MAX_SAMPLE_INSTANCES = 50
 
 
 def attest(
@@ -26,24 +28,24 @@ def attest(
     workers: int | None = None,
     progress: Progress = silent,
     tell: Tell = warn,
-) -> Seal:
-    """Write what can be published of a dataset that stays private: `attest.json`, and a dataset `debug` to try things on.
+) -> Attestation:
+    """Write the public attestation of a private dataset: `seal.json` with hashes, and a sample dataset `debug`.
 
-    That one has a tenth of the tasks, one at least, up to 50 instances of each, made in the same way with seed 0.
+    The sample has a tenth of the tasks, at least one, with up to 50 instances each, generated with seed 0.
 
     Raises:
-        WmsError: there is no finished dataset, it is damaged, its seed can be guessed, or `output` cannot be written.
+        WmsError: the dataset is unfinished or damaged, its seed can be guessed, or `output` cannot be written.
     """
     reader, folder = DatasetReader.open(Path(dataset)), Path(output)
     reader.intact()
-    made = sealed(reader)
-    shown = set(reader.tasks[::SHOWN])
+    made = attest(reader)
+    shown = set(reader.tasks[::SAMPLE_STRIDE])
     with TemporaryDirectory() as scratch:
         tasks = [t for t in gathered(unpacked(reader, Path(scratch)), 0, tell) if t.name in shown]
         generate(
             tasks,
             folder / "debug",
-            per_task=INSTANCES,
+            per_task=MAX_SAMPLE_INSTANCES,
             backend=",".join(made.engines),
             size=made.size,
             consensus=reader.manifest["consensus"],
@@ -59,10 +61,10 @@ def attest(
 
 
 def check(dataset: str | PathLike[str], sealed_as: str | PathLike[str]) -> tuple[str, ...]:
-    """What of a dataset is not what the seal in the file `sealed_as` says, in sentences.
+    """Return the differences between a dataset and the attestation in the file `sealed_as`, one sentence each.
 
-    Raises WmsError if there is no dataset, or no seal, or if the dataset is damaged.
+    Raises WmsError if there is no dataset or no attestation, or if the dataset is damaged.
     """
     reader = DatasetReader.open(Path(dataset))
     reader.intact()
-    return tuple(differences(Seal.read(Path(sealed_as)), reader))
+    return tuple(differences(Attestation.read(Path(sealed_as)), reader))

@@ -24,15 +24,15 @@ if TYPE_CHECKING:
     from wmspec.api.loading import Diagnosis
     from wmspec.lang.parse.load import Program
 
-#: Codes of mistakes that depend on more than is compared, such as on what else there is in a folder: not cached.
+#: Codes of mistakes that also depend on the files in a folder; their results are not cached.
 _LISTING = frozenset({"WMS207", "WMS208", "WMS210"})
-#: If a spec names other files, all files in its folder count, up to so many and so many bytes; with more, not cached.
+#: A result that depends on folders with more files or bytes than this is not cached.
 MOST_FILES, MOST_BYTES = 1000, 50_000_000
 
 
 @dataclass(frozen=True)
 class CheckedTask:
-    """A task of a spec: how many instances it has, its sample sizes, the question that it balances, if it is wrong."""
+    """A task of a spec: its number of instances, its sample sizes, its balanced question, and whether it has mistakes."""
 
     name: str
     instances: int
@@ -44,19 +44,19 @@ class CheckedTask:
 
 @dataclass(frozen=True)
 class Checked:
-    """What `wmspec check` says of specs."""
+    """The result of `wmspec check`."""
 
     diagnostics: tuple[Diagnostic, ...]
     tasks: tuple[CheckedTask, ...]
 
     @property
     def passed(self) -> bool:
-        """Whether there is no mistake; warnings are none."""
+        """Whether there are no errors; warnings are allowed."""
         return not any(d.severity == "error" for d in self.diagnostics)
 
 
 def check_files(paths: Iterable[Path]) -> Checked:
-    """What is wrong with spec files, and with all specs in folders. Raises WmsError if one cannot be read."""
+    """Check spec files and all specs in folders. Raises WmsError if one cannot be read."""
     checked = [_checked(path) for path in spec_files(paths)]
     if len(checked) == 1:
         return checked[0]
@@ -67,7 +67,7 @@ def check_files(paths: Iterable[Path]) -> Checked:
 
 
 def check_text(source: Source) -> Checked:
-    """What is wrong with a text, whose libraries are looked for in the working folder."""
+    """Check a text, whose libraries are searched in the working folder."""
     from wmspec.api.loading import diagnose
 
     return _of(diagnose(text=source.text))
@@ -101,7 +101,10 @@ def _of(diagnosis: Diagnosis) -> Checked:
 
 
 def _entry(path: Path) -> str:
-    """One entry for each spec, so that a spec that changes replaces its own. Messages show the path as it was given."""
+    """Return the name of the cache entry of a spec, so that a changed spec replaces its own entry.
+
+    It depends on the path as given, since messages contain that path.
+    """
     return f"check-{disk_cache.digest(repr((os.getcwd(), str(path), *_context())).encode())[:32]}.json"  # noqa: PTH109
 
 
@@ -110,13 +113,13 @@ def _context() -> tuple[str, ...]:
 
 
 def _record(path: Path, checked: Checked, program: Program, searched: set[Path]) -> dict[str, Any] | None:
-    """What is kept of a result, with all that it depends on; None if that cannot be compared."""
+    """Return a result with everything that it depends on, as JSON values; None if that cannot be compared."""
     if any(d.code in _LISTING for d in checked.diagnostics):
         return None
     sources = {program.source.name: program.source}
     sources |= {file.span.source.name: file.span.source for file in program.libraries.values()}
     if len(sources) != 1 + len(program.libraries):
-        return None  # two texts of one name
+        return None  # two texts with the same name
     homes = {file.span.source.name: library.parent for library, file in program.libraries.items()}
     uses = {
         (span.text, str(homes.get(span.source.name, path.parent)), str(library))
@@ -142,7 +145,7 @@ def _record(path: Path, checked: Checked, program: Program, searched: set[Path])
 
 
 def _cached(entry: str, path: Path) -> Checked | None:
-    """The result that is kept for a file, if nothing that it depends on has changed."""
+    """Return the cached result of a file; None if anything that it depends on has changed."""
     content = disk_cache.read(entry)
     if content is None:
         return None
@@ -163,7 +166,13 @@ def _cached(entry: str, path: Path) -> Checked | None:
             return None
         diagnostics = tuple(_read(d, sources) for d in record["diagnostics"])
         return Checked(diagnostics, tuple(CheckedTask(*task) for task in record["tasks"]))
-    except (WmsError, ValueError, TypeError, KeyError, AttributeError):  # a library is gone; or another wrote the entry
+    except (
+        WmsError,
+        ValueError,
+        TypeError,
+        KeyError,
+        AttributeError,
+    ):  # a missing library, or an entry of another version
         return None
 
 
@@ -172,7 +181,7 @@ def _digest(source: Source) -> str:
 
 
 def _state(folder: Path) -> str | None:
-    """A digest of all files in a folder and below it but specs; None if there are too many, or one cannot be read."""
+    """Return a digest of all files below a folder except specs; None if there are too many, or one cannot be read."""
     facts: list[tuple[str, str]] = []
     left = MOST_BYTES
     try:
@@ -202,7 +211,7 @@ def _names(folder: str) -> Iterator[str]:
 
 
 class _Elsewhere(Exception):
-    """A diagnostic points into a text that the result does not depend on."""
+    """Raised if a diagnostic points into a text that the result does not depend on."""
 
 
 def _written(d: Diagnostic, sources: Mapping[str, Source]) -> dict[str, Any]:

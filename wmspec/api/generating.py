@@ -1,4 +1,4 @@
-"""Datasets of tasks."""
+"""Generate datasets."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ from wmspec.sim.scene.model import Look
 
 
 class DatasetOptions(TypedDict, total=False):
-    """What a dataset is to hold.
+    """The content of a dataset.
 
-    `per_task`: how many instances of each task, drawn at random; if left out, as many as the paper has of its tasks,
-    and all of others; `full`: all. `part`: only share i of n of them, (i, n). `dimensions`: only tasks of these.
-    `backend`: engines, joined by commas, or "all"; `renderer`: the one that draws, if not each what it executes.
-    `consensus`: keep a question if "all" engines agree on it, the "majority", or "none" need to. `seed`: what the draws
-    depend on, of tasks that are given by their path. `size` (px), `look` and `samples`: as in `RenderOptions`. `licence`:
-    that of the data, such as "CC-BY-4.0"; if left out, what the specs say, and CC-BY-4.0 if all come with wmspec.
+    `per_task`: number of random instances per task, by default that of WM-ABench for its tasks and all instances for
+    others; `full`: all instances. `part`: (i, n), only share i of n. `dimensions`: only tasks of these. `backend`:
+    engines, separated by commas, or "all". `renderer`: one engine that draws all episodes; by default each engine draws
+    its own. `consensus`: keep a question if "all" engines agree, if the "majority" agrees, or always ("none"). `seed`:
+    random seed of tasks given by path. `size` (pixels), `look` and `samples`: see `RenderOptions`. `licence`: SPDX
+    identifier of the data licence, by default that of the specs, and CC-BY-4.0 for specs of wmspec.
     """
 
     per_task: int | None
@@ -60,7 +60,7 @@ class DatasetOptions(TypedDict, total=False):
 
 Executor = Literal["local", "ray"]
 
-#: The licence of the data that our own specs make, if no other is chosen.
+#: The default licence of data from the specs of wmspec.
 OURS = "CC-BY-4.0"
 
 
@@ -76,100 +76,100 @@ def generate(
     address: str = "",
     progress: Progress = silent,
     tell: Tell = warn,
-    **choices: Unpack[DatasetOptions],
+    **options: Unpack[DatasetOptions],
 ) -> Summary:
-    """Make a dataset of tasks: Parquet with pictures, a manifest and a card, in the folder `output`.
+    """Generate a dataset from tasks in the folder `output`: Parquet with pictures, a manifest and a card.
 
-    Stopped or killed, the same call goes on with the next instance.
+    The same call resumes an interrupted run.
 
     Args:
-        tasks: a task, the path of a spec or of a folder of them, or several.
-        output: the folder.
-        reuse: folders to take instances from that were made before.
+        tasks: a task, the path of a spec or of a folder of specs, or several of these.
+        output: the dataset folder.
+        reuse: folders of earlier datasets whose instances are reused.
         force: whether to replace a different dataset in the folder.
-        workers: processes, 0 to have none; one for each core if it is left out.
-        timeout: seconds that an instance may take.
-        executor: "local", processes of this machine, or "ray", those of a Ray cluster. What is made is the same.
-        address: of the Ray cluster, such as "auto" or "10.0.0.5:6379"; one of this machine alone if it is left out.
-        progress: shows how far it has come; `wmspec.progress_bar` does.
-        tell: told what is left out, and what was damaged and is made again.
-        **choices: what it is to hold, see `DatasetOptions`.
+        workers: number of processes; 0 runs in this one. One per core by default.
+        timeout: time limit per instance, in seconds.
+        executor: "local" processes or a "ray" cluster. The dataset is the same.
+        address: of the Ray cluster, such as "auto" or "10.0.0.5:6379"; this machine only by default.
+        progress: shows the progress, such as `wmspec.progress_bar`.
+        tell: receives warnings, and notices of damaged files that are generated again.
+        **options: see `DatasetOptions`.
 
     Returns:
-        What was kept and what was rejected, counted.
+        The numbers of kept and rejected questions.
 
     Raises:
-        WmsError: two choices exclude each other, an engine is missing, there is no such cluster, or the folder cannot
-            be used.
+        WmsError: two options exclude each other, an engine is missing, the cluster is not reachable, or the folder
+            cannot be used.
     """
-    plan = planned(tasks, tell, **choices)
+    plan = planned(tasks, tell, **options)
     before = PriorInstances([Path(folder) for folder in reuse], plan)
     with Dataset.open(Path(output), plan, force) as dataset:
         for notice in dataset.notices:
             tell(notice)
         pending = sum(len(shard.indices) for shard in dataset.pending())
         with (
-            crew(executor, address, workers, timeout, plan) as hands,
+            crew(executor, address, workers, timeout, plan) as workers_of_plan,
             progress(pending, "generating") as advance,
         ):
-            spent = make(dataset, hands, advance, before)
+            spent = make(dataset, workers_of_plan, advance, before)
         return replace(dataset.finish(), shared=spent.shared, balance=spent.balance, crash=spent.crash)
 
 
 def crew(
     executor: Executor, address: str, workers: int | None, timeout: float, plan: Plan
 ) -> AbstractContextManager[Effort]:
-    """Who does the work of a plan. Raises WmsError if an address is given for what has none."""
+    """Return the workers of a plan, as a context. Raises WmsError for an address without Ray."""
     if executor == "ray":
         return ray_cluster(address, workers, timeout, plan.versions)
     if address:
-        raise WmsError("`address` is that of a Ray cluster", help="give `executor` ray, too")
+        raise WmsError("`address` is for Ray clusters", help="set `executor` to ray too")
     return nullcontext(effort(workers, timeout, plan.engines))
 
 
-def planned(tasks: Tasks, tell: Tell = warn, **choices: Unpack[DatasetOptions]) -> Plan:
-    """What a dataset is to hold, before anything is made. Raises WmsError where `generate` would."""
-    look, renderer, backend = choices.get("look", "parity"), choices.get("renderer", ""), choices.get("backend", "all")
-    per_task, full = choices.get("per_task"), choices.get("full", False)
+def planned(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptions]) -> Plan:
+    """Return the plan of a dataset, before anything is generated. Raises WmsError where `generate` would."""
+    look, renderer, backend = options.get("look", "parity"), options.get("renderer", ""), options.get("backend", "all")
+    per_task, full = options.get("per_task"), options.get("full", False)
     if full and per_task:
-        raise WmsError("`full` makes all instances and `per_task` some of them; give one of the two")
-    if not -(1 << 63) <= choices.get("seed", 0) < 1 << 63:
-        raise WmsError(f"a seed is a number from {-(1 << 63)} to {(1 << 63) - 1}, which a column of a dataset can hold")
-    chosen_tasks = gathered(tasks, choices.get("seed"), tell, choices.get("dimensions", ()))
+        raise WmsError("`full` and `per_task` exclude each other; give one of the two")
+    if not -(1 << 63) <= options.get("seed", 0) < 1 << 63:
+        raise WmsError(f"a seed is an integer from {-(1 << 63)} to {(1 << 63) - 1}")
+    chosen_tasks = gathered(tasks, options.get("seed"), tell, options.get("dimensions", ()))
     engines = chosen(backend) if renderer else drawing(chosen(backend), look)
     drawers = drawing(chosen(renderer), look) if renderer else engines
     if renderer and len(drawers) > 1:
-        raise WmsError("one engine draws; name it as `renderer`, or leave it out so that each draws for itself")
+        raise WmsError("`renderer` expects one engine; without it, each engine draws its own episodes")
     for task in chosen_tasks:
         if not task.questions:
-            raise WmsError(f"the task `{task.name}` has no question, so there is nothing to generate")
+            raise WmsError(f"the task `{task.name}` has no question; nothing to generate")
     return Plan(
         texts=texts(chosen_tasks),
-        tasks=tuple(PlannedTask(t.spec, indices(t, per_task, full, choices.get("part", (1, 1)))) for t in chosen_tasks),
+        tasks=tuple(PlannedTask(t.spec, indices(t, per_task, full, options.get("part", (1, 1)))) for t in chosen_tasks),
         engines=engines,
-        size=pixels(choices.get("size", SIDE)),
+        size=pixels(options.get("size", SIDE)),
         seed=chosen_tasks[0].seed,
-        consensus=choices.get("consensus", "all"),
+        consensus=options.get("consensus", "all"),
         look=look,
-        samples=samples_of(look, choices.get("samples")),
+        samples=samples_of(look, options.get("samples")),
         renderer=drawers[0] if renderer else "",
-        licence=_licence(chosen_tasks, choices.get("licence", "")),
+        licence=_licence(chosen_tasks, options.get("licence", "")),
         versions=versions({*engines, *drawers}, look),
     )
 
 
 def _licence(tasks: Sequence[Task], chosen: str) -> str:
-    """The licence of the data; empty if each spec says its own. Raises WmsError if it is no name of one."""
+    """Return the data licence; empty if each spec states its own. Raises WmsError if it is no SPDX identifier."""
     if chosen and not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,60}", chosen):
         raise WmsError(
-            f"`{chosen}` is no name of a licence", help="give its SPDX identifier, such as CC-BY-4.0 or CC0-1.0"
+            f"`{chosen}` is not a licence identifier", help="give its SPDX identifier, such as CC-BY-4.0 or CC0-1.0"
         )
     ours = resource("specs").resolve()
     return chosen or (OURS if all(t.path and t.path.resolve().is_relative_to(ours) for t in tasks) else "")
 
 
 def texts(tasks: Sequence[Task]) -> dict[str, str]:
-    """The specs and what they use, by file name, with as much of the path as tells two files apart."""
+    """Return the specs and their libraries by file name, with as much of the path as is needed to be unique."""
     programs = {task.path.resolve() if task.path else Path(task.file): task.program for task in tasks}
     read: dict[str, str] = {}
     for path in sorted(programs):
@@ -181,7 +181,7 @@ def texts(tasks: Sequence[Task]) -> dict[str, str]:
 
 
 def indices(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:
-    """The instances to make: all, or a sample as large as asked for or as the paper's, and of these a share."""
+    """Return the indices to generate: all, or a sample of the requested or the paper's size; of these a share."""
     count = len(task) if full else per_task or instance_count(task.name, task.questions)
     if min(count or len(task), len(task)) > INSTANCES.most:
         raise WmsError(f"`{task.name}` {INSTANCES.sentence}", help=INSTANCES.help)

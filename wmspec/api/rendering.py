@@ -1,4 +1,4 @@
-"""How pictures are drawn, and who draws them."""
+"""Options of rendering, and the renderer for them."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import drawing
 from wmspec.sim.scene.model import Look
 
-#: How few and how many pixels the side of a picture may have.
+#: The smallest and the largest side of a picture, in pixels.
 LEAST_SIDE, MOST_SIDE = 16, 4096
-#: How many it has if nobody says.
+#: The default side, in pixels.
 SIDE = 384
 
 
 class RenderOptions(TypedDict, total=False):
-    """How pictures are drawn.
+    """Options of rendering.
 
-    `size`: the side of a square, or (width, height), px; 384. `renderer`: the engine that draws, if not the one that
-    executed. `look`: the same picture from every engine ("parity"), or a path-traced one by Mitsuba ("photo"), with so
-    many `samples` a pixel.
+    `size`: the side of a square, or (width, height), in pixels; 384 by default. `renderer`: the engine that draws, by
+    default the one that executed. `look`: "parity", equal in all engines, or "photo", path-traced by Mitsuba with this
+    many `samples` per pixel.
     """
 
     size: int | tuple[int, int]
@@ -38,14 +38,14 @@ def renderer_of(
     look: Look = "parity",
     samples: int | None = None,
 ) -> RenderCache:
-    """Who draws what an engine executed. Raises WmsError if it cannot be drawn so."""
+    """Return the renderer for episodes of an engine. Raises WmsError if it does not support these options."""
     samples = samples_of(look, samples)
     (drawer,) = drawing((renderer or engine,), look)
     return _kept(drawer, *pixels(size), look, samples)
 
 
 def pixels(size: int | tuple[int, int]) -> tuple[int, int]:
-    """Width and height, px. Raises WmsError if they are too few or too many."""
+    """Return width and height in pixels. Raises WmsError if they are out of range."""
     width, height = size if isinstance(size, tuple) else (size, size)
     if not all(LEAST_SIDE <= side <= MOST_SIDE for side in (width, height)):
         raise WmsError(f"size {width}x{height}: each side of a picture has {LEAST_SIDE} to {MOST_SIDE} pixels")
@@ -53,13 +53,13 @@ def pixels(size: int | tuple[int, int]) -> tuple[int, int]:
 
 
 def samples_of(look: Look, samples: int | None) -> int | None:
-    """The samples a pixel, if the look has any. Raises WmsError if not."""
+    """Return the samples per pixel. Raises WmsError if the look has none."""
     if look == "parity" and samples is not None:
-        raise WmsError("the look `parity` has no samples to choose; leave them out, or draw with `--look photo`")
+        raise WmsError("the look `parity` has no samples; omit them, or use `--look photo`")
     return samples
 
 
 @cache
 def _kept(engine: str, width: int, height: int, look: Look, samples: int | None) -> RenderCache:
-    """One renderer for all pictures that are drawn alike: making one takes longer than drawing."""
+    """Return one shared renderer for equal options: creating one takes longer than drawing."""
     return RenderCache(engine, width, height, look, samples)

@@ -1,4 +1,4 @@
-"""Making a part of a dataset again."""
+"""Regenerate part of a dataset and compare."""
 
 from __future__ import annotations
 
@@ -34,18 +34,18 @@ def verify(
     progress: Progress = silent,
     tell: Tell = warn,
 ) -> Verification:
-    """Make instances of a dataset again, from the specs in its manifest, and compare them with its rows.
+    """Regenerate instances of a dataset from the specs in its manifest and compare them with its rows.
 
     Args:
         folder: the dataset.
-        sample: how many instances of each task, spread over it (whole groups of closed sets); all if it is None.
-        workers: processes, 0 to have none; one for each core if it is left out.
-        timeout: seconds that an instance may take.
-        progress: shows how far it has come.
-        tell: told what the specs are warned of.
+        sample: number of instances per task, spread evenly (whole groups of closed sets); None for all.
+        workers: number of processes; 0 runs in this one. One per core by default.
+        timeout: time limit per instance, in seconds.
+        progress: shows the progress.
+        tell: receives warnings of the specs.
 
     Raises:
-        WmsError: there is no finished dataset, its files are damaged, or its specs cannot be read here.
+        WmsError: the dataset is unfinished or damaged, or its specs cannot be read.
     """
     dataset = DatasetReader.open(Path(folder))
     dataset.intact()
@@ -60,7 +60,7 @@ def verify(
 
 
 def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
-    """The specs of a manifest as files, each with all libraries beside it."""
+    """Write the specs of a manifest to files, each in a folder with all libraries; return their paths."""
     texts = {name: spec["text"] for name, spec in dataset.manifest["specs"].items()}
     tasks = {name: text for name, text in texts.items() if not name.startswith(LIBRARY)}
     libraries = {name.removeprefix(LIBRARY): text for name, text in texts.items() if name.startswith(LIBRARY)}
@@ -77,7 +77,7 @@ def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
 
 
 def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan:
-    """The dataset's plan, with some of its instances."""
+    """Return the plan of the dataset, restricted to a sample of its instances."""
     manifest, plan = dataset.manifest, drawn_in(dataset)
     engines = chosen(",".join(manifest["engines"]))
     drawers = drawing([plan.renderer] if plan.renderer else engines, plan.look)
@@ -96,7 +96,7 @@ def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan
 
 
 class Drawn(NamedTuple):
-    """How a dataset's pictures were drawn."""
+    """The render settings of a dataset."""
 
     look: Look
     samples: int | None
@@ -104,7 +104,7 @@ class Drawn(NamedTuple):
 
 
 def drawn_in(dataset: DatasetReader) -> Drawn:
-    """What its plan says; the usual look for an older dataset, and for one that was copied without its plan."""
+    """Return the render settings of a dataset; the defaults if it has no plan file."""
     plan = read_plan(dataset.folder)
     return Drawn(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", ""))
 
@@ -116,7 +116,7 @@ def _indices(dataset: DatasetReader, task: Task) -> list[int]:
 
 
 def _spread(indices: list[int], sample: int | None) -> tuple[int, ...]:
-    """Some of the instances, from all over."""
+    """Return a sample of the instances, spread evenly."""
     if sample is None or sample >= len(indices):
         return tuple(indices)
     picked = {indices[(2 * i + 1) * len(indices) // (2 * sample)] for i in range(sample)}

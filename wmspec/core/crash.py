@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 
-from wmspec.core.diagnostics import visible
+from wmspec.core.diagnostics import escape_controls
 
 #: The exit code of a command that met one: EX_SOFTWARE of sysexits.h.
 EXIT_CODE = 70
@@ -55,7 +55,7 @@ class Crash:
 
     def told(self) -> str:
         """What a terminal shows: type and message in full, the file with the rest, how to report it."""
-        return f"{visible(self.summary)}\n{self.advice(self.save())}"
+        return f"{escape_controls(self.summary)}\n{self.advice(self.save())}"
 
     def advice(self, path: Path | None) -> str:
         """The place, the file with the full text, and how to report it, a line each."""

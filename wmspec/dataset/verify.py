@@ -16,16 +16,16 @@ from typing import Any, Literal
 import numpy as np
 from PIL import Image
 
+from wmspec.dataset.build.batching import batches, weight
 from wmspec.dataset.build.generate import job_of
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.reader import CHANNELS, PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row, identity
-from wmspec.dataset.build.units import batches, weight
 from wmspec.dataset.build.worker import make_instances
 from wmspec.runtime.workers.pool import Effort, Lost, by_units
 
 #: Relative and absolute (SI units) tolerance within which numbers are nearly equal.
-NEAR, NEAR_ZERO = 0.01, 1e-3
+NEAR_RELATIVE, NEAR_ABSOLUTE = 0.01, 1e-3
 #: Mean absolute difference of pixel values (0 to 255) below which pictures are nearly equal.
 NEAR_PIXELS = 2.0
 
@@ -76,7 +76,7 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
     )
     with closing(by_units(make_instances, every, effort, lambda p: weight(tasks[p[1]].spec, p[2]))) as outcomes:
         for (_, name, indices), made in outcomes:
-            there = _there(dataset, name, indices)
+            there = _stored_rows(dataset, name, indices)
             for at, index in enumerate(indices):
                 here = made if isinstance(made, Lost) else {row["id"]: row for row in made.outcomes[at].rows}
                 rejected = (
@@ -90,7 +90,7 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
                 for engine in plan.engines:
                     for q in range(len(tasks[name].spec.questions)):
                         id_ = identity(name, index, q, engine)
-                        differences += _compared(id_, there.get(id_), here, rejected)
+                        differences += _compare(id_, there.get(id_), here, rejected)
                         questions += 1
                 progress(name, 1)
     there_versions = dataset.manifest["versions"]
@@ -98,13 +98,13 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
     return Verification(questions, tuple(sorted(differences, key=lambda d: d.id)), versions)
 
 
-def _there(dataset: DatasetReader, task: str, indices: Sequence[int]) -> dict[str, Row]:
+def _stored_rows(dataset: DatasetReader, task: str, indices: Sequence[int]) -> dict[str, Row]:
     """Return the dataset's rows of the given instances, by id."""
     columns = dataset.columns(task)
     return {row["id"]: row for row in dataset.rows(task, columns, set(indices))} if columns else {}
 
 
-def _compared(
+def _compare(
     id_: str, there: Row | None, here: Mapping[str, Row] | Lost, rejected: Mapping[str, str]
 ) -> Iterator[Difference]:
     """Yield the first difference of a question, if any."""
@@ -122,20 +122,20 @@ def _compared(
 def _column(id_: str, name: str, there: Any, here: Any) -> Iterator[Difference]:
     """Yield the difference of one column, if any."""
     if name in (*PICTURES, *CHANNELS):
-        yield from _pictures(id_, name, there or [], here or [])
-    elif (words := _apart(there, here)) is not None:
+        yield from _picture_differences(id_, name, there or [], here or [])
+    elif (words := _value_difference(there, here)) is not None:
         yield Difference(id_, name, f"{_short(there)} in the dataset, {_short(here)} here{words[0]}", words[1])
 
 
-def _apart(there: Any, here: Any) -> tuple[str, bool] | None:
+def _value_difference(there: Any, here: Any) -> tuple[str, bool] | None:
     """Return a description of the difference of two values and whether it is small; None if they are equal."""
     if there == here or (isinstance(there, list | tuple) and list(there) == list(here or ())):
         return None
     a, b = _numbers(there), _numbers(here)
-    if a is None or b is None or len(a) != len(b) or _words(there) != _words(here):
+    if a is None or b is None or len(a) != len(b) or _without_numbers(there) != _without_numbers(here):
         return "", False
     gaps = [abs(x - y) for x, y in zip(a, b, strict=True)]
-    near = all(math.isclose(x, y, rel_tol=NEAR, abs_tol=NEAR_ZERO) for x, y in zip(a, b, strict=True))
+    near = all(math.isclose(x, y, rel_tol=NEAR_RELATIVE, abs_tol=NEAR_ABSOLUTE) for x, y in zip(a, b, strict=True))
     return f", {max(gaps):.2g} apart", near
 
 
@@ -148,13 +148,13 @@ def _numbers(value: Any) -> list[float] | None:
     return numbers or None
 
 
-def _words(value: Any) -> Any:
+def _without_numbers(value: Any) -> Any:
     """Return a value with its floating-point numbers removed."""
     if isinstance(value, float):
         return None
     if isinstance(value, dict):
-        return {name: _words(part) for name, part in value.items()}
-    return [_words(part) for part in value] if isinstance(value, list | tuple) else value
+        return {name: _without_numbers(part) for name, part in value.items()}
+    return [_without_numbers(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def _short(value: Any) -> str:
@@ -162,7 +162,7 @@ def _short(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _pictures(id_: str, name: str, there: Sequence[Any], here: Sequence[Any]) -> Iterator[Difference]:
+def _picture_differences(id_: str, name: str, there: Sequence[Any], here: Sequence[Any]) -> Iterator[Difference]:
     """Yield the differences of a picture column."""
     if len(there) != len(here):
         yield Difference(id_, name, f"{len(there)} pictures in the dataset, {len(here)} here", False)

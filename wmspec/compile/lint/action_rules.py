@@ -1,4 +1,4 @@
-"""Rules on what actions and drives are to do in an instance, and cannot: their object is gone, their target beyond."""
+"""Rules on actions and drives that cannot take effect: absent objects, targets beyond limits."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wmspec.core.places import Location
 
 @rule("WMS304")
 def target_beyond_limit(scene: Scene) -> Iterator[Breach]:
-    """A drive that is sent beyond a limit of its joint: it presses against that for good."""
+    """Find drives with a target beyond a limit of their joint."""
     values = scene.values
     for thing in values.spec.things:
         if thing.kind == "joint" and values.there(thing.name) and values.has(thing.name, "target"):
@@ -34,7 +34,7 @@ def _beyond(scene: Scene, owner: str, joint: str, place: Location) -> Iterator[B
 
 @rule("WMS304")
 def acts_on_nothing(scene: Scene) -> Iterator[Breach]:
-    """An action on what is not there, or no longer."""
+    """Find actions on objects that are absent or have vanished."""
     values = scene.values
     for action in values.spec.things:
         if action.kind != "action" or "object" not in action.properties or action.added:

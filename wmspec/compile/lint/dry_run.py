@@ -1,4 +1,4 @@
-"""Trying a spec out: the scenes of a sample of instances and counterfactuals are built, nothing is executed."""
+"""Dry run: builds the scenes of sampled instances and counterfactuals without executing them."""
 
 from __future__ import annotations
 
@@ -29,16 +29,17 @@ from wmspec.core.diagnostics import Report
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.parse.load import with_source_text
 
-#: How many instances are tried. Of so many things all are built, a third of them with every counterfactual; else fewer.
+#: Maximum number of sampled instances. With up to THINGS entities all are built, a third with counterfactuals; else
+#: fewer.
 TRIED, THINGS = 12, 100
-#: However many things there are, so many are built, half of them with every counterfactual.
+#: Minimum number of scenes built, half of them with counterfactuals.
 FEWEST = 4
-#: What a robot does takes as long to plan as so many things to build.
+#: Cost of planning one robot action, in entities.
 PLANNED = 40
 
 
 def dry_run(spec: TaskSpec, report: Report) -> Design | None:
-    """Report what goes wrong with the values of a spec; returns its design, if it has one."""
+    """Report errors in the values of a spec; returns its design, or None if it has none."""
     linter, depend, design = Linter(), Dependencies(spec), None
     with linter.going_on():
         linter.check(Task(spec, depend), (*task_rules.RULES, *giveaway_rules.TASK_RULES))
@@ -60,7 +61,7 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
 
 
 def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
-    """Lint the scene of an instance, with its counterfactuals if `changed`. Raises WmsError if it cannot be staged."""
+    """Lint the scene of an instance, with its counterfactuals if `changed`. Raises WmsError if it cannot be built."""
     spec, instance = scene.values.spec, scene.instance
     stage = episode.built(scene.values)
     linter.check(scene, scene_rules.RULES)

@@ -1,4 +1,4 @@
-"""Rules on questions that can be answered without what they are about."""
+"""Rules on questions whose answer is given away by the text or the pictures."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from wmspec.lang.check.ir.evaluate import evaluate, parts
 from wmspec.lang.check.ir.ir import Interpolation, Question, Ref, time_of_last_picture
 from wmspec.lang.check.types import units
 
-#: What pictures show of a thing whatever happens to it.
+#: Properties that are visible in every picture.
 _LOOKS = ("form", "color", "material", "image", "scale")
-#: Times closer than this (s) are one.
+#: Times closer than this (s) are equal.
 _MOMENT = 1e-9
 
 
 @rule("WMS510")
 def told_by_text(task: Task) -> Iterator[Breach]:
-    """A text that says all that decides between the options, or the answer itself."""
+    """Find texts that contain everything that distinguishes the options, or the answer itself."""
     for question in task.spec.questions:
         mentioned = [part.value for part in question.text if isinstance(part, Interpolation)]
         decisive = {varied.factor for varied in question.orbit}
@@ -35,7 +35,7 @@ def told_by_text(task: Task) -> Iterator[Breach]:
 
 @rule("WMS510")
 def told_by_looks(task: Task) -> Iterator[Breach]:
-    """A state of a closed set that all pictures show: two of the options can be left aside at once."""
+    """Find states of a closed set that are visible in all pictures and so eliminate options."""
     for question in task.spec.questions:
         for varied in question.orbit:
             if varied.reads == "action":
@@ -50,14 +50,14 @@ def told_by_looks(task: Task) -> Iterator[Breach]:
 
 @rule("WMS510")
 def told_by_pictures(scene: Scene) -> Iterator[Breach]:
-    """A picture that is asked for and shown; of a closed set that is foretold, any that is no earlier."""
+    """Find pictures that show the answer; in a prediction, any picture at or after the answer's time."""
     values = scene.values
     shown = [(o, moment) for o in values.spec.observations for moment in evaluate(o.times, values)]
     for question in values.spec.questions:
         time = pictured(question, values) if asked(question, values) else None
         if time is None:
             continue
-        # Where nothing earlier is shown, nothing is foretold: another camera then asks for the view from elsewhere.
+        # Without earlier pictures the question is not a prediction, but asks for the view of another camera.
         foretold = bool(question.orbit) and any(moment < time - _MOMENT for _, moment in shown)
         for observation, moment in shown:
             itself = abs(moment - time) < _MOMENT and observation.camera == _camera(question)

@@ -1,4 +1,4 @@
-"""Rules on what can be seen of a scene: things that are asked about, and that others hide."""
+"""Rules on visibility: entities that a question concerns and that others hide."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from wmspec.sim.shapes.box import Box
 
 @rule("WMS605")
 def hidden_thing(scene: Scene) -> Iterator[Breach]:
-    """Something asked about, or moved, that one box hides wholly from every camera that looks when it begins."""
+    """Find relevant or moved objects that one box hides from every camera that looks at the start."""
     values = scene.values
     cameras = _looking_first(values)
     if not cameras or any(values.has(camera, "ride") for camera in cameras):
@@ -44,13 +44,13 @@ RULES = (hidden_thing,)
 
 
 def _looking_first(values: Values) -> list[str]:
-    """The cameras that look at the beginning."""
+    """Return the cameras that look at the start."""
     observed = (o for o in values.spec.observations if min(evaluate(o.times, values), default=1.0) < 1e-9)
     return list(dict.fromkeys(observation.camera for observation in observed))
 
 
 def _boxes(values: Values, name: str) -> Iterator[tuple[Vector, Pose]]:
-    """The boxes of which an object is made and that are drawn: half their edges (m), and where they are."""
+    """Yield the visible boxes of an object: half edges (m) and pose."""
     pose = values.pose(name)
     for part, piece in every_piece(values, name):
         drawn = all(values.flag(owner, "drawn") for owner in {name, part} if values.has(owner, "drawn"))
@@ -59,9 +59,9 @@ def _boxes(values: Values, name: str) -> Iterator[tuple[Vector, Pose]]:
 
 
 def _hiding(eye: Vector, around: list[Vector], walls: list[tuple[str, Vector, Pose]]) -> str:
-    """The thing a box of which is before all corners; empty if there is none.
+    """Return the object with a box in front of all corners, or an empty string.
 
-    What a convex body hides from a point is convex: if it hides the corners of a box, it hides what is in the box.
+    The region that a convex body hides from a point is convex, so hiding a box's corners hides its content.
     """
     return next((name for name, half, pose in walls if all(_between(eye, c, half, pose) for c in around)), "")
 

@@ -1,4 +1,4 @@
-"""Rules on the options of a question, before anything happens: they coincide, or lack the answer."""
+"""Rules on options, before execution: duplicates and missing answers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from wmspec.lang.check.ir.ir import Question
 from wmspec.lang.check.types import units
 from wmspec.lang.check.types.types import AN_ANGLE
 
-#: Of how many instances the options are compared.
+#: Maximum number of instances in which options are compared.
 COMPARED = 100
 
 
@@ -28,8 +28,8 @@ COMPARED = 100
 class Options:
     """The options of a question in a sample of instances.
 
-    `coinciding` is what two options are, with the instance; `lacking` are answers that are no option, of `checked`
-    instances in which the answer is known.
+    `coinciding` is the value of two equal options, with the instance. `lacking` are answers that are not an option,
+    among `checked` instances with a known answer.
     """
 
     question: Question
@@ -48,7 +48,7 @@ class Tried:
 
 
 def compared(question: Question, design: Design, depend: Dependencies) -> Options:
-    """The options compared, up to the first instance in which two are the same. Raises WmsError without a value."""
+    """Return the compared options, up to the first instance with two equal ones. Raises WmsError without a value."""
     known = not is_measured(design.spec, question.answer)
     directions = question.sort == str(AN_ANGLE) and not known
     lacking, checked = [], 0
@@ -69,7 +69,7 @@ def compared(question: Question, design: Design, depend: Dependencies) -> Option
 
 @rule("WMS507", "error")
 def coinciding_options(options: Options) -> Iterator[Breach]:
-    """Two options that are the same in an instance."""
+    """Find options that are equal in an instance."""
     if options.coinciding is not None:
         value, instance = options.coinciding
         where = told_of(options.design, instance)
@@ -79,7 +79,7 @@ def coinciding_options(options: Options) -> Iterator[Breach]:
 
 @rule("WMS502", "error")
 def answer_never_among_options(options: Options) -> Iterator[Breach]:
-    """An answer that is in no instance among the options."""
+    """Find answers that are an option in no instance."""
     if options.lacking and len(options.lacking) == options.checked:
         what = f"in no instance is the answer among the options: it is {_first_lacking(options)}"
         yield Breach(what, options.question.place, "add it to the options")
@@ -87,7 +87,7 @@ def answer_never_among_options(options: Options) -> Iterator[Breach]:
 
 @rule("WMS502")
 def answer_not_always_among_options(options: Options) -> Iterator[Breach]:
-    """An answer that is in some instances not among the options."""
+    """Find answers that are not an option in some instances."""
     if 0 < len(options.lacking) < options.checked:
         what = f"the answer is not among the options: it is {_first_lacking(options)}"
         remedy = "add it to the options, or exclude this with `require`"
@@ -96,7 +96,7 @@ def answer_not_always_among_options(options: Options) -> Iterator[Breach]:
 
 @rule("WMS509", "error")
 def condition_never_met(tried: Tried) -> Iterator[Breach]:
-    """An `ensure` that is known before the episode, and holds in none of the instances that are tried."""
+    """Find `ensure`s that are known before the episode and false in all sampled instances."""
     for ensure in tried.question.ensures:
         if not tried.values or is_measured(tried.values[0].spec, ensure.condition):
             continue
@@ -115,7 +115,7 @@ def _first_lacking(options: Options) -> str:
 
 
 def _sample(question: Question, design: Design, depend: Dependencies, known: bool) -> Iterator[Instance]:
-    """Instances in which the options, or a known answer, may differ."""
+    """Yield instances in which the options, or a known answer, may differ."""
     expressions = [e for e in (question.options, question.answer if known else None) if e is not None]
     deciding = frozenset[str]().union(*map(depend.expression, expressions))
     varies = deciding & {f.name for f in design.spec.factors}
@@ -123,7 +123,7 @@ def _sample(question: Question, design: Design, depend: Dependencies, known: boo
 
 
 def _answer(question: Question, values: Values) -> object:
-    """The answer; None if it has no value here, which is told when it is asked."""
+    """Return the answer, or None if it has no value here; execution reports that case."""
     try:
         return evaluate(question.answer, values)
     except WmsError:

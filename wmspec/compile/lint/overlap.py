@@ -1,4 +1,4 @@
-"""Objects that are inside one another at the start, and how deep."""
+"""Initial overlaps of objects, and their depths."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from wmspec.compile.layout.values import Values
 from wmspec.core.space import Vector, add, cross, rotate, scale
 from wmspec.sim.shapes import Shape
 
-if TYPE_CHECKING:  # most scenes need no more than the axes, and checking those should not wait for numpy
+if TYPE_CHECKING:  # imported late: most scenes need the axes only, and importing numpy slows their check
     from wmspec.sim.scene import model
 
-#: So deep (m) objects may be in one another: less is a matter of rounding, and of resting on a curved thing.
+#: Permitted overlap (m), for rounding and for contact with curved surfaces.
 SLACK = 1e-3
 
-#: Axes of a solid along which it may be apart from another: those of its edges.
+#: Separating axes of a solid: the directions of its edges.
 _EDGES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """Two objects and how deep (m) one is in the other: the diameter of the largest ball within both."""
+    """Two overlapping objects and the depth (m): the diameter of the largest ball within both."""
 
     first: str
     second: str
@@ -35,7 +35,7 @@ class Overlap:
 
 @dataclass(frozen=True)
 class _Body:
-    """An object in its place: its convex pieces in the world, and the upright box around it."""
+    """A placed object: its convex pieces in the world, and their axis-aligned box."""
 
     name: str
     fixed: bool
@@ -45,9 +45,9 @@ class _Body:
 
 
 def overlaps(values: Values) -> Iterator[Overlap]:
-    """Pairs of objects that are inside one another, unless both are fixed or a joint connects them.
+    """Yield pairs of overlapping objects, unless both are fixed or a joint connects them.
 
-    Meshes that are touched in several convex pieces are left out: how they are cut is the engine's business.
+    Meshes with convex decomposition are omitted, since their pieces depend on the engine.
     """
     joined = _joined(values)
     for a, b in combinations(_bodies(values), 2):
@@ -60,14 +60,14 @@ def overlaps(values: Values) -> Iterator[Overlap]:
 
 
 def separation(values: Values, a: str, b: str) -> tuple[float, Vector]:
-    """How far (m) two objects are apart, negative where they overlap, and the way on which they are nearest."""
+    """Return the distance (m) of two objects, negative for overlaps, and the direction of closest approach."""
     first, second = (_pieces_of(values, name) for name in (a, b))
     pairs = [(p, q) for p in first for q in second]
     return min((max((-_overlap(p, q, d), d) for d in _directions(p, q)) for p, q in pairs))
 
 
 def _pieces_of(values: Values, name: str) -> tuple[Piece, ...]:
-    """The convex pieces of an object in the world."""
+    """Return the convex pieces of an object in the world."""
     pose = values.pose(name)
     return tuple(
         Piece(convex, pose.compose(piece.pose).compose(at))
@@ -100,10 +100,10 @@ def _joined(values: Values) -> set[frozenset[str]]:
 
 
 def _depth(a: Piece, b: Piece) -> float:
-    """The diameter (m) of the largest ball within two convex pieces, or 0 if it is less than SLACK.
+    """Return the diameter (m) of the largest ball within two convex pieces, or 0 if it is less than SLACK.
 
-    Two convex bodies are apart if there is a direction along which they are. For boxes one of a few is it; those are
-    tried first, because what it takes to be exact is slow to import.
+    Two convex bodies are disjoint if they are separated along some direction. For boxes a few axes suffice. These are
+    tried first, because the exact method is slow to import.
     """
     if any(_overlap(a, b, d) <= SLACK for d in _directions(a, b)):
         return 0.0
@@ -114,14 +114,14 @@ def _depth(a: Piece, b: Piece) -> float:
 
 
 def _overlap(a: Piece, b: Piece, d: Vector) -> float:
-    """How far (m) `a` reaches beyond where `b` begins, along a unit vector."""
+    """Return how far (m) `a` extends beyond the start of `b` along a unit vector."""
     return a.reach(d) + b.reach(scale(-1.0, d))
 
 
 def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
-    """Both ways along the axes on which two boxes can be apart, and along the line between the middles.
+    """Yield both directions of the separating axes of two boxes, and of the line between their centres.
 
-    A box's are the axes of either and those at right angles to an edge of each (Gottschalk, Lin & Manocha, "OBBTree",
+    The axes of boxes are those of either and the cross products of their edges (Gottschalk, Lin & Manocha, "OBBTree",
     1996).
     """
     own = [rotate(a.pose.orientation, axis) for axis in _EDGES]
@@ -136,7 +136,7 @@ def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
 
 
 def _placed(piece: Piece) -> tuple[Shape, model.Pose]:
-    """A convex piece, and where it is as a scene says it."""
+    """Return a convex piece, and its pose in a scene."""
     import numpy as np
 
     from wmspec.sim.scene import model

@@ -1,4 +1,4 @@
-"""Rules on the scene of an instance: what can hardly be meant, in size, in time, and of cameras."""
+"""Plausibility rules on the scene of an instance: sizes, times and cameras."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.types import units
 from wmspec.sim.shapes import Shape
 
-#: Heavier (kg) than anything on a table, in a room or on a road that a question is about; and lighter.
+#: Maximum and minimum plausible mass (kg) of an object.
 HEAVY, LIGHT = 20_000.0, 1e-6
-#: What sets off faster (m/s) is taken for a mistake: nobody throws like that.
+#: Maximum plausible launch speed (m/s).
 FAST = 40.0
-#: The share of the side of a picture below which nothing can be seen in it: 6 of 256 pixels.
+#: Minimum visible size, as a share of the picture's side: 6 of 256 pixels.
 LEAST_SIDE = 6 / 256
 _AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @rule("WMS604")
 def times_out_of_order(scene: Scene) -> Iterator[Breach]:
-    """Times of observation that do not rise: the pictures would not be in the order of the text, or be the same."""
+    """Find observation times that do not increase."""
     for observation in scene.values.spec.observations:
         moments = evaluate(observation.times, scene.values)
         if any(b < a - 1e-9 for a, b in pairwise(moments)):
@@ -40,7 +40,7 @@ def times_out_of_order(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS605")
 def camera_inside(scene: Scene) -> Iterator[Breach]:
-    """A camera within an object."""
+    """Find cameras within an object."""
     values = scene.values
     for camera in _standing(values):
         eye = values.vector(camera, "at")
@@ -53,7 +53,7 @@ def camera_inside(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS605")
 def camera_far_away(scene: Scene) -> Iterator[Breach]:
-    """A camera from which all that matters is too small to be seen."""
+    """Find cameras in which all relevant objects are too small to be seen."""
     values = scene.values
     boxes = list(boxes_of_matter(values))
     for camera in _standing(values):
@@ -65,11 +65,11 @@ def camera_far_away(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS605")
 def thing_far_away(scene: Scene) -> Iterator[Breach]:
-    """Something that is asked about, or needed for it, so far from all cameras that none shows it."""
+    """Find relevant objects that are too far from all cameras to be seen."""
     values = scene.values
     cameras = _standing(values)
     if len(cameras) < len({o.camera for o in values.spec.observations}):
-        return  # one that rides may come near
+        return  # a riding camera may come near
     needed = {name for q in values.spec.questions for e in q.ensures for name in mentioned(values, e.condition)}
     things = [t for t in values.spec.things if t.kind == "object" and not t.set and values.there(t.name)]
     for name in (t.name for t in things if t.name in needed.union(subjects(values))):
@@ -81,7 +81,7 @@ def thing_far_away(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS606")
 def too_fast(scene: Scene) -> Iterator[Breach]:
-    """Something that is sent off faster than anybody throws."""
+    """Find implausibly fast launches."""
     values = scene.values
     for action in values.spec.things:
         if action.kind == "action" and "speed" in action.properties and values.there(action.name) and not action.of:
@@ -95,7 +95,7 @@ def too_fast(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS606")
 def out_of_proportion(scene: Scene) -> Iterator[Breach]:
-    """An object that weighs more than a truck, or less than a grain of sand."""
+    """Find implausibly heavy or light objects."""
     values = scene.values
     for thing in values.spec.things:
         if thing.kind == "object" and values.there(thing.name) and values.has(thing.name, "mass"):
@@ -109,7 +109,7 @@ def out_of_proportion(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS607", "error")
 def launched_twice(scene: Scene) -> Iterator[Breach]:
-    """Two actions that set one object's motion at one instant: the later one in the text would win."""
+    """Find two simultaneous launches of one object: the later one in the text would win."""
     values = scene.values
     for name in (t.name for t in values.spec.things if t.kind == "object"):
         actions = values.acting("launch", name)
@@ -133,12 +133,12 @@ RULES = (
 
 
 def _standing(values: Values) -> list[str]:
-    """The cameras that are observed and do not ride."""
+    """Return the observed cameras that do not ride on an object."""
     return [c for c in dict.fromkeys(o.camera for o in values.spec.observations) if not values.has(c, "ride")]
 
 
 def _within(values: Values, name: str, eye: Vector) -> bool:
-    """Whether a point is within the solid of an object."""
+    """Whether a point is within a solid of an object."""
     pose = values.pose(name)
     low, high = bounds(pieces(values, name), pose)
     if not all(low[i] < eye[i] < high[i] for i in range(3)):
@@ -153,7 +153,7 @@ def _within(values: Values, name: str, eye: Vector) -> bool:
 
 
 def _inside(solid: Shape, point: Vector) -> bool:
-    """Whether a point is within a convex shape: along its axes, its faces, and away from its middle."""
+    """Whether a point is within a convex shape, tested along its axes, its faces, and away from its centre."""
     x, y, _ = point
     outward = [*_AXES, *(scale(-1.0, a) for a in _AXES), *(normal for normal, _ in solid.flat_faces)]
     outward += [unit(v) for v in (point, (x, y, 0.0)) if math.hypot(*v) > 1e-9]
@@ -161,17 +161,17 @@ def _inside(solid: Shape, point: Vector) -> bool:
 
 
 def _share(values: Values, camera: str, box: tuple[Vector, Vector]) -> float:
-    """How much of the height of a picture a box takes at most."""
+    """Return the maximum share of the picture's height that a box covers."""
     eye, edge = values.vector(camera, "at"), 2 * math.tan(values.number(camera, "fov") / 2)
     return _across(box) / max(1e-9, edge * _away(box, eye))
 
 
 def _across(box: tuple[Vector, Vector]) -> float:
-    """The diagonal (m) of a box."""
+    """Return the diagonal (m) of a box."""
     return math.dist(*box)
 
 
 def _away(box: tuple[Vector, Vector], eye: Vector) -> float:
-    """How far (m) a point is from a box; nothing within it."""
+    """Return the distance (m) of a point from a box; 0 within it."""
     low, high = box
     return math.hypot(*(max(low[i] - eye[i], 0.0, eye[i] - high[i]) for i in range(3)))

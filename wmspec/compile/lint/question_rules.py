@@ -1,4 +1,4 @@
-"""Whether a question is asked, and of which moment, as far as that is known before the episode."""
+"""Values of questions that are known before the episode: whether a question is posed, and its time."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from wmspec.lang.check.ir.ir import Call, Operation, Question
 
 
 def asked(question: Question, values: Values) -> bool:
-    """Whether the conditions that can be looked at before the episode let the question be asked."""
+    """Whether the conditions that are known before the episode hold."""
     known = (e.condition for e in question.ensures if not is_measured(values.spec, e.condition))
     return all(evaluate(condition, values) for condition in known)
 
 
 def pictured(question: Question, values: Values) -> float | None:
-    """The time (s) of the picture that answers a question; None if it has another answer, or if it is measured."""
+    """Return the time (s) of the picture that is the answer; None for other answers and measured times."""
     answer = question.answer
     while isinstance(answer, Operation) and answer.operator == "if":
         condition, then, otherwise = answer.operands

@@ -1,4 +1,4 @@
-"""Rules on motion that engines get wrong, all of them or some: agreement is not truth; docs/conformance.md measures."""
+"""Rules on motion that some or all engines get wrong, as measured in docs/conformance.md."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ from wmspec.sim.shapes.cylinder import Cylinder
 from wmspec.sim.shapes.shape import AXES
 from wmspec.sim.shapes.sphere import Sphere
 
-#: How long (s) an impact takes where it takes longest: what is met within that time is met at once.
+#: Maximum duration (s) of an impact; collisions within that time are resolved together.
 IMPACT = 0.003
-#: Things that are no further (m) apart touch, in every engine.
+#: Objects closer than this (m) touch in every engine.
 TOUCHING = 1e-4
-#: What the softest contacts give way for each m/s (s), with as many steps as are made for fast impacts.
+#: Penetration of the softest contacts per speed (s), with the step size used for fast impacts.
 GIVES = 2.2e-3 / MAX_STEP_MULTIPLIER
-#: The language knows nothing of engines: a page names them.
+#: Remedy that names no engine: the language does not depend on engines.
 OTHERS = "leave those engines out; `wmspec explain WMS608` names them"
 
 
 @rule("WMS608")
 def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
-    """Bouncy things in a row, touching or nearly: an impact goes through all of them at once."""
+    """Find rows of elastic objects that touch, or nearly: an impact passes through all of them at once."""
     values = scene.values
     speed = max(_speeds(values), default=0.0)
     free = list(_free(values))
@@ -70,7 +70,7 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS608")
 def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
-    """A cylinder shorter than thick that lies on its side, where it may roll."""
+    """Find cylinders shorter than thick that lie on their side and may roll."""
     values = scene.values
     for name in _loose(values):
         if any(_lying(values, name)):
@@ -81,7 +81,7 @@ def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS608")
 def leaning_cylinder(scene: Scene) -> Iterator[Breach]:
-    """A cylinder that stands on a slope on which it nearly tips."""
+    """Find cylinders that stand on a slope close to their tipping angle."""
     values = scene.values
     for name in _loose(values):
         (piece, *others) = pieces(values, name)
@@ -97,7 +97,7 @@ def leaning_cylinder(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS608")
 def heavy_landing(scene: Scene) -> Iterator[Breach]:
-    """Something heavy that begins in the air above something much lighter, and hardly bounces."""
+    """Find heavy, inelastic objects that start in the air above much lighter ones."""
     values = scene.values
     if not values.gravity:
         return
@@ -119,7 +119,7 @@ def heavy_landing(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS608")
 def double_pendulum(scene: Scene) -> Iterator[Breach]:
-    """What swings from something that swings, without a drive, where questions have no margin: the first of such."""
+    """Find the first undamped double pendulum where questions have no margin."""
     values = scene.values
     questions = values.spec.questions
     if questions and all(question.margins for question in questions):
@@ -140,7 +140,7 @@ def double_pendulum(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS608")
 def sliding_mesh(scene: Scene) -> Iterator[Breach]:
-    """A convex mesh that is sent off, and may slide."""
+    """Find convex meshes that are launched and may slide."""
     values = scene.values
     loose = set(_loose(values))
     for action in values.spec.things:
@@ -156,7 +156,7 @@ def sliding_mesh(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS608")
 def fast_spin(scene: Scene) -> Iterator[Breach]:
-    """What begins to spin fast and is no ball: its axis may turn, and engines gain or lose its energy then."""
+    """Find fast spinning objects other than balls: engines do not conserve energy when their axis turns."""
     values = scene.values
     for name in _free(values):
         spin = math.hypot(*values.vector(name, "spin")) if values.has(name, "spin") else 0.0
@@ -170,7 +170,7 @@ def fast_spin(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS608")
 def fast_and_thin(scene: Scene) -> Iterator[Breach]:
-    """Something so fast that engines with soft contacts let it into, or through, what is thin."""
+    """Find thin objects that fast ones penetrate in engines with soft contacts."""
     values = scene.values
     speed = max(_speeds(values), default=0.0)
     if speed <= FAST_IMPACT:
@@ -193,13 +193,13 @@ RULES = (
 
 
 def _touchable(values: Values) -> list[str]:
-    """The objects that are there and can be touched."""
+    """Return the present, touchable objects."""
     objects = (t.name for t in values.spec.things if t.kind == "object")
     return [name for name in objects if values.there(name) and values.flag(name, "solid")]
 
 
 def _speeds(values: Values) -> Iterator[float]:
-    """How fast (m/s) actions set things off or carry them."""
+    """Yield the speeds (m/s) of launches and paths."""
     for action in values.spec.things:
         if action.kind == "action" and values.there(action.name) and "speed" in action.properties:
             yield values.number(action.name, "speed")
@@ -216,29 +216,29 @@ def _lying(values: Values, name: str) -> Iterator[bool]:
 
 
 def _rise(values: Values, name: str, piece: Piece) -> float:
-    """The cosine of the angle between the axis of a piece and the vertical."""
+    """Return the cosine of the angle between the axis of a piece and the vertical."""
     return dot(rotate(values.pose(name).orientation, rotate(piece.pose.orientation, UP)), UP)
 
 
 def _falling(values: Values) -> bool:
-    """Whether anything that is free may fall: it has a joint, or rests on nothing."""
+    """Whether any free object may fall: it has a joint, or rests on nothing."""
     joined = _joined(values)
     return any(name in joined or not values.has(name, "on") for name in _free(values))
 
 
 def _free(values: Values) -> Iterator[str]:
-    """Those that can be touched and move."""
+    """Yield the touchable objects that can move."""
     return (name for name in _touchable(values) if not values.flag(name, "fixed"))
 
 
 def _loose(values: Values) -> Iterator[str]:
-    """Those that no joint holds, either."""
+    """Yield the movable objects without joints."""
     joined = _joined(values)
     return (name for name in _free(values) if name not in joined)
 
 
 def _joined(values: Values) -> set[str]:
-    """The objects that have joints."""
+    """Return the objects that have joints."""
     return {end for j in _joints(values) for end in values.ends(j.name)}
 
 
@@ -247,14 +247,14 @@ def _joints(values: Values) -> list[Entity]:
 
 
 def _ends(values: Values, joint: str) -> set[str]:
-    """The one or two objects of a joint that move."""
+    """Return the movable objects of a joint, one or two."""
     return {end for end in values.ends(joint) if not values.flag(end, "fixed")}
 
 
 def _balanced(values: Values, joint: str, end: str) -> bool:
-    """Whether an object's centre of mass lies on the axis, of a hinge of its spec, or at the point by which it is held.
+    """Whether an object's centre of mass is on the axis of its hinge, or at its ball joint.
 
-    Whether a hinge of an asset is balanced its file tells, which may give the centre of mass.
+    For hinges of an asset the file, which may give the centre of mass, decides.
     """
     thing = values.spec.thing(joint)
     if thing.of:
@@ -272,12 +272,12 @@ def _balanced(values: Values, joint: str, end: str) -> bool:
 
 
 def _driven(values: Values, joint: str) -> bool:
-    """Whether a joint has a drive, or is braked."""
+    """Whether a joint has a drive or a brake."""
     return any(values.has(joint, name) and values.number(joint, name) for name in ("stiffness", "damping"))
 
 
 def _thickness(piece: Piece) -> float:
-    """How thick (m) a piece is at least, along its own axes."""
+    """Return the minimum thickness (m) of a piece along its own axes."""
     return min(piece.solid.reach(axis) + piece.solid.reach(scale(-1.0, axis)) for axis in AXES)
 
 

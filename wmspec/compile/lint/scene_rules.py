@@ -1,4 +1,4 @@
-"""Rules on the scene of an instance: what is inside what, what is never seen, what never happens."""
+"""Rules on the scene of an instance: overlaps, blind cameras, late actions."""
 
 from __future__ import annotations
 
@@ -24,14 +24,13 @@ from wmspec.lang.check.ir.ir import Call, Expr, Question
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.types import units
 
-#: What a pair of things takes for a second of an episode (s), measured with 150 falling spheres; and what is worth a
-#: warning (s).
+#: Computing time (s) per pair of objects and second of episode, from 150 falling spheres; warning threshold (s).
 _PAIR_SECONDS, _LONG = 8e-4, 20.0
 
 
 @dataclass(frozen=True)
 class Scene:
-    """The values of an instance, or of what it would be under a counterfactual."""
+    """The values of an instance, with or without a counterfactual."""
 
     values: Values
     depend: Dependencies
@@ -40,13 +39,13 @@ class Scene:
 
     @property
     def where(self) -> str:
-        """Which instance, as messages tell it."""
+        """Text that names the instance in messages."""
         return told_of(self.design, self.instance)
 
 
 @rule("WMS601", "error")
 def objects_inside_one_another(scene: Scene) -> Iterator[Breach]:
-    """Objects inside one another at the start."""
+    """Find objects that overlap at the start."""
     change = scene.values.change
     begun = f"under `{change.name}`" if change else "at the start"
     for pair in overlaps(scene.values):
@@ -64,14 +63,14 @@ def objects_inside_one_another(scene: Scene) -> Iterator[Breach]:
 
 
 def _set_of(values: Values, first: str, second: str) -> str:
-    """The set that both are members of; empty if there is none."""
+    """Return the set that contains both members, or an empty string."""
     sets = {values.spec.thing(name).set for name in (first, second)}
     return sets.pop() if len(sets) == 1 else ""
 
 
 @rule("WMS602")
 def blind_camera(scene: Scene) -> Iterator[Breach]:
-    """A camera that looks at nothing that matters."""
+    """Find cameras without any relevant object in view."""
     for camera in blind(scene.values):
         what = f"`{camera}` has none of what is moved or asked about in its picture"
         place = next(o.place for o in scene.values.spec.observations if o.camera == camera)
@@ -80,7 +79,7 @@ def blind_camera(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS603")
 def turned_camera(scene: Scene) -> Iterator[Breach]:
-    """A camera that has on its left what `relation` does not call so."""
+    """Find cameras whose left differs from the left of `relation`."""
     spec = scene.values.spec
     answers = (part for question in spec.questions for part in parts(question.answer))
     if not any(isinstance(part, Call) and part.function == "relation" and not _from(part) for part in answers):
@@ -94,13 +93,13 @@ def turned_camera(scene: Scene) -> Iterator[Breach]:
 
 
 def _from(relation: Call) -> bool:
-    """Whether it says for whom it is meant."""
+    """Whether a relation names its viewer."""
     return any(option.name == "seen_from" for option in relation.options)
 
 
 @rule("WMS304")
 def late_action(scene: Scene) -> Iterator[Breach]:
-    """An action that begins when the episode is over."""
+    """Find actions that start after the end of the episode."""
     values = scene.values
     end = values.end
     for action in values.spec.things:
@@ -115,7 +114,7 @@ def late_action(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS304")
 def crowded(scene: Scene) -> Iterator[Breach]:
-    """So many things that can touch one another that an instance takes long: every pair is looked at in every step."""
+    """Find scenes with so many possible contacts that an episode is slow: each step tests every pair."""
     values = scene.values
     present = [t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)]
     free = [name for name in present if not values.flag(name, "fixed")]
@@ -129,7 +128,7 @@ def crowded(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS304", "error")
 def picture_after_the_end(scene: Scene) -> Iterator[Breach]:
-    """An answer that is a picture of what is not executed."""
+    """Find answers that are pictures after the end of the episode."""
     for question in scene.values.spec.questions:
         time = pictured(question, scene.values) if asked(question, scene.values) else None
         if time is not None and not scene.values.during(time):
@@ -138,7 +137,7 @@ def picture_after_the_end(scene: Scene) -> Iterator[Breach]:
 
 @rule("WMS304", "error")
 def measure_outside_the_episode(scene: Scene) -> Iterator[Breach]:
-    """A measure at a time that is not executed, or during a span that ends before it begins."""
+    """Find measurements outside the episode, or over an interval that ends before it begins."""
     values = scene.values
     for question in values.spec.questions:
         if not asked(question, values):
@@ -158,7 +157,7 @@ def measure_outside_the_episode(scene: Scene) -> Iterator[Breach]:
 
 
 def _measuring(question: Question) -> Iterator[tuple[Expr, Location]]:
-    """The expressions of a question that are measured on the episode."""
+    """Yield the expressions of a question that are measured on the episode."""
     yield question.answer, question.place
     yield from ((ensure.condition, ensure.place) for ensure in question.ensures)
     yield from ((margin.value, margin.place) for margin in question.margins)
@@ -167,7 +166,7 @@ def _measuring(question: Question) -> Iterator[tuple[Expr, Location]]:
 
 
 def _times(call: Call, values: Values) -> Iterator[tuple[str, float]]:
-    """The times (s) at which a function is measured, by their options, as far as they are known before the episode."""
+    """Yield the times (s) in a function's options that are known before the episode."""
     for option in call.options:
         if option.name in ("at", "from", "to") and not is_measured(values.spec, option.value):
             with suppress(NoValue):
@@ -186,7 +185,7 @@ RULES = (
 
 
 def outside(time: float, values: Values, place: Location) -> Breach:
-    """A picture at a time (s) when the episode is over."""
+    """Return the breach for a picture at a time (s) after the end of the episode."""
     lasts = f"the episode, which lasts {units.format_quantity(values.ref('end'), units.TIME)}"
     what = f"a picture at {units.format_quantity(time, units.TIME)} is outside {lasts}"
     return Breach(what, place, "ask for an earlier one, or set a longer `horizon`")

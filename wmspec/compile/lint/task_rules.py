@@ -1,4 +1,4 @@
-"""Rules on a task, without building any of its scenes: statements that decide nothing."""
+"""Rules on a task, checked without building scenes: statements without effect."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wmspec.lang.check.ir.ir import Choices, Expr, Interpolation, TaskSpec
 
 @dataclass(frozen=True)
 class Task:
-    """A task with what its values depend on."""
+    """A task with its dependencies."""
 
     spec: TaskSpec
     depend: Dependencies
@@ -21,7 +21,7 @@ class Task:
 
 @rule("WMS403")
 def idle_factor(task: Task) -> Iterator[Breach]:
-    """A factor or nuisance on which nothing depends."""
+    """Find factors and nuisances without effect."""
     used = _reached(task, _deciding(task.spec)) | _reached(task, _texts(task.spec))
     for factor in task.spec.factors:
         if factor.name not in used:
@@ -31,7 +31,7 @@ def idle_factor(task: Task) -> Iterator[Breach]:
 
 @rule("WMS409")
 def factor_in_words_alone(task: Task) -> Iterator[Breach]:
-    """A factor that only the text of a question mentions."""
+    """Find factors that only the text of a question mentions."""
     in_words_alone = _reached(task, _texts(task.spec)) - _reached(task, _deciding(task.spec))
     for factor in task.spec.factors:
         if not factor.nuisance and factor.name in in_words_alone:
@@ -41,7 +41,7 @@ def factor_in_words_alone(task: Task) -> Iterator[Breach]:
 
 @rule("WMS506")
 def constant_answer(task: Task) -> Iterator[Breach]:
-    """An answer that is known beforehand and depends on no factor."""
+    """Find answers that are known beforehand and depend on no factor."""
     varying = {f.name for f in task.spec.factors}
     for question in task.spec.questions:
         if not is_measured(task.spec, question.answer) and not task.depend.expression(question.answer) & varying:
@@ -59,7 +59,7 @@ def _texts(spec: TaskSpec) -> Iterator[Expr]:
 
 
 def _deciding(spec: TaskSpec) -> Iterator[Expr]:
-    """All that decides what is there, what happens, what is seen, and what can be answered."""
+    """Yield the expressions that determine presence, events, visibility and answers."""
     yield spec.horizon
     for thing in spec.things:
         yield from (setting.value for setting in thing.properties.values())
@@ -73,7 +73,7 @@ def _deciding(spec: TaskSpec) -> Iterator[Expr]:
 
 
 def _reached(task: Task, expressions: Iterable[Expr]) -> frozenset[str]:
-    """What the expressions depend on, with the factors that conditions tie to that: these decide what can be."""
+    """Return the dependencies of expressions, with the factors tied to them by conditions."""
     factors = {f.name for f in task.spec.factors}
     ties = [task.depend.expression(r.condition) & factors for r in task.spec.requires]
     domains = {f.name: f.domain.when for f in task.spec.factors if isinstance(f.domain, Choices) and f.domain.when}

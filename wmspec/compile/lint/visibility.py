@@ -1,4 +1,4 @@
-"""Whether a camera can see anything of what a task is about."""
+"""Whether a camera can see any relevant object of a task."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from wmspec.lang.check.ir.ir import Entity, Expr, Interpolation, Property, Ref, 
 
 
 def blind(values: Values) -> tuple[str, ...]:
-    """The cameras that look, stand still, and have nothing in view of what is asked about or moved.
+    """Return the observed, fixed cameras without a relevant or moved object in view.
 
-    An object counts as in view if the upright box around it, and around where its own actions take it, is not wholly
-    outside the square picture. So what is hidden, or comes into view when something else strikes it, is not told apart.
+    An object is in view unless its axis-aligned box, and the boxes where its own actions take it, are wholly outside
+    the square picture. Occlusion and motion due to collisions are ignored.
     """
     boxes = list(boxes_of_matter(values))
     cameras = dict.fromkeys(o.camera for o in values.spec.observations)
@@ -27,7 +27,7 @@ def blind(values: Values) -> tuple[str, ...]:
 
 
 def boxes_of_matter(values: Values) -> Iterator[Box]:
-    """The upright boxes around what is asked about or moved, and around where its own actions take it."""
+    """Yield the boxes of relevant or moved objects, at the start and where their own actions take them."""
     for name in subjects(values):
         yield from boxes_of(values, name)
 
@@ -36,7 +36,7 @@ def boxes_of_matter(values: Values) -> Iterator[Box]:
 
 
 def subjects(values: Values) -> list[str]:
-    """The objects that actions move and that answers, options and texts mention, if they are there."""
+    """Return the present objects that actions move or that answers, options and texts mention."""
     objects = {t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)}
     names = dict.fromkeys(moved(values))
     for expr in _asked(values.spec):
@@ -45,7 +45,7 @@ def subjects(values: Values) -> list[str]:
 
 
 def moved(values: Values) -> list[str]:
-    """The objects that actions are done to."""
+    """Return the objects of actions."""
     acting = (t.name for t in values.spec.things if t.kind == "action" and "object" in t.properties)
     return [values.reference(name, "object") for name in acting if values.there(name)]
 
@@ -59,7 +59,7 @@ def _asked(spec: TaskSpec) -> Iterator[Expr]:
 
 
 def mentioned(values: Values, expr: Expr) -> Iterator[str]:
-    """The words in an expression as they are in an instance, names of objects among them."""
+    """Yield the words of an expression as evaluated in an instance, including names of objects."""
     for part in parts(expr):
         match part:
             case Value(value=str(word)):
@@ -80,7 +80,7 @@ def _words(value: object) -> Iterator[str]:
 
 
 def boxes_of(values: Values, name: str) -> Iterator[Box]:
-    """The upright boxes around an object at the start and wherever its own actions take it."""
+    """Yield the axis-aligned boxes of an object, at the start and where its own actions take it."""
     low, high = bounds(pieces(values, name), values.pose(name))
     yield low, high
     here = values.pose(name).position
@@ -92,7 +92,7 @@ def boxes_of(values: Values, name: str) -> Iterator[Box]:
 
 
 def _reached(values: Values, action: Entity) -> tuple[Vector, ...]:
-    """Where an action takes its object, at most."""
+    """Return the extreme positions that an action takes its object to."""
     name, verb = action.name, action.verb
     if verb in CARRYING:
         stand = before(values, action)
@@ -105,7 +105,7 @@ def _reached(values: Values, action: Entity) -> tuple[Vector, ...]:
 
 
 def _around(a: Box, b: Box) -> Box:
-    """The box around two."""
+    """Return the box around two boxes."""
     (p, q), (r, s) = a, b
     return (min(p[0], r[0]), min(p[1], r[1]), min(p[2], r[2])), (max(q[0], s[0]), max(q[1], s[1]), max(q[2], s[2]))
 
@@ -114,7 +114,7 @@ def _around(a: Box, b: Box) -> Box:
 
 
 def _in_view(values: Values, camera: str, box: Box) -> bool:
-    """Whether no side of the picture has the whole box beyond it."""
+    """Whether no side of the picture excludes the whole box."""
     eye = values.vector(camera, "at")
     forward, right, up = _axes(eye, values.vector(camera, "look_at"))
     edge = math.tan(values.number(camera, "fov") / 2)
@@ -124,7 +124,7 @@ def _in_view(values: Values, camera: str, box: Box) -> bool:
 
 
 def _axes(eye: Vector, target: Vector) -> tuple[Vector, Vector, Vector]:
-    """Forward, right and up, the horizon level."""
+    """Return forward, right and up of a camera with a level horizon."""
     ahead = add(target, scale(-1.0, eye))
     forward = scale(1 / math.hypot(*ahead), ahead)
     aside = cross(forward, (0.0, 0.0, 1.0))

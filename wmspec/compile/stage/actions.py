@@ -1,4 +1,4 @@
-"""What is done to objects as prims, one function for each verb."""
+"""Actions on objects as prims, one function per verb."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.verbs import VERBS
 
-#: What is round lies if the upward part of its axis (a unit vector) is below this, and slides if it goes along that.
+#: A round object lies if the upward component of its axis is below LYING; it slides along its axis above ALONG.
 LYING, ALONG = 0.5, 0.99
 
 
 def add_action(doc: Document, action: Entity, values: Values, carried: dict[str, str]) -> None:
-    """The prim of an action that happens. Raises WmsError with its place if it cannot."""
+    """Add the prim of an action that happens. Raises WmsError with its location if it is infeasible."""
     name, verb = action.name, VERBS[action.verb]
     there = (f"{name}.there", f"{name}.object", f"{name}.joint")
     prim = doc.add(f"/World/Episode/Actions/{name}", "WmsAction", (), there)
@@ -39,7 +39,7 @@ def add_action(doc: Document, action: Entity, values: Values, carried: dict[str,
 
 
 def _able(action: Entity, target: str, values: Values, carried: dict[str, str]) -> None:
-    """Complain if the object cannot do what the verb asks."""
+    """Raise unless the object can perform the verb."""
     if values.flag(target, "fixed") and action.verb != "paint":
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
     if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].whatever:
@@ -70,7 +70,7 @@ def _vector(prim: Prim, name: str, value: Vector, *sources: str) -> None:
 
 
 def launch(prim: Prim, action: Entity, values: Values) -> None:
-    """A velocity and a spin, at once."""
+    """Set velocity and spin at once."""
     name, target = action.name, values.reference(action.name, "object")
     speed = values.number(name, "speed")
     _velocity(prim, action, values, speed, f"{name}.speed")
@@ -85,7 +85,7 @@ def _velocity(prim: Prim, action: Entity, values: Values, speed: float, *sources
 
 
 def _rolling(action: Entity, target: str, speed: float, values: Values) -> Vector:
-    """The angular velocity of a ball that rolls without slipping: up x velocity / radius."""
+    """Return the angular velocity of a ball that rolls without slipping: up x velocity / radius."""
     made = pieces(values, target)
     if values.parts(target) or made[0].solid.symmetry != "ball":
         raise ImpossibleValue(f"`{target}` is not a sphere, so it cannot set off rolling", action.place)
@@ -95,7 +95,7 @@ def _rolling(action: Entity, target: str, speed: float, values: Values) -> Vecto
 
 
 def slide(prim: Prim, action: Entity, values: Values) -> None:
-    """What friction stops after a distance d sets off with the speed sqrt(2 mu g d)."""
+    """Set the speed sqrt(2 mu g d) at which friction stops the object after a distance d."""
     name, target = action.name, values.reference(action.name, "object")
     held, here = holder(values, target), values.pose(target).position
     face = under(values, target, (WORLD, *here[:2]))
@@ -122,7 +122,7 @@ def slide(prim: Prim, action: Entity, values: Values) -> None:
 
 
 def _rolls(target: str, way: Vector, values: Values) -> bool:
-    """Whether an object is round where it rests, so that it rolls that way; it does not along its own axis."""
+    """Whether an object is round where it rests and rolls in that direction; not along its own axis."""
     made = pieces(values, target)
     if len(made) > 1 or made[0].solid.symmetry == "none":
         return False
@@ -134,12 +134,12 @@ def _rolls(target: str, way: Vector, values: Values) -> bool:
 
 
 def glide(prim: Prim, action: Entity, values: Values) -> None:
-    """A constant velocity for a while."""
+    """Set a constant velocity for a while."""
     _velocity(prim, action, values, values.number(action.name, "speed"), f"{action.name}.speed")
 
 
 def follow(prim: Prim, action: Entity, values: Values) -> None:
-    """A path."""
+    """Set a path."""
     stand = motion.before(values, action)
     points, moments, turns = motion.way(values, action, stand.pose.position)
     form = tuple(f"{action.name}.{p}" for p in ("path", "length", "width", "facing"))
@@ -151,7 +151,7 @@ def follow(prim: Prim, action: Entity, values: Values) -> None:
 
 
 def teleport(prim: Prim, action: Entity, values: Values) -> None:
-    """Another place, at once."""
+    """Set another pose at once."""
     name = action.name
     pose = motion.landed(values, action, motion.before(values, action)).pose
     sources = (f"{name}.to", f"{name}.yaw", f"{name}.way")
@@ -163,44 +163,44 @@ def teleport(prim: Prim, action: Entity, values: Values) -> None:
 
 
 def stop(prim: Prim, _action: Entity, _values: Values) -> None:
-    """No velocity and no spin, at once."""
+    """Set velocity and spin to zero."""
     prim.set("wms:speed", "double", 0.0, uniform=True)
     _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
 
 
 def paint(prim: Prim, action: Entity, values: Values) -> None:
-    """Another colour, at once."""
+    """Set another colour at once."""
     _vector(prim, "wms:color", rgb(values.text(action.name, "color")), f"{action.name}.color")
 
 
 def vanish(_prim: Prim, _action: Entity, _values: Values) -> None:
-    """Nothing more: it is nowhere from then on."""
+    """Add nothing: the object is removed by the verb itself."""
 
 
 # ---------------------------------------------------------------- pushed, released, driven
 
 
 def impulse(prim: Prim, action: Entity, values: Values) -> None:
-    """A blow."""
+    """Set an impulse."""
     strength = scale(values.number(action.name, "impulse"), _heading(action, values))
     _vector(prim, "wms:impulse", strength, f"{action.name}.impulse", *_toward(action))
 
 
 def force(prim: Prim, action: Entity, values: Values) -> None:
-    """A pull for a while."""
+    """Set a force for a while."""
     strength = scale(values.number(action.name, "force"), _heading(action, values))
     _vector(prim, "wms:force", strength, f"{action.name}.force", *_toward(action))
 
 
 def release(_prim: Prim, action: Entity, values: Values) -> None:
-    """Nothing more: it is held until then."""
+    """Add nothing: the object is held until the start of the action."""
     target = values.reference(action.name, "object")
     if len(values.acting("drop", target)) + len(values.acting("release", target)) > 1:
         raise ImpossibleValue(f"`{target}` is let go more than once", action.place, "keep one `release` or `drop`")
 
 
 def drive(prim: Prim, action: Entity, values: Values) -> None:
-    """Another target of a drive."""
+    """Set another target of a drive."""
     joint = values.spec.thing(values.reference(action.name, "joint"))
     if not has_drive(joint, values):
         raise ImpossibleValue(f"the joint `{joint.name}` has no drive", action.place, "give it a `stiffness:`")

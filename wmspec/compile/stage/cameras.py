@@ -11,24 +11,24 @@ from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Vector
 from wmspec.lang.check.tables.colors import linear, rgb
 
-#: An aperture and near and far planes (m) that suit scenes on a table or in a room.
+#: Aperture and near and far planes (m) for scenes on a table or in a room.
 APERTURE, NEAR, FAR = 24.0, 0.05, 50.0
 
-#: What is seen behind a scene whose world says nothing else, sRGB.
+#: Default background colour, sRGB.
 BACKGROUND = (0.86, 0.88, 0.90)
 
 Matrix = tuple[tuple[float, ...], ...]
 
 
 def camera_path(name: str, values: Values) -> str:
-    """Where the prim of a camera is: below the object that it rides on, if any."""
+    """Return the path of a camera's prim: below the object that it rides on, if any."""
     if not values.has(name, "ride"):
         return f"/World/Cameras/{name}"
     return f"{object_path(values.reference(name, 'ride'))}/Cameras/{name}"
 
 
 def add_camera(doc: Document, name: str, values: Values) -> None:
-    """The prim of a camera. Raises WmsError if it looks at itself, or its object is not there."""
+    """Add the prim of a camera. Raises WmsError if it looks at itself, or its object is absent."""
     eye, target = values.vector(name, "at"), values.vector(name, "look_at")
     path = camera_path(name, values)
     if values.has(name, "ride"):
@@ -50,7 +50,7 @@ def add_camera(doc: Document, name: str, values: Values) -> None:
 
 
 def _looking(eye: Vector, target: Vector, values: Values, name: str) -> Matrix:
-    """USD's row-vector matrix of a camera at `eye` that looks at `target`, the horizon level."""
+    """Return USD's row-vector matrix of a camera at `eye` that looks at `target` with a level horizon."""
     forward = [t - e for e, t in zip(eye, target, strict=True)]
     length = math.hypot(*forward)
     if length < 1e-9:
@@ -63,7 +63,7 @@ def _looking(eye: Vector, target: Vector, values: Values, name: str) -> Matrix:
 
 
 def add_light(doc: Document, name: str, world: str | None, values: Values) -> None:
-    """The prims of a light: a sun, and the sky around everything. Raises WmsError if it has no direction."""
+    """Add the prims of a light: a sun and a sky. Raises WmsError if it has no direction."""
     direction = values.vector(name, "direction")
     if math.hypot(*direction) < 1e-9:
         raise ImpossibleValue(f"the light `{name}` has no direction", values.place(name))

@@ -1,4 +1,4 @@
-"""The stage of one episode: every object, joint, camera, light and action of the spec as standard prims."""
+"""The stage of one episode: all objects, joints, cameras, lights and actions of the spec as prims."""
 
 from __future__ import annotations
 
@@ -23,16 +23,15 @@ RATE = 240
 
 
 def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None = None) -> Document:
-    """The stage of an instance, or of what it would be under a counterfactual.
+    """Return the stage of an instance, with a counterfactual if given.
 
-    Raises WmsError with its place if a property has an impossible value, or something cannot be executed, with all that
-    is wrong.
+    Raises WmsError with all errors and their locations, for impossible values and infeasible actions.
     """
     return built(Values(spec, instance.values, change, instance.key))
 
 
 def built(values: Values, objects: ObjectCache | None = None) -> Document:
-    """The same from the values of an instance, with `objects` that were made before."""
+    """Return the stage for the values of an instance, reusing prims of cached `objects`."""
     try:
         return _built(values, objects.add if objects else add_object)
     except WmsError as error:
@@ -110,9 +109,9 @@ def _episode(doc: Document, spec: TaskSpec, values: Values) -> None:
 
 
 def observed(spec: TaskSpec, values: Values) -> list[tuple[str, tuple[float, ...]]]:
-    """The cameras that look, and all the times (s) at which each does, in order.
+    """Return the observed cameras, each with its times (s) in order.
 
-    Raises WmsError if one is outside the episode.
+    Raises WmsError if a time is outside the episode.
     """
     end = values.end
     seen: dict[str, set[float]] = {}

@@ -1,4 +1,4 @@
-"""Joints as prims of UsdPhysics, which counts angles in degrees."""
+"""Joints as UsdPhysics prims; UsdPhysics measures angles in degrees."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ _TYPES = {
     "ball": "PhysicsSphericalJoint",
     "fixed": "PhysicsFixedJoint",
 }
-#: Kinds with one coordinate: the drive's token, and how many of USD's units are one of ours.
+#: Kinds with one coordinate: the drive's token, and USD units per SI unit.
 _COORDINATES = {"hinge": ("angular", 180 / math.pi), "slider": ("linear", 1.0)}
 
 
 def joint_path(name: str) -> str:
-    """Where the prim of a joint is."""
+    """Return the path of a joint's prim."""
     return f"/World/Joints/{name}"
 
 
 def add_joint(doc: Document, joint: Entity, values: Values, carried: Mapping[str, str]) -> None:
-    """The prim of a joint whose objects are there. Raises WmsError with its place if it makes no sense.
+    """Add the prim of a joint whose objects are present. Raises WmsError with its location if it is invalid.
 
-    `carried` are the objects that actions carry about, each with one of these.
+    `carried` maps each carried object to an action that carries it.
     """
     name = joint.name
     of, to = values.reference(name, "of"), values.reference(name, "to") if values.has(name, "to") else None
@@ -66,7 +66,7 @@ def add_joint(doc: Document, joint: Entity, values: Values, carried: Mapping[str
 
 
 def no_loops(values: Values) -> None:
-    """Raise WmsError with its place for a joint between what others join already: engines solve trees."""
+    """Raise WmsError with its location for a joint that closes a loop: engines solve trees."""
     groups: dict[str, set[str]] = {}
     for joint in values.spec.things:
         if joint.kind != "joint" or not values.there(joint.name):
@@ -77,7 +77,7 @@ def no_loops(values: Values) -> None:
         of, to = (*("" if values.flag(end, "fixed") else end for end in ends), "")[:2]  # "" is the world
         first, second = groups.setdefault(of, {of}), groups.setdefault(to, {to})
         if of in ("", to):
-            continue  # which is told of the joint itself
+            continue  # reported for the joint itself
         if first is second:
             tied = f"joins `{of}` and `{to}`" if of and to else f"holds `{of or to}` to the world"
             raise ImpossibleValue(
@@ -102,7 +102,7 @@ def has_drive(joint: Entity, values: Values) -> bool:
 
 
 def _side(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose, values: Values) -> None:
-    """One of the two bodies, and the joint's frame as seen from there; the world if there is none."""
+    """Set one of the two bodies (or the world), and the joint's frame relative to it."""
     name = joint.name
     here = _place(joint, body, values)
     near = body or joint.of
@@ -116,7 +116,7 @@ def _side(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose,
 
 
 def _place(joint: Entity, body: str | None, values: Values) -> Pose:
-    """Where a body is in the space in which the joint is: the world, or the frame of an asset with all joints at 0."""
+    """Return the pose of a body in the joint's space: the world, or the asset's frame with all joints at 0."""
     if not joint.of:
         return values.pose(body) if body else IDENTITY
     if body:
@@ -126,7 +126,7 @@ def _place(joint: Entity, body: str | None, values: Values) -> Pose:
 
 
 def _frame(joint: Entity, values: Values) -> Quaternion:
-    """Its x axis is that of the joint."""
+    """Return the rotation of the joint's frame, whose x axis is the joint's axis."""
     if joint.model not in _COORDINATES:
         return IDENTITY_QUAT
     axis = values.vector(joint.name, "axis")
@@ -136,7 +136,7 @@ def _frame(joint: Entity, values: Values) -> Quaternion:
 
 
 def _driven(joint: Entity, values: Values) -> bool:
-    """Whether it has a drive. A drive that is damped alone slows the joint down."""
+    """Whether it has a drive. A drive with damping only brakes the joint."""
     if joint.model not in _COORDINATES:
         return False
     stiffness, damping = (values.number(joint.name, name) for name in ("stiffness", "damping"))
@@ -152,7 +152,7 @@ def _coordinate(prim: Prim, joint: Entity, values: Values, driven: bool) -> None
     limits = {p: values.number(name, p) for p in ("low", "high") if values.has(name, p)}
     if limits.get("low", -math.inf) > limits.get("high", math.inf):
         raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.place(name, "low"))
-    if not joint.of:  # a joint of an asset may start elsewhere, which is looked at there
+    if not joint.of:  # joints of assets may start elsewhere; `assets` checks them
         help = "limits are counted from how its objects are placed, so 0 is between them"
         assets.within_limits(values, joint, 0.0, help)
     for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):

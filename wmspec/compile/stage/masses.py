@@ -1,4 +1,4 @@
-"""What objects weigh: the mass of each piece that can be touched, or of the body if its moments are said."""
+"""Masses of objects: of each touchable piece, or of the body if its moments are given."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from wmspec.compile.stage.document import Prim
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import from_ypr
 
-#: What is smaller than this (m³) is taken for a mistake: a tenth of a millimetre across.
+#: Minimum volume (m³), of a cube of about 0.05 mm; smaller objects are an error.
 LEAST_VOLUME = 1e-13
-#: By so much a number of a stage may be off: half the distance between neighbours of simple precision, twice.
+#: Relative rounding error of a number of a stage, with a margin: twice half a unit of single precision.
 ROUNDING = 2.0**-22
 
 
 def own(name: str, values: Values) -> bool:
-    """Whether an object says more of how its mass is spread than its pieces do. Raises WmsError if it has no mass."""
+    """Whether an object declares its own mass distribution. Raises WmsError if it has no mass."""
     touched = any(touchable(values, part) for part, _ in every_piece(values, name))
     if not touched and not (values.has(name, "mass") and values.has(name, "moments")):
         raise ImpossibleValue(
@@ -27,7 +27,7 @@ def own(name: str, values: Values) -> bool:
 
 
 def add_own(body: Prim, name: str, values: Values) -> None:
-    """The mass, the centre of mass and the moments of an object on its body."""
+    """Add mass, centre of mass and moments of an object to its body."""
     if values.has(name, "mass"):
         body.set("physics:mass", "float", values.number(name, "mass"), f"{name}.mass")
     if values.has(name, "centre"):
@@ -38,7 +38,7 @@ def add_own(body: Prim, name: str, values: Values) -> None:
 
 
 def _moments(name: str, values: Values) -> tuple[float, ...]:
-    """The moments of inertia; of a flat thing, one of which is the others' sum, so that rounding does not exceed it."""
+    """Return the moments of inertia; for flat objects, rounded so that none exceeds the sum of the others."""
     moments = values.vector(name, "moments")
     largest, rest = max(moments), sum(moments) - max(moments)
     if largest > rest * (1 + 1e-6):
@@ -48,7 +48,7 @@ def _moments(name: str, values: Values) -> tuple[float, ...]:
 
 
 def add_mass(prim: Prim, name: str, volume: float, values: Values) -> None:
-    """What a piece of this volume (m³) weighs: its share of the object's mass, or its density."""
+    """Add the mass of a piece of this volume (m³): its share of the object's mass, or its density."""
     if values.flag(name, "fixed") and not values.has(name, "mass"):
         return
     whole = _whole(name, values)
@@ -61,7 +61,7 @@ def add_mass(prim: Prim, name: str, volume: float, values: Values) -> None:
 
 
 def _whole(name: str, values: Values) -> float:
-    """The volume (m³) of all that can be touched of an object. Raises WmsError if it is too small."""
+    """Return the touchable volume (m³) of an object. Raises WmsError if it is too small."""
     whole = sum(piece.solid.volume for part, piece in every_piece(values, name) if touchable(values, part))
     if whole < LEAST_VOLUME:
         raise ImpossibleValue(f"`{name}` is too small to have a mass: {whole:g} m³", values.place(name))

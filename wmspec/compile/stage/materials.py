@@ -1,4 +1,4 @@
-"""Materials: how an object looks and how it rubs in one, since some importers know a single binding only."""
+"""Materials: appearance and friction in one prim, since some importers read a single binding only."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wmspec.sim.materials import MATERIALS
 
 
 def add_material(doc: Document, part: str, owner: str, values: Values) -> str:
-    """The material of an object, or of one part of it; returns its path."""
+    """Add the material of an object or of one of its parts; returns its path."""
     path = f"/World/Materials/{part.replace('.', '/')}"
     there = (f"{owner}.present", f"{owner}.form")
     if part != owner and f"/World/Materials/{owner}" not in doc.prims:
@@ -34,7 +34,7 @@ def add_material(doc: Document, part: str, owner: str, values: Values) -> str:
 
 
 def plain(doc: Document, path: str, shade: tuple[float, float, float], *sources: str) -> str:
-    """A material of one colour (sRGB) and no pattern, for what nothing touches; returns its path."""
+    """Add an untextured material of one colour (sRGB) without friction; returns its path."""
     material = doc.add(path, "Material")
     material.connect("outputs:surface", "token", f"{path}/surface.outputs:surface")
     surface = doc.add(f"{path}/surface", "Shader")
@@ -48,7 +48,7 @@ def plain(doc: Document, path: str, shade: tuple[float, float, float], *sources:
 
 
 def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, there: tuple[str, ...]) -> None:
-    """The colour itself, or an image that it tints."""
+    """Set the colour, or an image that it tints."""
     red, green, blue = (linear(c) for c in rgb(values.text(part, "color")))
     image, repeats = _image(part, values)
     patterned = (f"{part}.material", f"{part}.image", *((f"{part}.repeats",) if values.has(part, "repeats") else ()))
@@ -80,7 +80,7 @@ def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, t
 
 
 def _image(part: str, values: Values) -> tuple[Path | None, tuple[float, float] | None]:
-    """The image on a surface, and how often it is repeated on a metre; None for one that is laid out once."""
+    """Return the image on a surface and its repetitions per metre; None repetitions if it is laid out once."""
     if values.has(part, "image"):
         path = resolve_display_path(values.text(part, "image"))
         if not path.is_file():

@@ -1,6 +1,7 @@
-"""Prims of objects that were made before: an object is the same wherever all has the same levels that it depends on.
+"""A cache of object prims: prims depend only on the levels that the object depends on.
 
-What that is the spec alone tells. Those of a control group differ in what one factor decides, and share the rest.
+These levels follow from the spec alone. Members of a control group share all prims that the crossed factor does not
+affect.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from wmspec.lang.check.tables.vocabulary import PROPERTIES
 
 
 class ObjectCache:
-    """Makes the prims of objects, and remembers the latest of the latest specs."""
+    """Builds the prims of objects, and caches the most recent ones of the most recent specs."""
 
     def __init__(self, remembered: int = 1024, specs: int = 8) -> None:
         self._remembered, self._specs = remembered, specs
@@ -26,7 +27,7 @@ class ObjectCache:
         self._made: OrderedDict[tuple[Any, ...], Document] = OrderedDict()
 
     def add(self, doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
-        """What `add_object` adds. Raises WmsError where that does."""
+        """Add what `add_object` adds. Raises WmsError like `add_object`."""
         levels = self._of(values.spec).levels(name, values)
         if levels is None:
             add_object(doc, name, values, carriers, carried)
@@ -43,7 +44,7 @@ class ObjectCache:
 
     def _of(self, spec: TaskSpec) -> _Deciding:
         if id(spec) not in self._deciding:
-            self._deciding[id(spec)] = _Deciding(spec)  # it has the spec, which so stays, and its `id`
+            self._deciding[id(spec)] = _Deciding(spec)  # it keeps the spec, so its `id` stays unique
             if len(self._deciding) > self._specs:
                 old, _ = self._deciding.popitem(last=False)
                 self._made = OrderedDict((key, made) for key, made in self._made.items() if key[0] != old)
@@ -52,14 +53,14 @@ class ObjectCache:
 
 
 class _Deciding:
-    """What decides the prims of each object of a spec: sources, and of these the factors and nuisances."""
+    """The dependencies of each object of a spec: sources, and the factors and nuisances among them."""
 
     def __init__(self, spec: TaskSpec) -> None:
         self.spec, self._depend = spec, dependencies(spec)
         self._known: dict[str, tuple[frozenset[str], tuple[str, ...], bool]] = {}
 
     def levels(self, name: str, values: Values) -> tuple[Any, ...] | None:
-        """What the prims of an object depend on; None where they depend on more than levels and draws."""
+        """Return the cache key of an object's prims, or None if they depend on more than levels and draws."""
         if values.assets or values.has(name, "passes"):
             return None
         if name not in self._known:
@@ -74,7 +75,7 @@ class _Deciding:
         return (*(values.assignment[factor] for factor in factors), *(values.key if scattered else ()))
 
     def _sources(self, name: str, values: Values) -> frozenset[str]:
-        """All that the prims of an object may depend on, directly or not."""
+        """Return all sources that the prims of an object may depend on."""
         own = [f"{name}.{aspect}" for aspect in ("pose", *PROPERTIES["object"])]
         own += [f"{part}.{word}" for part in values.parts(name) for word in PROPERTIES["part"]]
         return self._depend.sources(own)

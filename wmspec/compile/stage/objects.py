@@ -1,4 +1,4 @@
-"""Objects as prims: a frame for each, and below it the geometries that it is made of, with mass and material."""
+"""Objects as prims: a frame for each, with its geometries, mass and material."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from wmspec.sim.shapes.polygons import Polygons
 
 
 def object_path(name: str) -> str:
-    """Where the prim of an object is."""
+    """Return the path of an object's prim."""
     return f"/World/Objects/{name}"
 
 
 def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
-    """The prims of an object that is there; `carriers` are the sources of `carried`, whether actions carry it."""
+    """Add the prims of a present object; `carriers` are the sources of `carried`, whether actions carry it."""
     fixed, solid = values.flag(name, "fixed"), values.flag(name, "solid")
     if fixed and carried:
         raise ImpossibleValue(f"`{name}` is fixed, so nothing can carry it", values.place(name))
@@ -57,7 +57,7 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
 
 
 def _moving(body: Prim, name: str, values: Values) -> None:
-    """How it moves at the start, which a link of an asset says along the axes of that."""
+    """Set the initial velocities; those of an asset's link are along the asset's axes."""
     base = assets.base(values, name)
     turned = frame(values, base).orientation if base else IDENTITY_QUAT
     for word, attribute, unit in (("velocity", "velocity", 1.0), ("spin", "angularVelocity", 180 / math.pi)):
@@ -71,7 +71,7 @@ def _moving(body: Prim, name: str, values: Values) -> None:
 
 
 def _passed(name: str, values: Values) -> tuple[str, ...]:
-    """The objects that are there and that it passes through."""
+    """Return the present objects that it does not collide with."""
     passes = values.references(name, "passes") if values.has(name, "passes") else ()
     return tuple(other for other in passes if other != name and values.there(other))
 
@@ -89,7 +89,7 @@ def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
 
 
 def geometry(doc: Document, path: str, piece: Piece, schemas: tuple[str, ...], sources: tuple[str, ...]) -> Prim:
-    """The prim of a solid where it is in its object; the first of the `sources` is what decides its form."""
+    """Add the prim of a solid with its pose in the object; the first of the `sources` determines its form."""
     made, form = piece.solid.prim(), sources[0]
     prim = doc.add(path, made.type, (*schemas, "MaterialBindingAPI"), sources)
     if isinstance(made, Polygons):
@@ -124,7 +124,7 @@ def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values:
 
 
 def _place(prim: Prim, pose: Pose, scale: Vector | None, form: str) -> None:
-    """Where the prim is in its object; nothing if that is where the object is."""
+    """Set the pose of the prim in its object; nothing for the identity."""
     ops: list[tuple[str, str, tuple[float, ...]]] = []
     if pose != IDENTITY:
         ops += [("translate", "double3", pose.position), ("orient", "quatd", pose.orientation)]
@@ -137,7 +137,7 @@ def _place(prim: Prim, pose: Pose, scale: Vector | None, form: str) -> None:
 
 
 def _mesh(prim: Prim, made: Polygons, form: str) -> None:
-    """Make the prim this mesh."""
+    """Set the mesh of the prim."""
     prim.set("points", "point3f[]", made.points, form)
     prim.set("faceVertexCounts", "int[]", made.counts, form)
     prim.set("faceVertexIndices", "int[]", made.indices, form)

@@ -1,4 +1,4 @@
-"""The law of one factor: what differs between two stages is what the spec makes depend on what was changed."""
+"""The one-factor law: two stages differ only in what depends, by the spec, on the changed factor."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from wmspec.lang.check.ir.ir import Counterfactual
 
 
 def violations(depend: Dependencies, before: Document, after: Document, *changed: str) -> tuple[str, ...]:
-    """The paths of the properties that differ between two stages though nothing makes them depend on `changed`.
+    """Return the paths of properties that differ between two stages without depending on `changed`.
 
-    `changed` are names of factors, or what `changed_by` a counterfactual.
+    `changed` are names of factors, or the result of `changed_by` for a counterfactual.
     """
     return tuple(
         path
@@ -20,7 +20,7 @@ def violations(depend: Dependencies, before: Document, after: Document, *changed
 
 
 def changed_by(change: Counterfactual) -> tuple[str, ...]:
-    """What a counterfactual changes, as sources: an `owner.property`, whether an action happens, or when two do."""
+    """Return the sources that a counterfactual changes: an `owner.property`, presence, or two start times."""
     if change.change == "levels":
         return tuple(change.levels)
     if change.change in ("without", "add"):

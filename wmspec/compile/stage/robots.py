@@ -1,7 +1,6 @@
 """Robots on the stage.
 
-An arm is a reference to what it is made of, its ways of joints and holds; cars and walkers are bodies that are carried
-along.
+An arm references its asset and has joint trajectories and holds. Cars and walkers are carried bodies.
 """
 
 from __future__ import annotations
@@ -18,14 +17,14 @@ from wmspec.core.resources import resource
 from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.check.tables.colors import rgb
 
-#: Of somebody (kg, kg m²): nothing comes of it here, but some importers take no body without a mass.
+#: Mass and moments of walkers and cars (kg, kg m²); without effect, but some importers require a mass.
 WEIGHT, MOMENTS = 70.0, (16.0, 16.0, 1.0)
 
 
 def add_robot(doc: Document, robot: Entity, values: Values) -> None:
-    """The prim of a robot before it does anything: an arm's hand is drawn back.
+    """Add the prim of a robot in its initial state; an arm's hand is retracted.
 
-    Raises WmsError with its place if it cannot stand there.
+    Raises WmsError with its location if the base pose is invalid.
     """
     pose, arm = base(values, robot.name), robot.model in ARMS
     path = object_path(robot.name)
@@ -50,7 +49,7 @@ def add_robot(doc: Document, robot: Entity, values: Values) -> None:
 
 
 def _paint(doc: Document, name: str, values: Values) -> None:
-    """The forms of a car in its colours."""
+    """Add the coloured shapes of a car."""
     doc.add(f"/World/Materials/{name}", "Scope")
     for part, piece, tone in car.parts():
         source = () if tone else (f"{name}.color",)
@@ -61,12 +60,12 @@ def _paint(doc: Document, name: str, values: Values) -> None:
 
 
 def add_action(doc: Document, action: Entity, values: Values) -> None:
-    """What a robot does. Raises WmsError with its place if it cannot."""
+    """Add the action of a robot. Raises WmsError with its location if it is infeasible."""
     (_reach if values.spec.thing(action.of).model in ARMS else _follow)(doc, action, values)
 
 
 def _follow(doc: Document, action: Entity, values: Values) -> None:
-    """A way that carries a car or a walker."""
+    """Add the path of a car or a walker."""
     travel, way = travels(values)[action.name], (f"{action.name}.way", f"{action.name}.duration")
     prim = doc.add(f"/World/Episode/Actions/{action.name}", "WmsAction", (), (f"{action.name}.there",))
     prim.set("wms:verb", "token", "follow", uniform=True)
@@ -79,7 +78,7 @@ def _follow(doc: Document, action: Entity, values: Values) -> None:
 
 
 def _reach(doc: Document, action: Entity, values: Values) -> None:
-    """A way of an arm's joints, and a `hold` below it if it takes something."""
+    """Add a joint trajectory of an arm, with a `hold` below it for a grasp."""
     reach = plan(values)[action.name]
     path, here = f"/World/Episode/Actions/{action.name}", object_path(action.of)
     there, way = (f"{action.name}.there", f"{action.name}.object"), f"{action.name}.way"

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.dataset.build.pictures import decode_image
+from wmspec.dataset.build.images import decode_image
 from wmspec.dataset.build.reader import PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row
 
 #: Side of a thumbnail (px).
-SIDE = 48
+THUMBNAIL_SIZE = 48
 
-Small = NDArray[np.uint8]
+Thumbnail = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,11 @@ class Case:
     row: Row
     context: tuple[bytes, ...]
     options: tuple[bytes, ...]
-    seen_context: tuple[Small, ...] = ()
-    seen_options: tuple[Small, ...] = ()
+    context_thumbnails: tuple[Thumbnail, ...] = ()
+    option_thumbnails: tuple[Thumbnail, ...] = ()
 
     @property
-    def pictured(self) -> bool:
+    def has_picture_options(self) -> bool:
         """Whether the options are pictures."""
         return bool(self.options)
 
@@ -71,7 +71,7 @@ class Unit:
         return self.cases[0].open
 
     @cached_property
-    def once(self) -> tuple[Case, ...]:
+    def per_instance(self) -> tuple[Case, ...]:
         """One row for each instance, from the first engine that has it."""
         first: dict[int, Case] = {}
         for case in self.cases:
@@ -84,25 +84,25 @@ class Unit:
         return len({case.row["block"] for case in self.cases})
 
     @cached_property
-    def looked_at(self) -> tuple[Case, ...]:
+    def sampled(self) -> tuple[Case, ...]:
         """The rows with thumbnails, one for each instance, with engines in turn."""
-        last = {c.row["index"]: c for c in self.cases if c.seen_context or c.seen_options}
+        last = {c.row["index"]: c for c in self.cases if c.context_thumbnails or c.option_thumbnails}
         return tuple(case for _, case in sorted(last.items()))
 
     @cached_property
     def first_engine(self) -> tuple[Case, ...]:
         """The rows of the first engine that have thumbnails."""
-        return tuple(c for c in self.cases if c.row["engine"] == self.engines[0] and (c.seen_context or c.seen_options))
+        return tuple(c for c in self.cases if c.row["engine"] == self.engines[0] and (c.context_thumbnails or c.option_thumbnails))
 
 
 @dataclass(frozen=True)
-class Enlarging:
+class FullSizePictures:
     """Reads the pictures of a task again, at full size."""
 
     dataset: DatasetReader
     task: str
 
-    def __call__(self, indices: set[int]) -> dict[str, list[Small]]:
+    def __call__(self, indices: set[int]) -> dict[str, list[Thumbnail]]:
         """Return the pictures shown in the rows of the given instances, by row id."""
         rows = self.dataset.rows(self.task, only=indices)
         return {row["id"]: [np.asarray(decode_image(p["bytes"])) for p in row["context"]] for row in rows}
@@ -114,7 +114,7 @@ def units(dataset: DatasetReader, task: str, most: int) -> Iterator[Unit]:
     chosen = set(sorted(indices, key=lambda i: _key(task, i))[:most])
     parted: dict[int, list[Case]] = {}
     for row in dataset.rows(task):
-        looked = row["index"] in chosen and _looked(row, dataset.engines)
+        looked = row["index"] in chosen and _is_sampled(row, dataset.engines)
         parted.setdefault(row["question"], []).append(_case(row, looked))
     for question, cases in sorted(parted.items()):
         yield Unit(task if len(parted) == 1 else f"{task} q{question}", tuple(cases), dataset.engines)
@@ -125,7 +125,7 @@ def task_of(name: str) -> str:
     return name.partition(" q")[0]
 
 
-def _looked(row: Row, engines: tuple[str, ...]) -> bool:
+def _is_sampled(row: Row, engines: tuple[str, ...]) -> bool:
     """Whether a row gets thumbnails: the first engine, for comparing instances, and one other, for probes."""
     return row["engine"] in (engines[0], engines[_turn(row["index"], len(engines))])
 
@@ -144,10 +144,10 @@ def _case(row: Row, looked: bool) -> Case:
         row,
         tuple(hashlib.sha256(b).digest() for b in context),
         tuple(hashlib.sha256(b).digest() for b in options),
-        tuple(map(_small, context)) if looked else (),
-        tuple(map(_small, options)) if looked else (),
+        tuple(map(_thumbnail, context)) if looked else (),
+        tuple(map(_thumbnail, options)) if looked else (),
     )
 
 
-def _small(content: bytes) -> Small:
-    return np.asarray(decode_image(content).resize((SIDE, SIDE), Image.Resampling.BOX))
+def _thumbnail(content: bytes) -> Thumbnail:
+    return np.asarray(decode_image(content).resize((THUMBNAIL_SIZE, THUMBNAIL_SIZE), Image.Resampling.BOX))

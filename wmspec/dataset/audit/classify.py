@@ -28,9 +28,9 @@ Array = NDArray[np.float64]
 FOLDS = 5
 #: Trees of a forest, minimum samples in a leaf, share of features tried at a split. All features are tried, because
 #: shortcuts tend to be in few of them.
-TREES, LEAF, NUMBERS = 20, 16, 1.0
+FOREST_TREES, MIN_LEAF, FEATURE_SHARE = 20, 16, 1.0
 #: Trees of a forest fitted for selecting a probe.
-FEW_TREES = 6
+SELECTION_TREES = 6
 #: Ridge penalties for cases with more features than questions; cross-validation chooses one.
 RIDGES = (1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0)
 #: Lasso penalties, relative to the one that removes all features.
@@ -39,7 +39,7 @@ SEED = 20_611
 
 
 @dataclass(frozen=True)
-class Asked:
+class ProbeDataset:
     """The options of questions as a classification problem.
 
     For every option in order: `owner`, the index of its question (ascending from 0), its `name`, and its `truth`. For
@@ -75,7 +75,7 @@ class Asked:
         splits = GroupKFold(folds).split(shuffled, groups=shuffled) if folds > 1 else ()
         return [held for _, held in splits]
 
-    def among(self, values: Array) -> Array:
+    def centred(self, values: Array) -> Array:
         """Return values (options, d) relative to the mean of their question's options."""
         means = np.add.reduceat(values, self.starts, axis=0) / self.sizes[:, None]
         return np.asarray(values - np.repeat(means, self.sizes, axis=0))
@@ -85,7 +85,7 @@ class Asked:
         stood = [np.sign((one[:, None] - one).round(9)).sum(1) for one in np.split(values, self.starts[1:])]
         return np.concatenate(stood)
 
-    def retold(self, places: NDArray[np.int64]) -> Asked:
+    def with_labels(self, places: NDArray[np.int64]) -> ProbeDataset:
         """Return the same questions with other true options: in each question, the one at the given position."""
         truth = np.zeros(len(self.owner), dtype=bool)
         truth[self.starts + places] = True
@@ -93,7 +93,7 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Seen:
+class ProbeFeatures:
     """The input of a probe: `features` of every option (options, d) or of every question (questions, d).
 
     If `ranked`, the ranks of the features among a question's options are inputs as well.
@@ -105,7 +105,7 @@ class Seen:
     ranked: bool = False
 
 
-def held_out(seen: Seen, asked: Asked) -> Array:
+def cross_validated_scores(seen: ProbeFeatures, asked: ProbeDataset) -> Array:
     """Return the score of every question by a classifier fitted to the other folds: 1, 0, or a fraction at a tie.
 
     Features of options are taken relative to the mean of a question's options, so that only differences between options
@@ -114,11 +114,11 @@ def held_out(seen: Seen, asked: Asked) -> Array:
     scores = np.zeros(len(asked.owner))
     for held in asked.folds:
         here = np.isin(asked.owner, held)
-        scores[here] = _scores(seen, asked, ~here, here, TREES)
-    return hits(scores, asked)
+        scores[here] = _scores(seen, asked, ~here, here, FOREST_TREES)
+    return top1_score(scores, asked)
 
 
-def held_out_twice(seen: Seen, asked: Asked) -> Array:
+def nested_scores(seen: ProbeFeatures, asked: ProbeDataset) -> Array:
     """Return scores (folds, questions) of classifiers fitted without the row's fold and the question's fold.
 
     A row is independent of its own fold. It can therefore select a probe that is then judged on that fold. Scores of
@@ -129,15 +129,15 @@ def held_out_twice(seen: Seen, asked: Asked) -> Array:
     for one, other in combinations(range(len(inside)), 2):
         either = inside[one] | inside[other]
         told = np.zeros(len(asked.owner))
-        told[either] = _scores(seen, asked, ~either, either, FEW_TREES)
+        told[either] = _scores(seen, asked, ~either, either, SELECTION_TREES)
         scores[one, inside[other]], scores[other, inside[one]] = told[inside[other]], told[inside[one]]
-    right = np.stack([hits(row, asked) for row in scores])
+    right = np.stack([top1_score(row, asked) for row in scores])
     for row, held in zip(right, asked.folds, strict=True):
         row[held] = 0
     return right
 
 
-def hits(scores: Array, asked: Asked) -> Array:
+def top1_score(scores: Array, asked: ProbeDataset) -> Array:
     """Return 1 where the true option scores highest, 1/n where n options tie with it, else 0."""
     best = np.maximum.reduceat(scores, asked.starts)
     top = scores >= best[asked.owner] - 1e-9
@@ -145,22 +145,22 @@ def hits(scores: Array, asked: Asked) -> Array:
     return np.asarray(np.add.reduceat((top & asked.truth).astype(np.float64), asked.starts) / ties)
 
 
-def _scores(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
+def _scores(seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
     """Return the score of every option in `here` by a classifier fitted to `fitted`."""
     return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
 
 
-def _of_options(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
-    x = asked.among(seen.features)
+def _of_options(seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
+    x = asked.centred(seen.features)
     if seen.ranked:
         x = np.concatenate([x, asked.ranks(seen.features)], axis=1)
     if seen.model == "forest":
         return _probabilities(x[fitted], asked.truth[fitted], x[here], trees)[1][:, -1]
-    y = asked.among(asked.truth[:, None].astype(np.float64))[:, 0]
+    y = asked.centred(asked.truth[:, None].astype(np.float64))[:, 0]
     return _linear(x[fitted], y[fitted], x[here])
 
 
-def _of_questions(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
+def _of_questions(seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
     true, held, others = asked.name[asked.truth], here[asked.starts], fitted[asked.starts]
     x = seen.features
     if seen.model == "forest":
@@ -203,5 +203,5 @@ def _lasso(x: Array, y: Array, noise: float) -> Array:
 
 def _probabilities(x: Array, y: NDArray[np.generic], unseen: Array, trees: int) -> tuple[NDArray[np.generic], Array]:
     """Return the classes, and their probabilities for unseen samples."""
-    forest = RandomForestClassifier(trees, min_samples_leaf=LEAF, max_features=NUMBERS, random_state=SEED).fit(x, y)
+    forest = RandomForestClassifier(trees, min_samples_leaf=MIN_LEAF, max_features=FEATURE_SHARE, random_state=SEED).fit(x, y)
     return forest.classes_, np.asarray(forest.predict_proba(unseen))

@@ -20,7 +20,7 @@ def counts(dataset: DatasetReader, task: str) -> Counts:
     return Counts(task, recorded["dimension"], recorded["instances"], kept + sum(rejected.values()), kept, rejected)
 
 
-def whole(dataset: DatasetReader) -> list[Finding]:
+def check_files(dataset: DatasetReader) -> list[Finding]:
     """Check every file against the hashes of the manifest. Each task with damaged files fails, with a list of them.
 
     The card and the Croissant metadata must exist as well.
@@ -39,7 +39,7 @@ def whole(dataset: DatasetReader) -> list[Finding]:
     ]
 
 
-def accounted(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Iterator[Finding]:
+def check_rows(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Iterator[Finding]:
     """Check that a task's rows match the counts of the manifest, each with one true option."""
     rows = [case for unit in units for case in unit.cases]
     by_engine = Counter(c.row["engine"] for c in rows)
@@ -54,7 +54,7 @@ def accounted(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Iter
     wrong += [f"{len(odd):,} rows have no or another true option, such as {odd[0]}"] if odd else []
     if wrong:
         yield Finding("counts", counts.task, "fails", "; ".join(wrong))
-    yield _judged(counts)
+    yield _rejection_finding(counts)
 
 
 def _rows(dataset: DatasetReader, task: str) -> Iterator[tuple[str, int]]:
@@ -68,7 +68,7 @@ def _one_truth(case: Case) -> bool:
     return [i for i, kind in enumerate(kinds) if kind == "truth"] == [answer]
 
 
-def _judged(counts: Counts) -> Finding:
+def _rejection_finding(counts: Counts) -> Finding:
     """Return the finding about rejections. A task without questions fails, and one with failures."""
     reasons = ", ".join(f"{n:,} {reason}" for reason, n in counts.rejected.items())
     lost = counts.questions - counts.kept

@@ -9,34 +9,34 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.dataset.audit.cases import SIDE, Case, Small
+from wmspec.dataset.audit.cases import THUMBNAIL_SIZE, Case, Thumbnail
 
 Array = NDArray[np.float64]
 
 #: Side of a picture for probes (px), and levels of each colour in a histogram.
-PIXELS, LEVELS = 8, 4
+GRID_SIZE, COLOUR_LEVELS = 8, 4
 #: Number of principal components of pixels.
-MOST_PIXELS = 16
+MAX_PIXEL_COMPONENTS = 16
 #: Number of principal components of word pairs.
-MOST_TEXTS = 24
+MAX_TEXT_COMPONENTS = 24
 #: Maximum vocabulary size; the most frequent words, names and texts are used.
-MOST_WORDS = 40
+MAX_VOCABULARY = 40
 
 _WORD = re.compile(r"[^\W_]+(?:\.\d+)?|[+-]")
 
 
-def _pixels(picture: Small) -> Array:
+def _pixels(picture: Thumbnail) -> Array:
     """Return a picture as (PIXELS * PIXELS * 3) values from 0 to 1."""
-    block = SIDE // PIXELS
-    means = picture.reshape(PIXELS, block, PIXELS, block, 3).mean((1, 3))
+    block = THUMBNAIL_SIZE // GRID_SIZE
+    means = picture.reshape(GRID_SIZE, block, GRID_SIZE, block, 3).mean((1, 3))
     return np.asarray(means.ravel() / 255)
 
 
-def _histogram(picture: Small) -> Array:
+def _histogram(picture: Thumbnail) -> Array:
     """Return the share of a picture's pixels in each of LEVELS ** 3 colours."""
-    level = (picture.astype(np.int64) * LEVELS) // 256
-    code = (level[..., 0] * LEVELS + level[..., 1]) * LEVELS + level[..., 2]
-    return np.bincount(code.ravel(), minlength=LEVELS**3) / code.size
+    level = (picture.astype(np.int64) * COLOUR_LEVELS) // 256
+    code = (level[..., 0] * COLOUR_LEVELS + level[..., 1]) * COLOUR_LEVELS + level[..., 2]
+    return np.bincount(code.ravel(), minlength=COLOUR_LEVELS**3) / code.size
 
 
 # ---------------------------------------------------------------- options alone
@@ -50,23 +50,23 @@ def positions(cases: Sequence[Case]) -> Array:
 
 def options(cases: Sequence[Case]) -> Array:
     """Return features of the options alone: pixels or words, and their relation to the other options."""
-    if cases[0].pictured:
-        return leading(np.concatenate([_among([_pixels(p) for p in c.seen_options]) for c in cases]), MOST_PIXELS)
+    if cases[0].has_picture_options:
+        return principal_components(np.concatenate([_relative_to_options([_pixels(p) for p in c.option_thumbnails]) for c in cases]), MAX_PIXEL_COMPONENTS)
     return np.concatenate([_words_of(cases), np.concatenate([_ranks(c.row["option_text"]) for c in cases])], axis=1)
 
 
 def colours(cases: Sequence[Case]) -> Array:
     """Return the colours of option pictures, and their relation to the other options."""
-    return leading(np.concatenate([_among([_histogram(p) for p in c.seen_options]) for c in cases]), MOST_PIXELS)
+    return principal_components(np.concatenate([_relative_to_options([_histogram(p) for p in c.option_thumbnails]) for c in cases]), MAX_PIXEL_COMPONENTS)
 
 
 def texts(cases: Sequence[Case]) -> Array:
     """Return the words of question and option, crossed; with the position if options are pictures."""
-    option = positions(cases) if cases[0].pictured else _words_of(cases)
+    option = positions(cases) if cases[0].has_picture_options else _words_of(cases)
     asked = _bag([_words(c.row["text"]) for c in cases])
     asked = asked[:, asked.std(0) > 0]  # drop words that every question has
-    each = np.split(_crossed(option, np.repeat(asked, [c.count for c in cases], axis=0)), _ends(cases))
-    return leading(np.concatenate([of_one - of_one.mean(0) for of_one in each]), MOST_TEXTS)
+    each = np.split(_with_products(option, np.repeat(asked, [c.count for c in cases], axis=0)), _ends(cases))
+    return principal_components(np.concatenate([of_one - of_one.mean(0) for of_one in each]), MAX_TEXT_COMPONENTS)
 
 
 def _ends(cases: Sequence[Case]) -> list[int]:
@@ -81,24 +81,24 @@ def pixels(cases: Sequence[Case], views: Sequence[int]) -> Array:
     """Return the pixels of the pictures `views`: one row a question, or differences to the options if these are
     pictures.
     """
-    shown = np.stack([np.concatenate([_look(c.seen_context[v]) for v in views]) for c in cases])
-    if not cases[0].pictured:
-        return leading(shown, MOST_PIXELS)
+    shown = np.stack([np.concatenate([_look(c.context_thumbnails[v]) for v in views]) for c in cases])
+    if not cases[0].has_picture_options:
+        return principal_components(shown, MAX_PIXEL_COMPONENTS)
     gaps = [
-        np.stack([np.tile(_look(o), len(views)) for o in c.seen_options]) - s for c, s in zip(cases, shown, strict=True)
+        np.stack([np.tile(_look(o), len(views)) for o in c.option_thumbnails]) - s for c, s in zip(cases, shown, strict=True)
     ]
     either = (np.concatenate([gap, abs(gap)], axis=1) for gap in gaps)
-    return leading(np.concatenate([gap - gap.mean(0) for gap in either]), MOST_PIXELS)
+    return principal_components(np.concatenate([gap - gap.mean(0) for gap in either]), MAX_PIXEL_COMPONENTS)
 
 
-def _look(picture: Small) -> Array:
+def _look(picture: Thumbnail) -> Array:
     return np.concatenate([_pixels(picture), _histogram(picture)])
 
 
 # ---------------------------------------------------------------- helpers
 
 
-def _among(seen: Sequence[Array]) -> Array:
+def _relative_to_options(seen: Sequence[Array]) -> Array:
     """Return each option (n, d), its deviation from the mean of the options, and its rank by distance from it.
 
     Counterfactuals change one aspect of the truth each, so that the truth tends to lie in their middle.
@@ -134,16 +134,16 @@ def _bag(words: Sequence[Iterable[str]]) -> Array:
     """Return the occurrence of the most frequent words in each text: (texts, words), at least one column."""
     sets = [set(s) for s in words]
     count = Counter(word for s in sets for word in s)
-    known = sorted(count, key=lambda w: (-count[w], w))[:MOST_WORDS]
+    known = sorted(count, key=lambda w: (-count[w], w))[:MAX_VOCABULARY]
     return np.array([[float(w in s) for w in known] or [0.0] for s in sets])
 
 
-def _crossed(a: Array, b: Array) -> Array:
+def _with_products(a: Array, b: Array) -> Array:
     """Return `a` and all products of its columns with those of `b`."""
     return np.concatenate([a, (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)], axis=1)
 
 
-def leading(x: Array, most: int) -> Array:
+def principal_components(x: Array, most: int) -> Array:
     """Return the leading principal components."""
     x = x - x.mean(0)
     _, directions = np.linalg.eigh(x.T @ x)

@@ -9,22 +9,22 @@ from wmspec.dataset.audit.duplicates import Pair
 from wmspec.dataset.audit.model import Finding
 
 #: Minimum number of groups for conclusions about the task as a whole.
-LEAST_GROUPS = 30
+MIN_GROUPS = 30
 
 
-def effective(unit: Unit, pairs: Sequence[Pair]) -> int:
+def effective_groups(unit: Unit, pairs: Sequence[Pair]) -> int:
     """Return the number of control groups with at least one question that no earlier group has, exactly or visually."""
     block = {case.row["id"]: case.row["block"] for case in unit.cases}
     again = {max(p.first, p.second) for p in pairs if block[p.first] != block[p.second]}
     return len({b for name, b in block.items() if name not in again})
 
 
-def judge(unit: Unit, count: int) -> Finding:
+def group_finding(unit: Unit, count: int) -> Finding:
     """Return whether there are enough groups for conclusions about the task rather than about a few scenes."""
     again = unit.draws - count
-    what = f"{len(unit.once):,} instances of {count:,} independent groups" + (
+    what = f"{len(unit.per_instance):,} instances of {count:,} independent groups" + (
         f", {again:,} ask the same" if again else ""
     )
-    if count >= LEAST_GROUPS:
+    if count >= MIN_GROUPS:
         return Finding("groups", unit.name, "holds", what)
-    return Finding("groups", unit.name, "unclear", f"{what}; {LEAST_GROUPS} are needed to speak of more than these")
+    return Finding("groups", unit.name, "unclear", f"{what}; {MIN_GROUPS} are needed to speak of more than these")

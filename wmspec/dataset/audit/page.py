@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from wmspec.dataset.audit import balance, figures
-from wmspec.dataset.audit.balance import STRONG, SURE
-from wmspec.dataset.audit.classify import FOLDS, TREES
-from wmspec.dataset.audit.groups import LEAST_GROUPS
+from wmspec.dataset.audit.balance import MIN_STRENGTH, SIGNIFICANCE
+from wmspec.dataset.audit.classify import FOLDS, FOREST_TREES
+from wmspec.dataset.audit.groups import MIN_GROUPS
 from wmspec.dataset.audit.model import Audit, Probe, Summary, Verdict
-from wmspec.dataset.audit.power import ALARMS, POWER
-from wmspec.dataset.audit.probes import ROOM, SLACK
+from wmspec.dataset.audit.power import FALSE_ALARMS, POWER
+from wmspec.dataset.audit.probes import MAX_MISSED_SHORTCUT, SLACK
 from wmspec.dataset.audit.probes import verdict as probe_verdict
-from wmspec.dataset.audit.stability import LEAST_STABLE
+from wmspec.dataset.audit.stability import MIN_STABLE
 from wmspec.dataset.build.webpage import webpage
 
 #: Labels of verdicts.
@@ -21,17 +21,17 @@ WORDS: dict[Verdict, str] = {"fails": "fails", "unclear": "too few to tell", "to
 OF_TASKS: dict[Verdict, str] = {"fails": "fail", "unclear": "unknown", "holds": "pass", "told": ""}
 #: Thresholds that the page explains.
 _RULES = {
-    "sure": SURE,
-    "strong": STRONG,
-    "trees": TREES,
+    "sure": SIGNIFICANCE,
+    "strong": MIN_STRENGTH,
+    "trees": FOREST_TREES,
     "folds": FOLDS,
     "slack": SLACK,
-    "alarms": ALARMS,
-    "room": ROOM,
+    "alarms": FALSE_ALARMS,
+    "room": MAX_MISSED_SHORTCUT,
     "power": POWER,
-    "least_groups": LEAST_GROUPS,
-    "guessing": balance.ROOM,
-    "least_stable": LEAST_STABLE,
+    "least_groups": MIN_GROUPS,
+    "guessing": balance.MAX_MISSED_GAIN,
+    "least_stable": MIN_STABLE,
 }
 
 

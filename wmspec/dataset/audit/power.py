@@ -13,25 +13,25 @@ from statistics import NormalDist
 
 import numpy as np
 
-from wmspec.dataset.audit.classify import SEED, Array, Asked, Seen, held_out
+from wmspec.dataset.audit.classify import SEED, Array, ProbeDataset, ProbeFeatures, cross_validated_scores
 
 #: Probability of a false alarm by any probe of a task without a shortcut.
-ALARMS = 0.05
+FALSE_ALARMS = 0.05
 #: Probability of detecting an existing shortcut.
 POWER = 0.8
 #: Sizes of injected shortcuts (accuracy above chance), and the number of injections by model.
-SIZES, PLANTED = (0.1, 0.2, 0.3), {"linear": 16, "forest": 8}
+SHORTCUT_SIZES, INJECTIONS = (0.1, 0.2, 0.3), {"linear": 16, "forest": 8}
 
 
 #: Minimum number of values of a feature, and minimum share of questions with a single largest value, to hold a
 #: shortcut.
-VALUES, ABLE = 20, 0.9
+MIN_VALUES, MIN_UNIQUE_MAXIMA = 20, 0.9
 #: Minimum lead of the largest value, relative to the spread of the feature.
-LARGER = 0.1
+MIN_LEAD = 0.1
 
 #: Factor by which the deviation of a cross-validated accuracy exceeds that of independent answers, since the folds
 #: share most of their training data. Measured on noise: 1.16 to 1.2 in three settings of 40 to 100 draws.
-SHARED = 1.2
+FOLD_INFLATION = 1.2
 
 
 def deviation(right: Array, chance: Array, groups: Sequence[str]) -> float:
@@ -44,25 +44,25 @@ def deviation(right: Array, chance: Array, groups: Sequence[str]) -> float:
     sums = np.bincount(number, right - right.mean())
     many = len(sums)
     clustered = float(np.sqrt((sums**2).sum() * many / max(1, many - 1))) / len(right)
-    return SHARED * max(alone, clustered)
+    return FOLD_INFLATION * max(alone, clustered)
 
 
 @dataclass(frozen=True)
-class Reach:
+class ProbePower:
     """Properties of a probe that do not depend on its result: `chance`, and the `deviation` of its accuracy.
 
-    `learned` is the gain above chance, with a power of 0.8, from a shortcut of each of the `SIZES`; None if nothing can
+    `learned_gains` is the gain above chance, with a power of 0.8, from a shortcut of each of the `SHORTCUT_SIZES`; None if nothing can
     be learned.
     """
 
     chance: float
     deviation: float
-    learned: Sequence[float] | None
+    learned_gains: Sequence[float] | None
 
     def gained(self, size: float) -> float:
         """Return the gain above chance from a shortcut of this size, with a power of 0.8, in deviations."""
         if self.learned is not None:
-            got = float(np.interp(size, [0.0, *SIZES], np.maximum.accumulate([0.0, *self.learned])))
+            got = float(np.interp(size, [0.0, *SHORTCUT_SIZES], np.maximum.accumulate([0.0, *self.learned])))
         else:
             share = min(self.chance + size, 1.0)
             wider = np.sqrt(share * (1 - share) / max(self.chance * (1 - self.chance), 1e-12))
@@ -70,34 +70,34 @@ class Reach:
         return got / self.deviation
 
 
-def threshold(tests: int, alarms: float = ALARMS) -> float:
+def threshold(tests: int, alarms: float = FALSE_ALARMS) -> float:
     """Return the significance threshold for `tests` tests, in standard deviations above chance (Bonferroni)."""
     return NormalDist().inv_cdf(1 - alarms / max(1, tests))
 
 
-def thresholds(reaches: Sequence[Reach]) -> list[float]:
+def thresholds(reaches: Sequence[ProbePower]) -> list[float]:
     """Return the thresholds of a task's probes. Half of the alarms are shared evenly, half go to the weakest probes.
 
     The second half is distributed so that all probes detect the same smallest possible shortcut (weights by power,
-    Roeder & Wasserman 2009). If none of `SIZES` is detectable, all alarms are shared evenly.
+    Roeder & Wasserman 2009). If none of `SHORTCUT_SIZES` is detectable, all alarms are shared evenly.
     """
-    for size in np.arange(0.01, SIZES[-1] + 0.001, 0.01):
+    for size in np.arange(0.01, SHORTCUT_SIZES[-1] + 0.001, 0.01):
         needed = [reach.gained(float(size)) for reach in reaches]
-        if sum(1 - NormalDist().cdf(beyond) for beyond in needed) <= ALARMS / 2:
-            return [min(beyond, threshold(len(reaches), ALARMS / 2)) for beyond in needed]
+        if sum(1 - NormalDist().cdf(beyond) for beyond in needed) <= FALSE_ALARMS / 2:
+            return [min(beyond, threshold(len(reaches), FALSE_ALARMS / 2)) for beyond in needed]
     return [threshold(len(reaches))] * len(reaches)
 
 
-def learned(seen: Seen, asked: Asked, chance: Array) -> tuple[float, ...]:
+def learned_gains(seen: ProbeFeatures, asked: ProbeDataset, chance: Array) -> tuple[float, ...]:
     """Return the gain above chance, with a power of 0.8, from a shortcut of each of the sizes."""
     random = np.random.default_rng(SEED)
-    times = range(PLANTED[seen.model])
-    return least_gained(
-        [[float((held_out(*planted(seen, asked, size, random)) - chance).mean()) for _ in times] for size in SIZES]
+    times = range(INJECTIONS[seen.model])
+    return gain_quantile(
+        [[float((cross_validated_scores(*inject_shortcut(seen, asked, size, random)) - chance).mean()) for _ in times] for size in SHORTCUT_SIZES]
     )
 
 
-def least_gained(gained: Sequence[Sequence[float]]) -> tuple[float, ...]:
+def gain_quantile(gained: Sequence[Sequence[float]]) -> tuple[float, ...]:
     """Return the gain for each size with a power of 0.8, from measured gains (sizes, repetitions).
 
     The variance is assumed equal for all sizes. The estimate is lowered by one standard error, since repetitions are
@@ -109,17 +109,17 @@ def least_gained(gained: Sequence[Sequence[float]]) -> tuple[float, ...]:
     return tuple(float(mean) for mean in means - (NormalDist().inv_cdf(POWER) + times**-0.5) * spread)
 
 
-def smallest(reach: Reach, beyond: float) -> float:
+def smallest_detectable(reach: ProbePower, beyond: float) -> float:
     """Return the smallest shortcut detected with a power of 0.8; 1 if none of the sizes.
 
     A result is significant more than `beyond` deviations above chance.
     """
-    sizes = np.arange(0.0, (1.0 if reach.learned is None else SIZES[-1]) + 1e-9, 0.002)
+    sizes = np.arange(0.0, (1.0 if reach.learned is None else SHORTCUT_SIZES[-1]) + 1e-9, 0.002)
     found = [size for size in sizes if reach.gained(float(size)) >= beyond - 1e-9]
     return max(float(found[0]), beyond * reach.deviation) if found else 1.0
 
 
-def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) -> tuple[Seen, Asked]:
+def inject_shortcut(seen: ProbeFeatures, asked: ProbeDataset, size: float, random: np.random.Generator) -> tuple[ProbeFeatures, ProbeDataset]:
     """Return the input with a random truth, and a shortcut injected into one feature.
 
     The feature indicates the truth in so many questions that its accuracy is `size` above chance; in the others it is
@@ -127,45 +127,45 @@ def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) 
     """
     count = asked.sizes
     places = (random.random(asked.count) * count).astype(np.int64)
-    retold = asked.retold(places)
+    retold = asked.with_labels(places)
     tells = random.random(asked.count) < size / (1 - (1 / count).mean())
     claimed = np.where(tells, places, (random.random(asked.count) * count).astype(np.int64))
     features = seen.features.copy()
     of_options = seen.of == "options"
-    able = _only_best(features, asked) if of_options else _values(features)
-    column = _telling(features, able, random)
-    if able[column] < ABLE:  # no feature can hold a shortcut
+    able = _unique_maxima(features, asked) if of_options else _value_room(features)
+    column = _shortcut_feature(features, able, random)
+    if able[column] < MIN_UNIQUE_MAXIMA:  # no feature can hold a shortcut
         features[:, column] = random.random(len(features))
     if of_options:
-        features[:, column] = _first(features[:, column], asked, claimed, random)
+        features[:, column] = _largest_at_claim(features[:, column], asked, claimed, random)
     else:
-        features[:, column] = _banded(features[:, column], asked.name[asked.starts + claimed], random)
+        features[:, column] = _bands_by_name(features[:, column], asked.name[asked.starts + claimed], random)
     return replace(seen, features=features), retold
 
 
-def _telling(features: Array, able: Array, random: np.random.Generator) -> int:
+def _shortcut_feature(features: Array, able: Array, random: np.random.Generator) -> int:
     """Return a feature for a shortcut: one of the eight with the largest variance among those with the highest `able`
     (0 to 1).
     """
-    possible = np.flatnonzero(able >= min(ABLE, able.max()))
+    possible = np.flatnonzero(able >= min(MIN_UNIQUE_MAXIMA, able.max()))
     widest = possible[np.argsort(-features[:, possible].std(0), kind="stable")][:8]
     return int(widest[random.integers(len(widest))])
 
 
-def _values(features: Array) -> Array:
+def _value_room(features: Array) -> Array:
     """Return whether each feature has enough values for a shortcut: (d,), at most 1."""
-    return np.array([min(1.0, len(np.unique(column.round(9))) / VALUES) for column in features.T])
+    return np.array([min(1.0, len(np.unique(column.round(9))) / MIN_VALUES) for column in features.T])
 
 
-def _only_best(features: Array, asked: Asked) -> Array:
+def _unique_maxima(features: Array, asked: ProbeDataset) -> Array:
     """Return the share of questions in which one option clearly has the largest value: (d,)."""
     largest = np.repeat(np.maximum.reduceat(features, asked.starts), asked.sizes, axis=0)
-    near = features >= largest - np.maximum(LARGER * features.std(0), 1e-9)
+    near = features >= largest - np.maximum(MIN_LEAD * features.std(0), 1e-9)
     having = np.add.reduceat(near.astype(np.float64), asked.starts)
     return np.asarray((having == 1).mean(0))
 
 
-def _first(column: Array, asked: Asked, claimed: np.ndarray, random: np.random.Generator) -> Array:
+def _largest_at_claim(column: Array, asked: ProbeDataset, claimed: np.ndarray, random: np.random.Generator) -> Array:
     """Return each question's values in random order, with the largest at the claimed position."""
     put = column.copy()
     for start, size, place in zip(asked.starts, asked.sizes, claimed, strict=True):
@@ -176,7 +176,7 @@ def _first(column: Array, asked: Asked, claimed: np.ndarray, random: np.random.G
     return put
 
 
-def _banded(column: Array, groups: np.ndarray, random: np.random.Generator) -> Array:
+def _bands_by_name(column: Array, groups: np.ndarray, random: np.random.Generator) -> Array:
     """Return the values rearranged so that each name has a range of its own."""
     order = np.argsort(np.unique(groups, return_inverse=True)[1] + random.random(len(groups)), kind="stable")
     put = np.empty_like(column)

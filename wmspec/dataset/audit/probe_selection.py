@@ -13,15 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.dataset.audit.classify import SEED, Array, Asked, Seen, held_out, held_out_twice
-from wmspec.dataset.audit.power import SIZES, least_gained, planted
+from wmspec.dataset.audit.classify import SEED, Array, ProbeDataset, ProbeFeatures, cross_validated_scores, nested_scores
+from wmspec.dataset.audit.power import SHORTCUT_SIZES, gain_quantile, inject_shortcut
 
 #: Number of injections of a shortcut of each size, each into a random probe.
-PLANTED = 12
+INJECTIONS = 12
 
 
 @dataclass(frozen=True)
-class Rivals:
+class CandidateProbes:
     """Scores of candidate probes.
 
     `right` (probes, questions) comes from classifiers fitted to the other folds. `picks` (probes, folds) is the mean
@@ -32,12 +32,12 @@ class Rivals:
     picks: Array
 
     @classmethod
-    def of(cls, seen: Sequence[Callable[[], Seen]], asked: Asked) -> Rivals:
+    def of(cls, seen: Sequence[Callable[[], ProbeFeatures]], asked: ProbeDataset) -> CandidateProbes:
         """Return the scores of probes with these inputs."""
         right, picks = zip(*(_tried(look(), asked) for look in seen), strict=True)
         return cls(np.stack(right), np.stack(picks))
 
-    def best(self, asked: Asked) -> tuple[Array, NDArray[np.int64]]:
+    def best(self, asked: ProbeDataset) -> tuple[Array, NDArray[np.int64]]:
         """Return the score of every question by the selected probe, and the probe selected in each fold (the first of
         equals).
         """
@@ -47,24 +47,24 @@ class Rivals:
             judged[held] = self.right[probe, held]
         return judged, picked
 
-    def learned(self, seen: Sequence[Callable[[], Seen]], asked: Asked, chance: Array) -> tuple[float, ...]:
+    def learned(self, seen: Sequence[Callable[[], ProbeFeatures]], asked: ProbeDataset, chance: Array) -> tuple[float, ...]:
         """Return the selected probe's gain, with a power of 0.8, from shortcuts of each of the `SIZES` in one of the
         probes.
 
         The other probes keep their scores.
         """
         random = np.random.default_rng(SEED)
-        return least_gained([[self._gained(seen, asked, chance, s, random) for _ in range(PLANTED)] for s in SIZES])
+        return gain_quantile([[self._gained(seen, asked, chance, s, random) for _ in range(INJECTIONS)] for s in SHORTCUT_SIZES])
 
     def _gained(
-        self, seen: Sequence[Callable[[], Seen]], asked: Asked, chance: Array, size: float, random: np.random.Generator
+        self, seen: Sequence[Callable[[], ProbeFeatures]], asked: ProbeDataset, chance: Array, size: float, random: np.random.Generator
     ) -> float:
         told = int(random.integers(len(seen)))
         right, picks = self.right.copy(), self.picks.copy()
-        right[told], picks[told] = _tried(*planted(seen[told](), asked, size, random))
+        right[told], picks[told] = _tried(*inject_shortcut(seen[told](), asked, size, random))
         return float((replace(self, right=right, picks=picks).best(asked)[0] - chance).mean())
 
 
-def _tried(seen: Seen, asked: Asked) -> tuple[Array, Array]:
+def _tried(seen: ProbeFeatures, asked: ProbeDataset) -> tuple[Array, Array]:
     others = asked.count - np.array([len(held) for held in asked.folds])
-    return held_out(seen, asked), held_out_twice(seen, asked).sum(1) / others
+    return cross_validated_scores(seen, asked), nested_scores(seen, asked).sum(1) / others

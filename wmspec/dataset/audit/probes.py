@@ -19,22 +19,22 @@ from numpy.typing import NDArray
 from wmspec.dataset.audit import features, image_similarity, power, state
 from wmspec.dataset.audit.balance import answers_by
 from wmspec.dataset.audit.cases import Case, Unit, task_of
-from wmspec.dataset.audit.classify import Array, Asked, Seen, held_out, hits
+from wmspec.dataset.audit.classify import Array, ProbeDataset, ProbeFeatures, cross_validated_scores, top1_score
 from wmspec.dataset.audit.model import Finding, Probe
-from wmspec.dataset.audit.probe_selection import Rivals
+from wmspec.dataset.audit.probe_selection import CandidateProbes
 from wmspec.dataset.audit.statistics import clopper_pearson, independence
 
 #: Tolerated accuracy above chance: without pictures, and with some pictures.
-SLACK, SLACK_SEEN = 0.05, 0.12
+SLACK, PICTURE_SLACK = 0.05, 0.12
 #: A probe is inconclusive if it could miss a larger shortcut than this.
-ROOM = 0.3
+MAX_MISSED_SHORTCUT = 0.3
 #: Minimum number of questions, and of groups, for fitting.
-LEAST_ASKED, LEAST_GROUPS = 20, 5
+MIN_QUESTIONS, MIN_GROUPS = 20, 5
 
 Of = Literal["options", "questions"]
 See = Callable[[Sequence[Case]], Array]
 SeeViews = Callable[[Sequence[Case], Sequence[int]], Array]
-Look = Callable[[], Seen]
+Look = Callable[[], ProbeFeatures]
 Family = Literal["text", "options", "rule", "picture", "pair", "pictures"]
 
 #: Names of the selected probes.
@@ -50,7 +50,7 @@ _UNASKED = "without the question, any of what is shown may be meant"
 
 
 @dataclass(frozen=True)
-class _Line:
+class _ProbeSpec:
     """A probe to be run. Its input is computed on demand."""
 
     sees: str
@@ -65,57 +65,57 @@ class _Line:
 
 def probes(unit: Unit) -> list[Probe]:
     """Return the results of all applicable probes; empty if questions are too few or have no options."""
-    cases = _alike(unit.looked_at)
-    if len(cases) < LEAST_ASKED or cases[0].open:
+    cases = _most_frequent_form(unit.sampled)
+    if len(cases) < MIN_QUESTIONS or cases[0].open:
         return []
     groups = _groups(unit, cases)
-    if len(set(groups)) < LEAST_GROUPS:
+    if len(set(groups)) < MIN_GROUPS:
         return []
-    task, lines = _Task(unit.name, cases, groups), list(_lines(cases))
+    task, lines = _ProbedTask(unit.name, cases, groups), list(_probe_specs(cases))
     made = [task.probe(line) for line in lines if not line.rival]
     for family in dict.fromkeys(line.family for line in lines if line.rival):
         made += task.rivals(family, [line for line in lines if line.rival and line.family == family])
     return made
 
 
-class _Task:
+class _ProbedTask:
     """The probed questions of a task."""
 
     def __init__(self, name: str, cases: Sequence[Case], groups: Sequence[str]) -> None:
         self._name, self._cases, self._groups = name, cases, groups
-        everything, struck = [np.zeros(c.count, dtype=bool) for c in cases], state.struck_out(cases)
+        everything, struck = [np.zeros(c.count, dtype=bool) for c in cases], state.eliminated_options(cases)
         self._kept = ~np.concatenate(struck)
-        self._asked = {False: _asked(cases, groups, everything), True: _asked(cases, groups, struck)}
+        self._asked = {False: _probe_dataset(cases, groups, everything), True: _probe_dataset(cases, groups, struck)}
 
-    def probe(self, line: _Line) -> Probe:
+    def probe(self, line: _ProbeSpec) -> Probe:
         """Return the result of a probe."""
         asked = self._asked[line.pictured]
         if line.scores is not None:
             scores = line.scores[self._kept] if line.pictured else line.scores
-            return self._probe(line, hits(scores, asked))
+            return self._probe(line, top1_score(scores, asked))
         seen = self._seen(line)
         learned = power.learned(seen, asked, 1 / asked.sizes) if line.judged else None
-        return self._probe(line, held_out(seen, asked), learned)
+        return self._probe(line, cross_validated_scores(seen, asked), learned)
 
-    def rivals(self, family: Family, lines: Sequence[_Line]) -> list[Probe]:
+    def rivals(self, family: Family, lines: Sequence[_ProbeSpec]) -> list[Probe]:
         """Return the results of competing probes, and of the best of them."""
         # Cached: every injection uses the same features, which are small and costly to compute.
         asked, seen = self._asked[True], [cache(partial(self._seen, line)) for line in lines]
-        rivals = Rivals.of(seen, asked)
+        rivals = CandidateProbes.of(seen, asked)
         right, picked = rivals.best(asked)
         commonest = lines[int(np.bincount(picked).argmax())].sees
-        best = _Line(f"the best {_BEST[family]} ({commonest})", family, True, _FEWER, pictured=True)
+        best = _ProbeSpec(f"the best {_BEST[family]} ({commonest})", family, True, _FEWER, pictured=True)
         learned = rivals.learned(seen, asked, 1 / asked.sizes)
         each = [self._probe(line, answered) for line, answered in zip(lines, rivals.right, strict=True)]
         return [*each, self._probe(best, right, learned)]
 
-    def _seen(self, line: _Line) -> Seen:
+    def _seen(self, line: _ProbeSpec) -> ProbeFeatures:
         assert line.seen is not None
         seen = line.seen()
         kept = line.pictured and seen.of == "options"
         return replace(seen, features=seen.features[self._kept]) if kept else seen
 
-    def _probe(self, line: _Line, right: Array, learned: tuple[float, ...] | None = None) -> Probe:
+    def _probe(self, line: _ProbeSpec, right: Array, learned: tuple[float, ...] | None = None) -> Probe:
         chance = 1 / self._asked[line.pictured].sizes
         return Probe(
             task=self._name,
@@ -131,11 +131,11 @@ class _Task:
         )
 
 
-def _asked(cases: Sequence[Case], groups: Sequence[str], struck: Sequence[NDArray[np.bool_]]) -> Asked:
+def _probe_dataset(cases: Sequence[Case], groups: Sequence[str], struck: Sequence[NDArray[np.bool_]]) -> ProbeDataset:
     """Return the classification problem without eliminated options."""
     kept = ~np.concatenate(struck)
     truth = [np.arange(c.count) == c.row["answer"] for c in cases]
-    return Asked(
+    return ProbeDataset(
         owner=np.repeat(np.arange(len(cases)), [c.count for c in cases])[kept],
         name=np.array([name for c in cases for name in _classes(c)])[kept],
         truth=np.concatenate(truth)[kept],
@@ -151,26 +151,26 @@ def _classes(case: Case) -> list[str]:
 # ---------------------------------------------------------------- catalogue
 
 
-def _lines(cases: Sequence[Case]) -> Iterator[_Line]:
+def _probe_specs(cases: Sequence[Case]) -> Iterator[_ProbeSpec]:
     """Yield the applicable probes."""
-    shown = len(cases[0].seen_context)
+    shown = len(cases[0].context_thumbnails)
     blind = (bool(shown), _BLIND if shown else _NOTHING)
-    yield _Line("the place of the options", "options", True, _BLIND, _blind(features.positions, cases))
-    yield _Line("the text", "text", True, _BLIND, _blind(features.texts, cases))
-    yield _Line("the options", "options", *blind, _blind(features.options, cases))
+    yield _ProbeSpec("the place of the options", "options", True, _BLIND, _blind(features.positions, cases))
+    yield _ProbeSpec("the text", "text", True, _BLIND, _blind(features.texts, cases))
+    yield _ProbeSpec("the options", "options", *blind, _blind(features.options, cases))
     if cases[0].pictured:
-        yield _Line("the options' colours", "options", *blind, _blind(features.colours, cases))
-        if state.known(cases):
-            yield _Line("the options' objects", "options", *blind, _forest(state.of_options, cases, ()))
-        fewer = _fewer(cases, (shown - 1,)) if shown else False
+        yield _ProbeSpec("the options' colours", "options", *blind, _blind(features.colours, cases))
+        if state.has_object_states(cases):
+            yield _ProbeSpec("the options' objects", "options", *blind, _forest(state.option_states, cases, ()))
+        fewer = _sees_too_few_moments(cases, (shown - 1,)) if shown else False
         for name, scores in image_similarity.rules(cases).items():
             last = "last picture" in name
             judged = (fewer, _FEWER if fewer else _ENOUGH) if last else blind
-            yield _Line(name, "rule", *judged, scores=scores, pictured=last)
+            yield _ProbeSpec(name, "rule", *judged, scores=scores, pictured=last)
     for views in _views(shown):
-        yield from _seeing(cases, views)
+        yield from _picture_probes(cases, views)
     if shown:
-        yield from _unasked(cases, tuple(range(shown)))
+        yield from _question_blind_probe(cases, tuple(range(shown)))
 
 
 def _views(shown: int) -> Iterator[tuple[int, ...]]:
@@ -180,69 +180,69 @@ def _views(shown: int) -> Iterator[tuple[int, ...]]:
         yield from combinations(range(shown), 2)
 
 
-def _seeing(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
+def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_ProbeSpec]:
     """Yield the probes that see these pictures with the question and its options."""
-    rival = _fewer(cases, views)
+    rival = _sees_too_few_moments(cases, views)
     if len(views) > 1 and not rival:
         return  # these pictures are meant to suffice
     family: Family = "picture" if len(views) == 1 else "pair"
     name = f"picture {views[0] + 1}" if len(views) == 1 else f"pictures {views[0] + 1} and {views[1] + 1}"
     known = state.known(cases)
 
-    def line(what: str, seen: Look, framed: bool = False) -> _Line:
+    def line(what: str, seen: Look, framed: bool = False) -> _ProbeSpec:
         why = _FRAMED if framed else _RIVAL if rival else _ENOUGH
-        return _Line(f"{name}: {what}", family, False, why, seen, pictured=True, rival=rival and not framed)
+        return _ProbeSpec(f"{name}: {what}", family, False, why, seen, pictured=True, rival=rival and not framed)
 
     if len(views) == 1 or not known:  # for two pictures, object states are stronger features
         yield line("pixels", _pixels(cases, views))
     if not known:
         return
     if cases[0].pictured:
-        yield line("objects", _forest(state.of_options, cases, views), rival and state.framed(cases))
+        yield line("objects", _forest(state.option_states, cases, views), rival and state.reveals_initial_state(cases))
         return
-    yield line("objects", _forest(state.of_questions, cases, views, "questions"))
-    if np.mean([state.spoken_of(c)[c.row["answer"]] is not None for c in cases]) > 0.5:
-        yield line("what the options speak of", _forest(state.of_things, cases, views))
+    yield line("objects", _forest(state.question_states, cases, views, "questions"))
+    if np.mean([state.named_objects(c)[c.row["answer"]] is not None for c in cases]) > 0.5:
+        yield line("what the options speak of", _forest(state.named_object_states, cases, views))
 
 
-def _unasked(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_Line]:
+def _question_blind_probe(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_ProbeSpec]:
     """Yield the probe with all pictures and options but no question.
 
     It is not judged, since the question may decide the answer.
     """
     if len({c.row["text"] for c in cases}) > 1:
         seen = _pixels(cases, views)
-        yield _Line("all pictures, not the question", "pictures", False, _UNASKED, seen, pictured=True)
+        yield _ProbeSpec("all pictures, not the question", "pictures", False, _UNASKED, seen, pictured=True)
 
 
 def _blind(see: See, cases: Sequence[Case]) -> Look:
-    return lambda: Seen(see(cases), "options", "linear")
+    return lambda: ProbeFeatures(see(cases), "options", "linear")
 
 
 def _pixels(cases: Sequence[Case], views: tuple[int, ...]) -> Look:
-    return lambda: Seen(features.pixels(cases, views), "options" if cases[0].pictured else "questions", "forest")
+    return lambda: ProbeFeatures(features.pixels(cases, views), "options" if cases[0].pictured else "questions", "forest")
 
 
 def _forest(see: SeeViews, cases: Sequence[Case], views: tuple[int, ...], of: Of = "options") -> Look:
-    return lambda: Seen(see(cases, views), of, "forest", ranked=not views)
+    return lambda: ProbeFeatures(see(cases, views), of, "forest", ranked=not views)
 
 
-def _fewer(cases: Sequence[Case], views: Sequence[int]) -> bool:
+def _sees_too_few_moments(cases: Sequence[Case], views: Sequence[int]) -> bool:
     """Whether these pictures cover fewer moments than the answer requires, while more are shown."""
     first = cases[0]
-    return len({first.row["context_time"][view] for view in views}) < min(_needed(cases), first.moments)
+    return len({first.row["context_time"][view] for view in views}) < min(_required_moments(cases), first.moments)
 
 
-def _needed(cases: Sequence[Case]) -> int:
+def _required_moments(cases: Sequence[Case]) -> int:
     """Return the number of moments that the answer requires."""
     if cases[0].row["answer_standing"]:
         return 1
     return max(case.row.get("answer_moments") or 2 for case in cases)
 
 
-def _alike(cases: Sequence[Case]) -> list[Case]:
+def _most_frequent_form(cases: Sequence[Case]) -> list[Case]:
     """Return the cases of the most frequent form: number of pictures and type of options."""
-    forms = [(c.pictured, c.open, len(c.seen_context)) for c in cases]
+    forms = [(c.pictured, c.open, len(c.context_thumbnails)) for c in cases]
     common = max(forms, key=forms.count, default=None)
     return [c for c, form in zip(cases, forms, strict=True) if form == common]
 
@@ -253,17 +253,17 @@ def _groups(unit: Unit, cases: Sequence[Case]) -> list[str]:
     A design with few repetitions has few groups. Then the groups are the cases that differ only in the factor that
     determines the answer. These can reveal a shortcut but not prove its absence.
     """
-    if unit.draws >= LEAST_GROUPS:
+    if unit.draws >= MIN_GROUPS:
         return [str(c.row["block"]) for c in cases]
     names = list(cases[0].varied("factor")) if not cases[0].pictured else []
-    decides = max(names, key=lambda n: independence(answers_by(unit.once, n))[0], default="")
+    decides = max(names, key=lambda n: independence(answers_by(unit.per_instance, n))[0], default="")
     return ["/".join(f"{n}={v}" for n, v in c.varied("factor").items() if n != decides) or c.row["id"] for c in cases]
 
 
 # ---------------------------------------------------------------- verdicts
 
 
-def weighed(made: Sequence[Probe]) -> list[Probe]:
+def with_intervals(made: Sequence[Probe]) -> list[Probe]:
     """Return the probes with their intervals and smallest detectable shortcuts.
 
     All judged probes of a task form one family of tests, with one false alarm in twenty sound tasks.
@@ -277,29 +277,29 @@ def weighed(made: Sequence[Probe]) -> list[Probe]:
         for family in families.values()
         for probe, more in zip(family, power.thresholds([_reach(p) for p in family]), strict=True)
     }
-    return [_weighed(probe, beyond.get((probe.task, probe.sees))) for probe in made]
+    return [_with_interval(probe, beyond.get((probe.task, probe.sees))) for probe in made]
 
 
-def _reach(probe: Probe) -> power.Reach:
-    return power.Reach(probe.chance, probe.deviation, probe.learned)
+def _reach(probe: Probe) -> power.ProbePower:
+    return power.ProbePower(probe.chance, probe.deviation, probe.learned)
 
 
-def _weighed(probe: Probe, beyond: float | None) -> Probe:
+def _with_interval(probe: Probe, beyond: float | None) -> Probe:
     low, high = clopper_pearson(probe.right, probe.questions, 0.95)
     if beyond is None:  # not judged, or a single option remains
         return replace(probe, low=low, high=high, least=1.0 - probe.judged)
     luck = probe.accuracy - probe.chance <= beyond * probe.deviation
-    return replace(probe, low=low, high=high, least=power.smallest(_reach(probe), beyond), luck=luck)
+    return replace(probe, low=low, high=high, least=power.smallest_detectable(_reach(probe), beyond), luck=luck)
 
 
 def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
     """Return the verdict of a probe."""
     if not probe.judged:
         return "told"
-    slack = SLACK_SEEN if probe.family in ("picture", "pair") else SLACK
+    slack = PICTURE_SLACK if probe.family in ("picture", "pair") else SLACK
     if not probe.luck and probe.accuracy > probe.chance + slack:
         return "fails"
-    return "unclear" if probe.least > ROOM else "holds"
+    return "unclear" if probe.least > MAX_MISSED_SHORTCUT else "holds"
 
 
 def judge(probe: Probe) -> Finding:

@@ -8,9 +8,9 @@ from wmspec.dataset.audit.statistics import clopper_pearson
 from wmspec.dataset.build.reader import DatasetReader
 
 #: A task fails if its share of stable answers is significantly below this.
-LEAST_STABLE = 0.95
+MIN_STABLE = 0.95
 #: Rejection reasons of unstable answers.
-TURNED = ("unstable", "disagreement")
+UNSTABLE_REASONS = ("unstable", "disagreement")
 
 
 def stability(dataset: DatasetReader, task: str, parts: list[Unit]) -> tuple[Finding, float | None]:
@@ -21,7 +21,7 @@ def stability(dataset: DatasetReader, task: str, parts: list[Unit]) -> tuple[Fin
     turned = {
         (r["index"], r["question"])
         for r in dataset.manifest["rejected"]["list"]
-        if r["task"] == task and r["reason"] in TURNED
+        if r["task"] == task and r["reason"] in UNSTABLE_REASONS
     }
     asked = set(turned)
     for case in (case for part in parts for case in part.cases):
@@ -36,7 +36,7 @@ def stability(dataset: DatasetReader, task: str, parts: list[Unit]) -> tuple[Fin
     engines = len(dataset.engines)
     whom = f"in {engines} engines" if engines > 1 else "in the one engine, which nothing was compared with"
     what = f"{held:,} of {len(asked):,} answers hold {whom} ({held / len(asked):.1%}; {low:.1%} to {high:.1%})"
-    if high < LEAST_STABLE:
+    if high < MIN_STABLE:
         return Finding("stability", task, "fails", what), held / len(asked)
     if engines == 1:
         return Finding("stability", task, "told", what), None

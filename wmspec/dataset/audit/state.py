@@ -17,16 +17,16 @@ from wmspec.dataset.build.rows import Row
 Array = NDArray[np.float64]
 
 #: Features of an object: position and area in the picture, orientation, colour.
-PLACES = ("across", "down", "share", "qw", "qx", "qy", "qz")
-LOOKS = ("red", "green", "blue")
+POSE_CHANNELS = ("across", "down", "share", "qw", "qx", "qy", "qz")
+COLOUR_CHANNELS = ("red", "green", "blue")
 #: Maximum number of objects of a question; those that it is about come first.
-MOST_OBJECTS = 6
+MAX_OBJECTS = 6
 
 #: The objects of one picture, by name.
 Objects = Mapping[str, Row]
 
 
-def pictured(case: Case, column: str) -> Sequence[Objects]:
+def objects_by_picture(case: Case, column: str) -> Sequence[Objects]:
     """Return the objects of each picture, of the context or of the options."""
     count = len(case.context) if column == "context_objects" else len(case.options)
     pictures: list[dict[str, Row]] = [{} for _ in range(count)]
@@ -35,19 +35,19 @@ def pictured(case: Case, column: str) -> Sequence[Objects]:
     return pictures
 
 
-def known(cases: Sequence[Case]) -> bool:
+def has_object_states(cases: Sequence[Case]) -> bool:
     """Whether the rows have object states."""
     return all(case.row.get("context_objects") or case.row.get("option_objects") for case in cases)
 
 
-def of_questions(cases: Sequence[Case], views: Sequence[int], about: bool = True) -> Array:
+def question_states(cases: Sequence[Case], views: Sequence[int], about: bool = True) -> Array:
     """Return the objects of the pictures `views` and their motion between pictures, one row a question.
 
     Ordered by name. If `about`, objects of the question come first, and those mentioned most often before others.
     """
     rows = []
     for case in cases:
-        pictures = pictured(case, "context_objects")
+        pictures = objects_by_picture(case, "context_objects")
         names = _named(pictures, about, case.row["text"])
         seen = [[_numbers(pictures[view].get(name)) for name in names] for view in views]
         steps = [_step(a, b) for here, there in pairwise(seen) for a, b in zip(here, there, strict=True)]
@@ -56,11 +56,11 @@ def of_questions(cases: Sequence[Case], views: Sequence[int], about: bool = True
     return np.stack([np.pad(row, (0, width - len(row))) for row in rows])
 
 
-def of_options(cases: Sequence[Case], views: Sequence[int]) -> Array:
+def option_states(cases: Sequence[Case], views: Sequence[int]) -> Array:
     """Return the objects of each option picture, and their differences to the pictures `views`: one row an option."""
     rows = []
     for case in cases:
-        shown, offered = pictured(case, "context_objects"), pictured(case, "option_objects")
+        shown, offered = objects_by_picture(case, "context_objects"), objects_by_picture(case, "option_objects")
         names = _named([*shown, *offered], True)
         for objects in offered:
             here = [_numbers(objects.get(name)) for name in names]
@@ -70,19 +70,19 @@ def of_options(cases: Sequence[Case], views: Sequence[int]) -> Array:
     return np.stack([np.pad(row, (0, width - len(row))) for row in rows])
 
 
-def of_things(cases: Sequence[Case], views: Sequence[int]) -> Array:
+def named_object_states(cases: Sequence[Case], views: Sequence[int]) -> Array:
     """Return the object that each option names, in the pictures `views`: one row an option, zeros if none."""
     rows = []
     for case in cases:
-        pictures = pictured(case, "context_objects")
-        for name in spoken_of(case):
+        pictures = objects_by_picture(case, "context_objects")
+        for name in named_objects(case):
             here = [_numbers(pictures[v].get(name)) if name else _numbers(None) for v in views]
             steps = [b - a for a, b in pairwise(here)]
             rows.append(np.concatenate([[float(name is not None)], *here, *steps, *map(abs, steps)]))
     return np.stack(rows)
 
 
-def spoken_of(case: Case) -> list[str | None]:
+def named_objects(case: Case) -> list[str | None]:
     """Return the name of the one object that each option refers to, by its name or by a word for its look."""
     looks = {seen["name"]: seen["look"].split() for seen in case.row.get("context_objects") or ()}
     names: list[str | None] = []
@@ -92,16 +92,16 @@ def spoken_of(case: Case) -> list[str | None]:
     return names
 
 
-def struck_out(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
+def eliminated_options(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
     """Return, for each question, the options that any view of the scene eliminates.
 
     Words that refer to absent objects are eliminated. In a closed set of pictures, options that begin in another state
     are eliminated: the state is visible or given, and the question is about its consequences.
     """
-    return [_other_state(case) for case in cases] if cases[0].pictured else _unseen(cases)
+    return [_other_state(case) for case in cases] if cases[0].has_picture_options else _absent_looks(cases)
 
 
-def framed(cases: Sequence[Case]) -> bool:
+def reveals_initial_state(cases: Sequence[Case]) -> bool:
     """Whether the options reveal the initial state.
 
     They do if some differ from the truth in the action alone and so begin in the same state.
@@ -115,13 +115,13 @@ def _other_state(case: Case) -> NDArray[np.bool_]:
     return np.isin(kinds, ("state", "both")) & bool((kinds == "action").any())
 
 
-def _unseen(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
+def _absent_looks(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
     """Return the options that refer to a look that no visible object has, such as an absent colour.
 
     A word such as "neither", which is no name or look in any of the questions, may always be true. Nothing is
     eliminated if that could be the truth.
     """
-    there = [_spoken(case) for case in cases]
+    there = [_present_words(case) for case in cases]
     known = set().union(*there)
     struck = [
         np.array([o in known - words for o in c.row["option_name"]]) for c, words in zip(cases, there, strict=True)
@@ -131,7 +131,7 @@ def _unseen(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
     return struck
 
 
-def _spoken(case: Case) -> set[str]:
+def _present_words(case: Case) -> set[str]:
     """Return the names of present objects and the words for their looks."""
     return {w for seen in case.row.get("context_objects") or () for w in (seen["name"], *seen["look"].split())}
 
@@ -143,7 +143,7 @@ def _named(pictures: Sequence[Objects], about: bool, text: str = "") -> list[str
     for picture in pictures:
         for name, seen in picture.items():
             asked[name] = not (about and seen["asked"]), -sum(said.count(word) for word in seen["look"].split())
-    return sorted(asked, key=lambda name: (*asked[name], name))[:MOST_OBJECTS]
+    return sorted(asked, key=lambda name: (*asked[name], name))[:MAX_OBJECTS]
 
 
 def _step(a: Array, b: Array) -> Array:
@@ -155,5 +155,5 @@ def _step(a: Array, b: Array) -> Array:
 def _numbers(seen: Row | None) -> Array:
     """Return the features of an object; -1 where it is not visible."""
     if seen is None or not seen["share"]:
-        return np.full(len(PLACES) + len(LOOKS), -1.0)
-    return np.array([seen[name] for name in (*PLACES, *LOOKS)], dtype=np.float64)
+        return np.full(len(POSE_CHANNELS) + len(COLOUR_CHANNELS), -1.0)
+    return np.array([seen[name] for name in (*POSE_CHANNELS, *COLOUR_CHANNELS)], dtype=np.float64)

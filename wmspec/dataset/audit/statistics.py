@@ -13,9 +13,9 @@ from scipy import optimize, stats
 Table = NDArray[np.int64]
 
 #: Minimum expected count of every cell for the chi-square distribution (Cochran 1954).
-LEAST_EXPECTED = 5
+MIN_EXPECTED = 5
 #: Number of random tables with the same margins where no exact formula is available.
-DRAWN = 19_999
+RANDOM_TABLES = 19_999
 SEED = 20_611
 
 
@@ -31,12 +31,12 @@ def independence(table: Table) -> tuple[float, float, str]:
     expected = np.outer(table.sum(1), table.sum(0)) / table.sum()
     seen = _pearson(table)
     strength = float(np.sqrt(seen / table.sum() / (min(table.shape) - 1)))
-    if expected.min() >= LEAST_EXPECTED:
+    if expected.min() >= MIN_EXPECTED:
         return strength, float(stats.chi2.sf(seen, (table.shape[0] - 1) * (table.shape[1] - 1))), "chi-square"
     if table.shape == (2, 2):
         return strength, float(stats.fisher_exact(table).pvalue), "Fisher's exact"
-    drawn = stats.random_table(table.sum(1), table.sum(0)).rvs(DRAWN, random_state=SEED)
-    return strength, _rank(seen, _pearson(drawn)), f"{DRAWN:,} random tables"
+    drawn = stats.random_table(table.sum(1), table.sum(0)).rvs(RANDOM_TABLES, random_state=SEED)
+    return strength, _rank(seen, _pearson(drawn)), f"{RANDOM_TABLES:,} random tables"
 
 
 def dependence(
@@ -48,41 +48,41 @@ def dependence(
     The p-value comes from this permutation test. The design effect (Kish 1965) is the number of cases worth one
     independent case, at least 1.
     """
-    table = crossed(first, second)
+    table = contingency_table(first, second)
     by_group = np.unique(groups, return_index=True)[1]
     dealt = next((one for one in (second, first) if np.array_equal(one, one[by_group][groups])), None)
     if dealt is None or len(by_group) == len(groups) or min(table.shape) < 2:
         return *independence(table), 1.0
     other, levels = first if dealt is second else second, dealt[by_group]
-    held, order = crossed(groups, other).astype(np.float32), _orders(len(by_group))
+    held, order = contingency_table(groups, other).astype(np.float32), _orders(len(by_group))
     drawn = np.stack([(levels == level)[order].astype(np.float32) @ held for level in range(dealt.max() + 1)], axis=-2)
     chance, seen = _pearson(drawn.astype(np.float64)), _pearson(table)
     narrow = min(table.shape) - 1
     effect = max(1.0, float(chance.mean()) / narrow / (max(table.shape) - 1))
     strength = float(np.sqrt(seen / len(groups) / narrow))
-    return strength, _rank(seen, chance), f"dealt to {len(by_group):,} groups {DRAWN:,} times", effect
+    return strength, _rank(seen, chance), f"dealt to {len(by_group):,} groups {RANDOM_TABLES:,} times", effect
 
 
-def crossed(first: NDArray[np.intp], second: NDArray[np.intp]) -> Table:
+def contingency_table(first: NDArray[np.intp], second: NDArray[np.intp]) -> Table:
     """Return the contingency table of two coded variables (n,); rows are values of the first."""
     table = np.zeros((first.max() + 1, second.max() + 1), np.int64)
     np.add.at(table, (first, second), 1)
     return table
 
 
-def goodness(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[float, float, str]:
+def goodness_of_fit(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[float, float, str]:
     """Return Cohen's w of counts against expected ones, the p-value, and the method."""
     if len(counts) < 2:
         return 0.0, 1.0, "nothing varies"
     total = int(counts.sum())
     seen = ((counts - expected) ** 2 / expected).sum()
     strength = float(np.sqrt(seen / total))
-    if expected.min() >= LEAST_EXPECTED:
+    if expected.min() >= MIN_EXPECTED:
         return strength, float(stats.chi2.sf(seen, len(counts) - 1)), "chi-square"
     if len(counts) == 2:
         return strength, float(stats.binomtest(int(counts[0]), total, expected[0] / total).pvalue), "exact binomial"
-    drawn = np.random.default_rng(SEED).multinomial(total, expected / total, DRAWN)
-    return strength, _rank(seen, ((drawn - expected) ** 2 / expected).sum(1)), f"{DRAWN:,} random draws"
+    drawn = np.random.default_rng(SEED).multinomial(total, expected / total, RANDOM_TABLES)
+    return strength, _rank(seen, ((drawn - expected) ** 2 / expected).sum(1)), f"{RANDOM_TABLES:,} random draws"
 
 
 def detectable(counts: Sequence[Sequence[int]], level: float, effect: float = 1.0, power: float = 0.8) -> float:
@@ -106,7 +106,7 @@ def detectable(counts: Sequence[Sequence[int]], level: float, effect: float = 1.
 @lru_cache(maxsize=2)
 def _orders(groups: int) -> NDArray[np.intp]:
     """Return permutations of groups (DRAWN, groups); deterministic."""
-    return np.random.default_rng(SEED).random((DRAWN, groups), np.float32).argsort(axis=1)
+    return np.random.default_rng(SEED).random((RANDOM_TABLES, groups), np.float32).argsort(axis=1)
 
 
 def _pearson(tables: NDArray[Any]) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from wmspec.dataset.build.baselines import Baselines
 from wmspec.dataset.build.files import EXAMPLES
 from wmspec.dataset.build.manifest import Summary, TaskSummary
 from wmspec.dataset.build.plan import Plan, Task
-from wmspec.dataset.build.rows import COLUMNS, channels
+from wmspec.dataset.build.rows import COLUMNS, channel_columns
 from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 
 #: The configuration that holds the questions of all tasks, with the columns that all tasks share.
@@ -34,7 +34,7 @@ REASONS = {
 }
 
 #: Description of each consensus setting.
-AGREED: dict[str, str] = {
+CONSENSUS_TEXT: dict[str, str] = {
     "all": "Only questions on which all engines agree are kept.",
     "majority": "Only questions on which more than half of the engines agree are kept, of those engines.",
     "none": "Questions are kept whether the engines agree on them or not; the column `agreement` tells.",
@@ -121,7 +121,7 @@ def _opening(plan: Plan, total: Summary) -> str:
         f"# {title(total)}\n\n"
         f"Made by wmspec from {len(plan.tasks)} {'task' if len(plan.tasks) == 1 else 'tasks'} {drawn}; "
         f"pictures of {width} × {height} pixels, seed {plan.seed}. "
-        f"{AGREED[plan.consensus] if len(plan.engines) > 1 else alone} "
+        f"{CONSENSUS_TEXT[plan.consensus] if len(plan.engines) > 1 else alone} "
         "Every answer is read off the scene and its executed episode, by a program. "
         f"The same specs, seed and versions ({versions}) give the same questions again, on the same machine to the "
         "byte."
@@ -256,7 +256,7 @@ def _reasons(rejected: dict[str, int]) -> str:
 def _columns(plan: Plan) -> str:
     columns = COLUMNS.copy()
     for task in plan.tasks:
-        columns |= channels(task.spec)
+        columns |= channel_columns(task.spec)
     rows = [[f"`{name}`", meaning] for name, (_, meaning) in columns.items()]
     rows += [
         ["`factor.*`", "the value of each factor, in SI units"],

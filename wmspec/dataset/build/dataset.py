@@ -22,9 +22,9 @@ from wmspec.dataset.build.examples import examples
 from wmspec.dataset.build.manifest import Summary, manifest, summary
 from wmspec.dataset.build.plan import Plan, Shard, differences
 from wmspec.dataset.build.reader import DatasetReader, unlisted_files
-from wmspec.dataset.build.rebuild import rebuilt
+from wmspec.dataset.build.rebuild import rebuild_plan
 from wmspec.dataset.build.rows import Row
-from wmspec.dataset.build.shards import Record, read_outcomes, read_records, sidecar, write_record, write_shard
+from wmspec.dataset.build.shards import Record, read_outcomes, read_records, record_path, write_record, write_shard
 from wmspec.dataset.build.worker import Outcome
 from wmspec.runtime.questions.model import Rejected
 
@@ -167,7 +167,7 @@ class Dataset:
         try:
             record = json.loads(read_bytes(self.folder / files.PLAN))
         except FileNotFoundError:
-            return rebuilt(self.folder, self.plan)
+            return rebuild_plan(self.folder, self.plan)
         except (ValueError, RecursionError):
             return {}
         return record if isinstance(record, dict) else {}
@@ -211,21 +211,21 @@ class Dataset:
     def _reopen(self) -> None:
         """Re-create per-shard records from the manifest of a dataset that lost files."""
         for shard in self.plan.shards():
-            if shard.path in self._records and not (self.folder / sidecar(shard)).exists():
+            if shard.path in self._records and not (self.folder / record_path(shard)).exists():
                 write_record(self.folder, shard, self._records[shard.path])
         (self.folder / files.MANIFEST).unlink(missing_ok=True)
 
     def _again(self, shard: Shard, why: str) -> None:
         """Note that a shard is made again."""
         self.notices.append(f"{shard.path} {why}; it is made again")
-        (self.folder / sidecar(shard)).unlink(missing_ok=True)
+        (self.folder / record_path(shard)).unlink(missing_ok=True)
 
     def _unmade(self, shard: Shard, record: Record, again: set[int]) -> None:
         """Turn a shard into an incomplete one: keep the outcomes of all instances that are not to be retried."""
         outcomes = read_outcomes(self.folder, shard, record)
         for index in outcomes.keys() - again:
             self.keep(shard, index, outcomes[index])
-        (self.folder / sidecar(shard)).unlink(missing_ok=True)
+        (self.folder / record_path(shard)).unlink(missing_ok=True)
         count = f"{len(again)} instance{'s' if len(again) > 1 else ''}"
         self.notices.append(f"{shard.task.spec.name}: {count} that crashed or took too long are tried again")
 

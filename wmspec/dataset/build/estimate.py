@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 from wmspec.core.crash import Crash
-from wmspec.dataset.build.generate import job_of, failed_outcome
+from wmspec.dataset.build.batching import Piece, batches, weight
+from wmspec.dataset.build.generate import failed_outcome, job_of
 from wmspec.dataset.build.manifest import by_reason
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.shards import parquet
-from wmspec.dataset.build.units import Piece, batches, weight
 from wmspec.dataset.build.worker import Balance, Job, Outcome, make_instances
 from wmspec.runtime.questions.model import FAILED, Rejected
 from wmspec.runtime.workers.pool import Effort, Lost, in_order

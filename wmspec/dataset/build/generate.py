@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 from itertools import groupby
 
 from wmspec.core.crash import Crash
+from wmspec.dataset.build.batching import Piece, batches, weight
 from wmspec.dataset.build.checkpoint import transient
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.plan import Plan, Shard
 from wmspec.dataset.build.reuse import PriorInstances
-from wmspec.dataset.build.units import Piece, batches, weight
-from wmspec.dataset.build.worker import Balance, Job, Outcome, CacheStats, make_instances
+from wmspec.dataset.build.worker import Balance, CacheStats, Job, Outcome, make_instances
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import to_json
 from wmspec.runtime.questions.model import Rejected

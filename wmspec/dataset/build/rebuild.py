@@ -16,7 +16,7 @@ from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
 
 
-def rebuilt(folder: Path, like: Plan) -> dict[str, Any] | None:
+def rebuild_plan(folder: Path, like: Plan) -> dict[str, Any] | None:
     """Return the record of the plan by which a folder was made; None if its manifest is missing or contradicts `like`.
 
     The instances of tasks are found in rows and rejections; everything else comes from the plan `like`. The fingerprint

@@ -17,7 +17,7 @@ from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.checkpoint import transient
 from wmspec.dataset.build.plan import Plan, Shard, Task, differences
-from wmspec.dataset.build.rebuild import rebuilt
+from wmspec.dataset.build.rebuild import rebuild_plan
 from wmspec.dataset.build.shards import Record, read_outcomes, read_records
 from wmspec.dataset.build.worker import Outcome
 
@@ -84,7 +84,7 @@ def _plan(folder: Path, plan: Plan) -> Plan:
     """Return the plan of a folder: `plan` with the folder's own instances."""
     try:
         path = folder / files.PLAN
-        record: Any = json.loads(read_bytes(path)) if path.exists() else rebuilt(folder, plan)
+        record: Any = json.loads(read_bytes(path)) if path.exists() else rebuild_plan(folder, plan)
         indices = {name: tuple(map(int, numbers)) for name, numbers in record["tasks"].items()}
     except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         raise WmsError(

@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from wmspec.dataset.build.pictures import encode_webp, encode_png
+from wmspec.dataset.build.images import encode_png, encode_webp
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Strength, VisibleObject, Vote
@@ -116,10 +116,10 @@ def schema(spec: TaskSpec) -> pa.Schema:
     `group.f` is the key shared by all instances that differ in `f` alone, so one `groupby` gives the groups. `level.f`
     is the name of a value of a factor or nuisance with named values.
     """
-    varied, drawn = _parted(spec.factors)
-    fields = [pa.field(name, kind) for name, (kind, _) in (redrawn(spec) | outcomes(spec) | channels(spec)).items()]
+    varied, drawn = _split_nuisances(spec.factors)
+    fields = [pa.field(name, kind) for name, (kind, _) in (redraw_columns(spec) | outcome_columns(spec) | channel_columns(spec)).items()]
     fields += [_column("factor", f) for f in varied]
-    fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _named(f)]
+    fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _has_named_values(f)]
     fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]
     fields += [_column("nuisance", f) for f in drawn]
     return table_schema(fields)
@@ -132,28 +132,28 @@ def table_schema(more: Iterable[pa.Field]) -> pa.Schema:
     return pa.schema(fields, metadata={"huggingface": json.dumps({"info": {"features": features}})})
 
 
-def redrawn(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+def redraw_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
     """Return the columns for balanced answers, if a question has them."""
     return REDRAWN if spec.plan.balance else {}
 
 
-def outcomes(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+def outcome_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
     """Return the columns for outcomes, if a question names some."""
     return OUTCOMES if any(question.kinds for question in spec.questions) else {}
 
 
-def _named(factor: Factor) -> bool:
+def _has_named_values(factor: Factor) -> bool:
     """Whether a factor has named values."""
     return isinstance(factor.domain, Choices) and factor.domain.names is not None
 
 
-def channels(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+def channel_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
     """Return the columns of a task's picture channels besides colour."""
     wanted = channels_of(spec)
     return {name: column for channel in CHANNELS if channel in wanted for name, column in CHANNELS[channel].items()}
 
 
-def _parted(factors: Iterable[Factor]) -> tuple[list[Factor], list[Factor]]:
+def _split_nuisances(factors: Iterable[Factor]) -> tuple[list[Factor], list[Factor]]:
     """Return factors and nuisances separately."""
     everything = list(factors)
     return [f for f in everything if not f.nuisance], [f for f in everything if f.nuisance]
@@ -209,7 +209,7 @@ def encode(question: QuestionRow) -> Row:
         "agreement": [_vote(v) for v in question.agreement],
         "seed": question.seed,
         **({} if question.redrawn is None else {"redrawn": question.redrawn}),
-        **_kept(question.context),
+        **_channel_columns(question.context),
         **{f"factor.{n}": v for n, v in question.factors.items()},
         **{f"level.{n}": words for n, words in question.levels.items()},
         **{f"group.{n}": v for n, v in question.groups.items()},
@@ -262,7 +262,7 @@ def _strength(strength: Strength | None) -> Row | None:
     return {"name": strength.quantity, "unit": strength.unit, "value": strength.value}
 
 
-def _kept(context: tuple[Picture, ...]) -> Row:
+def _channel_columns(context: tuple[Picture, ...]) -> Row:
     """Return the columns of the channels besides colour."""
     row: Row = {}
     if any(p.depth is not None for p in context):
@@ -279,10 +279,10 @@ def millimetres(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
 
 
 def _image(picture: Picture) -> dict[str, bytes | None]:
-    return encoded(picture.rgb)
+    return encode_picture(picture.rgb)
 
 
-def encoded(pixels: NDArray[np.uint8]) -> dict[str, bytes | None]:
+def encode_picture(pixels: NDArray[np.uint8]) -> dict[str, bytes | None]:
     """Return a picture (h, w, 3) in the layout of a row."""
     return {"bytes": encode_webp(pixels), "path": None}
 

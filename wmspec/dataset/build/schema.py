@@ -11,7 +11,7 @@ import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from wmspec.core.safe_io import is_file_name
-from wmspec.dataset.build.pictures import image_format
+from wmspec.dataset.build.images import image_format
 from wmspec.dataset.build.rows import COLUMNS, Row
 from wmspec.runtime.questions.consensus import Consensus
 
@@ -76,10 +76,10 @@ def manifest_fault(manifest: Any) -> str:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(map(str, first["loc"]))[:120]
         return f"`{where}`: {first['msg'].lower()}" if where else "it is no object"
-    return _miscounted(manifest)
+    return _counts_fault(manifest)
 
 
-def _miscounted(manifest: Any) -> str:
+def _counts_fault(manifest: Any) -> str:
     """Return the first contradiction between the counts of a manifest, or ''."""
     kept = Counter[str]()
     for path, shard in manifest["shards"].items():
@@ -98,14 +98,14 @@ def _miscounted(manifest: Any) -> str:
 
 
 #: Columns that every Parquet file has, with a value in every row.
-_NEEDED = (
+_REQUIRED = (
     "id", "task", "dimension", "index", "question", "engine", "renderer", "text", "context", "context_camera",
     "context_time", "option_image", "option_kind", "option_name", "option_change", "measured", "agreement",
 )  # fmt: skip
 #: List columns whose items may be null.
-_HOLED = ("option_change", "context_time")
+_NULLABLE_ITEMS = ("option_change", "context_time")
 #: Groups of lists with equal length.
-_TOGETHER = (
+_EQUAL_LENGTHS = (
     ("context", "context_camera", "context_time"),
     ("option_kind", "option_name", "option_change"),
 )
@@ -115,7 +115,7 @@ def columns_fault(columns: pa.Schema) -> str:
     """Return the first problem of the columns of a Parquet file, or ''."""
     if twice := [name for name, count in Counter(columns.names).items() if count > 1]:
         return f"it has two columns `{twice[0]}`"
-    if missing := [name for name in _NEEDED if name not in columns.names]:
+    if missing := [name for name in _REQUIRED if name not in columns.names]:
         return f"it has no column `{missing[0]}`"
     for name, (kind, _) in COLUMNS.items():
         if name in columns.names and (there := columns.field(name).type) != kind:
@@ -125,9 +125,9 @@ def columns_fault(columns: pa.Schema) -> str:
 
 def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
     """Return the first problem of a row of which some columns were read, or ''."""
-    for name in _NEEDED:
+    for name in _REQUIRED:
         value = row.get(name, "")
-        if value is None or (isinstance(value, list) and name not in _HOLED and None in value):
+        if value is None or (isinstance(value, list) and name not in _NULLABLE_ITEMS and None in value):
             return f"`{name}` is null"
     for name, known in (("task", [task]), ("engine", engines)):
         if name in row and row[name] not in known:
@@ -136,7 +136,7 @@ def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
         return f"its renderer is `{str(row['renderer'])[:60]}`, which is no name"
     if "index" in row and not row["index"] >= 0:
         return f"its index is {row['index']}"
-    for names in _TOGETHER:
+    for names in _EQUAL_LENGTHS:
         counts = {name: len(row[name]) for name in names if name in row}
         if len(set(counts.values())) > 1:
             return "it has " + ", ".join(f"{n} {name}" for name, n in counts.items())

@@ -44,7 +44,7 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     place = {(i, e): (n, m) for n, i in enumerate(shard.indices) for m, e in enumerate(plan.engines)}
     kept = sorted(rows, key=lambda r: (*place.get((r["index"], r["engine"]), (-1, -1)), r["question"]))
     lost = sorted(rejected, key=lambda r: (*place.get((r.index, r.engine), (-1, -1)), r.question))
-    _accounted(shard, place.keys(), kept, lost)
+    _check_complete(shard, place.keys(), kept, lost)
     content = parquet(table(kept, schema(shard.task.spec)))
     files.write(folder, shard.path, content)
     record = Record(plan.fingerprint, hashlib.sha256(content).hexdigest(), len(kept), tuple(lost))
@@ -52,7 +52,7 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     return record
 
 
-def _accounted(shard: Shard, expected: Iterable[tuple[int, str]], rows: list[Row], rejected: list[Rejected]) -> None:
+def _check_complete(shard: Shard, expected: Iterable[tuple[int, str]], rows: list[Row], rejected: list[Rejected]) -> None:
     """Raise ValueError unless every expected question occurs exactly once."""
     task = shard.task.spec.name
     ids = [r["id"] for r in rows] + [identity(r.task, r.index, r.question, r.engine) for r in rejected]
@@ -79,15 +79,15 @@ def read_outcomes(folder: Path, shard: Shard, record: Record) -> dict[int, Outco
     return {i: Outcome(rows.get(i, ()), tuple(r for r in record.rejected if r.index == i)) for i in shard.indices}
 
 
-def sidecar(shard: Shard) -> str:
+def record_path(shard: Shard) -> str:
     """Return the path of a shard's record in the dataset folder."""
     return f"{files.PROGRESS}/{shard.task.spec.name}/{shard.number:05d}.json"
 
 
 def read_records(folder: Path, shards: Iterable[Shard]) -> dict[str, Record]:
     """Return the readable records of shards by path. For a finished dataset they come from the manifest."""
-    finished = _finished(folder)
-    there = ((shard, _record(folder / sidecar(shard)) or _recorded(finished, shard)) for shard in shards)
+    finished = _manifest_records(folder)
+    there = ((shard, _record(folder / record_path(shard)) or _record_from_manifest(finished, shard)) for shard in shards)
     return {shard.path: record for shard, record in there if record is not None}
 
 
@@ -101,7 +101,7 @@ def _record(path: Path) -> Record | None:
         return None
 
 
-def _finished(folder: Path) -> dict[str, Any]:
+def _manifest_records(folder: Path) -> dict[str, Any]:
     """Return the manifest's shards, and its rejections by task and instance; empty if it is missing or invalid."""
     try:
         manifest: dict[str, Any] = json.loads(read_bytes(folder / files.MANIFEST))
@@ -113,7 +113,7 @@ def _finished(folder: Path) -> dict[str, Any]:
         return {}
 
 
-def _recorded(finished: dict[str, Any], shard: Shard) -> Record | None:
+def _record_from_manifest(finished: dict[str, Any], shard: Shard) -> Record | None:
     """Return the record of a shard from the manifest."""
     if shard.path not in finished.get("shards", {}):
         return None
@@ -127,4 +127,4 @@ def _recorded(finished: dict[str, Any], shard: Shard) -> Record | None:
 
 def write_record(folder: Path, shard: Shard, record: Record) -> None:
     """Write the record of a shard. Raises WmsError if that fails."""
-    files.write(folder, sidecar(shard), files.pretty_json(asdict(record)))
+    files.write(folder, record_path(shard), files.pretty_json(asdict(record)))

@@ -94,7 +94,7 @@ def tick(size: int) -> Picture:
     return big.resize((size, size), Image.Resampling.LANCZOS)
 
 
-def beside(parts: Sequence[Picture], gap: int = 0, middle: bool = False) -> Picture:
+def hstack(parts: Sequence[Picture], gap: int = 0, middle: bool = False) -> Picture:
     """Join pictures from left to right, aligned at the top (or the middle)."""
     height = max((p.height for p in parts), default=1)
     paper = blank(sum(p.width for p in parts) + gap * (len(parts) - 1), height)
@@ -105,7 +105,7 @@ def beside(parts: Sequence[Picture], gap: int = 0, middle: bool = False) -> Pict
     return paper
 
 
-def above(parts: Iterable[Picture], gap: int = 0) -> Picture:
+def vstack(parts: Iterable[Picture], gap: int = 0) -> Picture:
     """Join pictures from top to bottom, aligned at the left."""
     pieces = list(parts)
     paper = blank(max((p.width for p in pieces), default=1), sum(p.height for p in pieces) + gap * (len(pieces) - 1))
@@ -116,7 +116,7 @@ def above(parts: Iterable[Picture], gap: int = 0) -> Picture:
     return paper
 
 
-def padded(part: Picture, margin: int) -> Picture:
+def pad(part: Picture, margin: int) -> Picture:
     """Add a margin to a picture."""
     paper = blank(part.width + 2 * margin, part.height + 2 * margin)
     paper.paste(part, (margin, margin))
@@ -127,13 +127,13 @@ def grid(
     rows: Iterable[Sequence[tuple[str, Picture]]], label: Callable[[str, int], Picture], gap: int, margin: int = 12
 ) -> Picture:
     """Return rows of pictures, each under its label, which `label` draws from its text and the picture's width (px)."""
-    lines = [beside([above([label(text, picture.width), picture]) for text, picture in row], gap) for row in rows]
-    return padded(above(lines, 2 * gap), margin)
+    lines = [hstack([vstack([label(text, picture.width), picture]) for text, picture in row], gap) for row in rows]
+    return pad(vstack(lines, 2 * gap), margin)
 
 
-def framed(part: Picture, color: str, thickness: int, room: int) -> Picture:
+def frame(part: Picture, color: str, thickness: int, room: int) -> Picture:
     """Add a frame of `thickness` px within `room` px on every side; the size does not depend on `thickness`."""
-    paper = padded(part, room)
+    paper = pad(part, room)
     outside = room - thickness
     box = (outside, outside, paper.width - 1 - outside, paper.height - 1 - outside)
     ImageDraw.Draw(paper).rectangle(box, outline=color, width=thickness)

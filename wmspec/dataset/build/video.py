@@ -14,7 +14,7 @@ from wmspec.core.places import FilePlace
 
 Picture = Image.Image
 
-COLORS = 255
+PALETTE_SIZE = 255
 """Palette size of a GIF frame."""
 
 
@@ -22,7 +22,7 @@ def gif(pictures: Iterable[Picture], rate: float, path: Path) -> None:
     """Write an endlessly repeating GIF. Frame times are whole hundredths of a second, so the rate (Hz) holds on
     average.
     """
-    shown = [picture.quantize(COLORS, dither=Image.Dither.NONE) for picture in pictures]
+    shown = [picture.quantize(PALETTE_SIZE, dither=Image.Dither.NONE) for picture in pictures]
     ends = [round(100 * (i + 1) / rate) for i in range(len(shown))]
     lasting = [10 * (end - begin) for begin, end in zip([0, *ends], ends, strict=False)]
     shown[0].save(path, format="GIF", save_all=True, append_images=shown[1:], duration=lasting, loop=0)

@@ -25,18 +25,18 @@ def webpage(package: str, *, scripts_beside: bool = False, shaded: bool = False,
     their hashes, so that nothing else runs, whatever the values contain. `scripts_beside` also permits files of the
     page's folder, `shaded` permits style attributes.
     """
-    style = _part(__package__, "base.css") + _part(package, "page.css")
-    script = _part(package, "page.js")
+    style = _package_text(__package__, "base.css") + _package_text(package, "page.css")
+    script = _package_text(package, "page.js")
     policy = _POLICY.format(
         script=(_hash(script) if script else "'none'") + (" 'self' file:" if scripts_beside else ""),
         style=_hash(style) + ("; style-src-attr 'unsafe-inline'" if shaded else ""),
     )
     if "data" in values:
-        values["data"] = encoded(values["data"])
+        values["data"] = json_for_script(values["data"])
     return _templates(package).get_template("page.html").render(values, policy=policy, style=style, script=script)
 
 
-def encoded(data: Any) -> str:
+def json_for_script(data: Any) -> str:
     """Return JSON that is safe inside a script element."""
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
@@ -63,7 +63,7 @@ def _hash(text: str) -> str:
 
 
 @cache
-def _part(package: str, name: str) -> str:
+def _package_text(package: str, name: str) -> str:
     """Return the text of a package file; empty if there is none."""
     place = files(package) / name
     return place.read_text(encoding="utf-8") if place.is_file() else ""

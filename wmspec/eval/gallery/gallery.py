@@ -11,9 +11,9 @@ from typing import Any
 
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import with_remedies
-from wmspec.dataset.build.pictures import image_format, decode_image
+from wmspec.dataset.build.images import decode_image, image_format
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.dataset.build.webpage import encoded, webpage
+from wmspec.dataset.build.webpage import json_for_script, webpage
 from wmspec.eval.gallery.records import Record, about, records
 from wmspec.eval.gallery.replies import NONE, Replies
 
@@ -79,7 +79,7 @@ def _parted(path: Path, questions: list[Record], inside: int) -> Iterator[Record
         file = f"questions/{number:05d}.js"
         place = path / file
         place.parent.mkdir(exist_ok=True)
-        runs = encoded({question["id"]: question["runs"] for question in chunk})
+        runs = json_for_script({question["id"]: question["runs"] for question in chunk})
         place.write_text(f"wmspecQuestions({runs});\n", encoding="utf-8")
         yield from (_light(question) | {"file": file} for question in chunk)
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from itertools import groupby
 from typing import Any
 
+from wmspec.dataset.build.format_units import format_reading, format_value
 from wmspec.dataset.build.reader import CHANNELS, DatasetReader
 from wmspec.dataset.build.rows import Row
-from wmspec.dataset.build.words import human, reading
 from wmspec.eval.gallery.paths import IDS, paths
 from wmspec.eval.gallery.replies import NONE, Replies
 
@@ -86,13 +86,13 @@ def _record(rows: list[Row], units: dict[str, str], engines: tuple[str, ...], pu
 
 
 def _varied(row: Row, sort: str, units: dict[str, str]) -> dict[str, str]:
-    return {k.partition(".")[2]: human(v, units.get(k, "")) for k, v in row.items() if k.startswith(f"{sort}.")}
+    return {k.partition(".")[2]: format_value(v, units.get(k, "")) for k, v in row.items() if k.startswith(f"{sort}.")}
 
 
 def _difference(row: Row) -> str | None:
     """Return the stimulus difference as text, where the row has one."""
     difference = row.get("difference")
-    return f"{difference['name']}: {human(difference['value'], difference['unit'])}" if difference else None
+    return f"{difference['name']}: {format_value(difference['value'], difference['unit'])}" if difference else None
 
 
 def _strength(row: Row) -> Record | None:
@@ -135,7 +135,7 @@ def _run(row: Row, put: Put, replies: Replies) -> Record:
         "options": _options(row, put),
         "true": row["answer"],
         "value": row["answer_value"],
-        "measured": [[m["name"], reading(m["name"], m["value"])] for m in row["measured"]],
+        "measured": [[m["name"], format_reading(m["name"], m["value"])] for m in row["measured"]],
         "margin": None if row["margin"] is None else f"{row['margin']:.2g}",
         "paths": paths(row),
         "replies": replies.of(row["id"]),

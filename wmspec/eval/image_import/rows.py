@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import pyarrow as pa
 
-from wmspec.dataset.build.rows import COLUMNS, Row, encoded, identity, table_schema
+from wmspec.dataset.build.rows import COLUMNS, Row, encode_picture, identity, table_schema
 from wmspec.eval.image_import.pictures import Pictures
 from wmspec.eval.image_import.table import Entry
 
@@ -81,7 +81,7 @@ def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures
         "context_camera": [CAMERA] * len(shown),
         "context_time": times,
         "option_text": None if entry.pictured else list(entry.options),
-        "option_image": [encoded(pictures.still(n)) for n in entry.options] if entry.pictured else [],
+        "option_image": [encode_picture(pictures.still(n)) for n in entry.options] if entry.pictured else [],
         "option_kind": ["truth" if i == entry.answer else "label" for i in range(len(entry.options))],
         "option_name": list(entry.options),
         "option_change": [None] * len(entry.options),
@@ -103,8 +103,8 @@ def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures
 def _shown(entry: Entry, pictures: Pictures) -> tuple[list[dict[str, bytes | None]], list[float]]:
     if entry.clip:
         pixels, times = pictures.frames(entry.pictures[0], entry.frames)
-        return [encoded(p) for p in pixels], times
-    return [encoded(pictures.still(name)) for name in entry.pictures], list(entry.times)
+        return [encode_picture(p) for p in pixels], times
+    return [encode_picture(pictures.still(name)) for name in entry.pictures], list(entry.times)
 
 
 def _group(entry: Entry, factor: str, factors: list[str]) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.rng import bits
-from wmspec.dataset.build.pictures import as_png
+from wmspec.dataset.build.images import as_png
 from wmspec.dataset.build.reader import PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row
 

@@ -12,7 +12,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build.files import with_remedies
-from wmspec.dataset.build.words import READABLE
+from wmspec.dataset.build.format_units import DISPLAY_UNITS
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.reply import LETTERS
 
@@ -57,7 +57,7 @@ class Item(_Model):
     @property
     def shown_unit(self) -> str:
         """The unit shown to people, such as cm for metres."""
-        return READABLE.get(self.unit, (self.unit, 1.0))[0]
+        return DISPLAY_UNITS.get(self.unit, (self.unit, 1.0))[0]
 
     def order(self, permutation: int) -> tuple[int, ...]:
         """Return the indices of the options as shown."""
@@ -128,7 +128,7 @@ def _truth(item: Item) -> list[float] | None:
     """Return the true number of an open question and its tolerance, in the unit shown."""
     if item.number is None:
         return None
-    scale = READABLE.get(item.unit, ("", 1.0))[1]
+    scale = DISPLAY_UNITS.get(item.unit, ("", 1.0))[1]
     return [item.number * scale, (item.within or 0.0) * scale]
 
 

@@ -10,8 +10,7 @@ from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_within
 from wmspec.lang.check.tables.vocabulary import FILES
-from wmspec.lang.importers.markup import Element
-from wmspec.lang.importers.markup import read_xml
+from wmspec.lang.importers.markup import Element, read_xml
 from wmspec.lang.importers.mjcf import mjcf
 from wmspec.lang.importers.model import ASSET, Asset, Faults, RejectedAsset, UnreadableAsset
 from wmspec.lang.importers.tree import LinkTree, link_tree

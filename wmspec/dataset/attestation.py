@@ -19,10 +19,10 @@ from wmspec.dataset.build.reader import DatasetReader
 
 #: The smallest seed that resists an exhaustive search, and the parameters of scrypt: one trial takes 16 MB and about 50
 #: ms.
-SECRET, COST = 1 << 62, {"n": 1 << 14, "r": 8, "p": 1}
+MIN_SECRET_SEED, SCRYPT_COST = 1 << 62, {"n": 1 << 14, "r": 8, "p": 1}
 
 
-class Seal(BaseModel):
+class Attestation(BaseModel):
     """How a dataset was made: scrypt hash of its seed, SHA-256 of its specs and Parquet files by name."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -36,7 +36,7 @@ class Seal(BaseModel):
     versions: dict[str, str]
 
     @classmethod
-    def read(cls, path: Path) -> Seal:
+    def read(cls, path: Path) -> Attestation:
         """Read an attestation. Raises WmsError if the file is not one."""
         try:
             return cls.model_validate_json(path.read_bytes())
@@ -49,33 +49,33 @@ class Seal(BaseModel):
         return json.dumps(self.model_dump(mode="json"), indent=1, sort_keys=True) + "\n"
 
 
-def sealed(dataset: DatasetReader) -> Seal:
+def attest(dataset: DatasetReader) -> Attestation:
     """Return the attestation of a dataset. Raises WmsError if its seed could be guessed."""
     manifest = dataset.manifest
-    if abs(manifest["seed"]) < SECRET:
+    if abs(manifest["seed"]) < MIN_SECRET_SEED:
         raise WmsError(
             f"the dataset was made with the seed {manifest['seed']}, which anyone can find by trying",
             help="make it with a long one: wmspec generate ... "
             "--seed $(python3 -c 'import secrets; print(2**62 + secrets.randbits(62))')",
         )
-    return _hashed(manifest)
+    return _hashes(manifest)
 
 
-def differences(seal: Seal, dataset: DatasetReader) -> Iterator[str]:
+def differences(seal: Attestation, dataset: DatasetReader) -> Iterator[str]:
     """Yield the differences between a dataset and its attestation, as sentences."""
-    here = _hashed(dataset.manifest)
+    here = _hashes(dataset.manifest)
     if here.seed != seal.seed:
         yield "the seed is another"
     for kind, there, now in (("spec", seal.specs, here.specs), ("file", seal.shards, here.shards)):
-        yield from _differing(kind, there, now)
+        yield from _changed_files(kind, there, now)
     for name in ("engines", "size", "consensus", "versions"):
         if getattr(here, name) != getattr(seal, name):
             yield f"its {name} are {getattr(here, name)!r}, and were {getattr(seal, name)!r}"
 
 
-def _hashed(manifest: Mapping[str, Any]) -> Seal:
-    return Seal(
-        seed=hashlib.scrypt(str(manifest["seed"]).encode(), salt=b"wmspec seal", **COST).hex(),
+def _hashes(manifest: Mapping[str, Any]) -> Attestation:
+    return Attestation(
+        seed=hashlib.scrypt(str(manifest["seed"]).encode(), salt=b"wmspec seal", **SCRYPT_COST).hex(),
         specs={name: _digest(spec["text"]) for name, spec in manifest["specs"].items()},
         shards={path: shard["sha256"] for path, shard in manifest["shards"].items()},
         engines=tuple(manifest["engines"]),
@@ -85,7 +85,7 @@ def _hashed(manifest: Mapping[str, Any]) -> Seal:
     )
 
 
-def _differing(kind: str, there: Mapping[str, str], here: Mapping[str, str]) -> Iterator[str]:
+def _changed_files(kind: str, there: Mapping[str, str], here: Mapping[str, str]) -> Iterator[str]:
     for name in sorted({*there, *here}):
         if name not in here:
             yield f"the {kind} {name} is gone"
