@@ -20,7 +20,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit import balance
 from wmspec.dataset.audit.audit import audit
 from wmspec.dataset.audit.cases import FullSizePictures, units
-from wmspec.dataset.audit.duplicates import duplicates, mark_faint, duplicate_findings
+from wmspec.dataset.audit.duplicates import duplicate_findings, duplicates, mark_faint
 from wmspec.dataset.audit.model import Audit, Finding
 from wmspec.dataset.build.files import digest
 from wmspec.dataset.build.reader import DatasetReader

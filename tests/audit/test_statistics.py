@@ -15,7 +15,16 @@ from sklearn.ensemble import RandomForestClassifier
 from sklearn.model_selection import cross_val_predict
 
 from wmspec.dataset.audit import power
-from wmspec.dataset.audit.classify import MIN_LEAF, FEATURE_SHARE, SEED, FOREST_TREES, ProbeDataset, ProbeFeatures, cross_validated_scores, nested_scores
+from wmspec.dataset.audit.classify import (
+    FEATURE_SHARE,
+    FOREST_TREES,
+    MIN_LEAF,
+    SEED,
+    ProbeDataset,
+    ProbeFeatures,
+    cross_validated_scores,
+    nested_scores,
+)
 from wmspec.dataset.audit.probe_selection import CandidateProbes
 from wmspec.dataset.audit.statistics import clopper_pearson, dependence, detectable, goodness_of_fit, holm, independence
 
@@ -155,13 +164,18 @@ def _asked(count: int, of: int, together: int = 1, seed: int = 1) -> tuple[Probe
     random = np.random.default_rng(seed)
     truth = (np.arange(of) == random.integers(of, size=count)[:, None]).ravel()
     names = np.tile([f"option {i}" for i in range(of)], count)
-    return ProbeDataset(np.repeat(np.arange(count), of), names, truth, [str(i // together) for i in range(count)]), random
+    return ProbeDataset(
+        np.repeat(np.arange(count), of), names, truth, [str(i // together) for i in range(count)]
+    ), random
 
 
 def test_noise_is_answered_by_chance_and_a_clue_is_not() -> None:
     asked, random = _asked(200, 4)
     for model in ("linear", "forest"):
-        right = [cross_validated_scores(ProbeFeatures(random.normal(size=(800, 10)), "options", model), asked).sum() for _ in range(5)]
+        right = [
+            cross_validated_scores(ProbeFeatures(random.normal(size=(800, 10)), "options", model), asked).sum()
+            for _ in range(5)
+        ]
         low, high = clopper_pearson(sum(right), 1000, 0.999)
         assert low < 0.25 < high
         noise = random.normal(size=(800, 10))
@@ -182,7 +196,9 @@ def test_it_answers_as_scikit_learn_does() -> None:
     asked, random = _asked(200, 2, 4)
     side = asked.truth.reshape(200, 2)[:, 0]
     seen = np.c_[random.normal(size=(200, 4)), side + random.normal(size=200)]
-    forest = RandomForestClassifier(FOREST_TREES, min_samples_leaf=MIN_LEAF, max_features=FEATURE_SHARE, random_state=SEED)
+    forest = RandomForestClassifier(
+        FOREST_TREES, min_samples_leaf=MIN_LEAF, max_features=FEATURE_SHARE, random_state=SEED
+    )
     folds = [(np.setdiff1d(np.arange(200), held), held) for held in asked.folds]
     there = cross_val_predict(forest, seen, np.where(side, "option 0", "option 1"), cv=folds, method="predict_proba")
     right = np.where(there[:, 0] == there[:, 1], 0.5, (there[:, 0] > there[:, 1]) == side)
@@ -191,7 +207,9 @@ def test_it_answers_as_scikit_learn_does() -> None:
 
 def test_options_that_cannot_be_told_apart_count_as_a_guess() -> None:
     asked, _ = _asked(40, 4)
-    assert cross_validated_scores(ProbeFeatures(np.ones((160, 2)), "options", "linear"), asked) == pytest.approx(np.full(40, 0.25))
+    assert cross_validated_scores(ProbeFeatures(np.ones((160, 2)), "options", "linear"), asked) == pytest.approx(
+        np.full(40, 0.25)
+    )
 
 
 def test_what_is_known_of_a_group_does_not_help_with_that_group() -> None:
@@ -256,7 +274,9 @@ def test_a_shortcut_of_the_size_told_is_found_in_four_of_five_draws(
     assert stats.binomtest(sum(false), draws, power.FALSE_ALARMS, alternative="greater").pvalue > 0.01
 
 
-def _rivals(asked: ProbeDataset, random: np.random.Generator, told: float = 0.0, count: int = 8) -> tuple[CandidateProbes, ProbeDataset]:
+def _rivals(
+    asked: ProbeDataset, random: np.random.Generator, told: float = 0.0, count: int = 8
+) -> tuple[CandidateProbes, ProbeDataset]:
     """Probes that see noise, and the questions; the first one sees a shortcut of size `told`."""
     seen = [ProbeFeatures(random.normal(size=(len(asked.owner), 8)), "options", "forest") for _ in range(count)]
     if told:

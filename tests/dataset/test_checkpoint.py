@@ -17,7 +17,7 @@ from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.generate import generate
 from wmspec.dataset.build.plan import Shard
 from wmspec.dataset.build.reuse import PriorInstances
-from wmspec.dataset.build.worker import Job, BatchResult, Outcome
+from wmspec.dataset.build.worker import BatchResult, Job, Outcome
 from wmspec.runtime.questions.model import Rejected
 from wmspec.runtime.workers.pool import Effort
 

@@ -134,7 +134,7 @@ def test_a_dataset_without_questions_cannot_be_exported_or_asked(shell: Shell, c
 def test_what_nobody_foresaw_is_told_in_a_line_with_a_file(shell: Shell, command: tuple[object, ...]) -> None:
     lines = shell(*command, "-b", "mistaken", code=EXIT_CODE).splitlines()
     assert lines[0] == f"error: {MESSAGE}"
-    assert [line.split(":")[0].strip() for line in lines[1:3]] == ["at broken/wmspec_broken.py", "the full text"]
+    assert [line.split(":")[0].strip() for line in lines[1:3]] == ["at broken/wmspec_broken.py", "details"]
     assert "please report it" in lines[3]
     assert len(lines) == 4
     text = shell.full_text()

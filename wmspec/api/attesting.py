@@ -11,7 +11,8 @@ from wmspec.api.generating import generate
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.verifying import drawn_in, unpacked
-from wmspec.dataset.attestation import Attestation, attest, differences
+from wmspec.dataset.attestation import Attestation, differences
+from wmspec.dataset.attestation import attest as attestation_of
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 
@@ -38,7 +39,7 @@ def attest(
     """
     reader, folder = DatasetReader.open(Path(dataset)), Path(output)
     reader.intact()
-    made = attest(reader)
+    made = attestation_of(reader)
     shown = set(reader.tasks[::SAMPLE_STRIDE])
     with TemporaryDirectory() as scratch:
         tasks = [t for t in gathered(unpacked(reader, Path(scratch)), 0, tell) if t.name in shown]

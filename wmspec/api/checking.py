@@ -32,7 +32,7 @@ MOST_FILES, MOST_BYTES = 1000, 50_000_000
 
 @dataclass(frozen=True)
 class CheckedTask:
-    """A task of a spec: its number of instances, its sample sizes, its balanced question, and whether it has mistakes."""
+    """A task of a spec: number of instances, sample sizes, balanced question, and whether it has mistakes."""
 
     name: str
     instances: int
@@ -172,7 +172,7 @@ def _cached(entry: str, path: Path) -> Checked | None:
         TypeError,
         KeyError,
         AttributeError,
-    ):  # a missing library, or an entry of another version
+    ):  # no library, or a foreign entry
         return None
 
 

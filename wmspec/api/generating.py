@@ -109,10 +109,10 @@ def generate(
             tell(notice)
         pending = sum(len(shard.indices) for shard in dataset.pending())
         with (
-            crew(executor, address, workers, timeout, plan) as workers_of_plan,
+            crew(executor, address, workers, timeout, plan) as pool,
             progress(pending, "generating") as advance,
         ):
-            spent = make(dataset, workers_of_plan, advance, before)
+            spent = make(dataset, pool, advance, before)
         return replace(dataset.finish(), shared=spent.shared, balance=spent.balance, crash=spent.crash)
 
 

@@ -31,9 +31,10 @@ def warn(text: str) -> None:
 def load(
     path: PathOrText | None = None, *, text: str | None = None, task: str = "", seed: int = 0, tell: Tell = warn
 ) -> Task:
-    """Load the task of a spec: of the file at `path`, or of a `text`, whose libraries are searched in the current folder.
+    """Load the task of the spec at `path`, or of a `text`.
 
-    `task` selects one of several. All draws depend on the `seed`.
+    Libraries of a text are searched in the current folder. `task` selects one of several tasks; all draws depend on
+    `seed`.
 
     Raises:
         SpecError: the spec has mistakes; `diagnostics` lists all of them.

@@ -1,4 +1,4 @@
-"""Unexpected errors: one line for the terminal, and a file with everything that helps to explain them."""
+"""Unexpected errors: one line on the terminal, and a file with the details."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import escape_controls
 
-#: The exit code of a command that met one: EX_SOFTWARE of sysexits.h.
+#: Exit code of a command after an unexpected error: EX_SOFTWARE of sysexits.h.
 EXIT_CODE = 70
-#: The environment variable that lets a command show the traceback.
+#: Environment variable that makes commands print the traceback.
 VARIABLE = "WMSPEC_TRACEBACK"
-#: The packages that are ours.
+#: The packages of wmspec.
 OURS = ("wmspec", "backends")
-#: What Python raises for a mistake in code, whatever the machine.
+#: Exceptions that Python raises for programming errors, independent of the machine.
 MISTAKES = (ArithmeticError, AssertionError, AttributeError, ImportError, LookupError, NameError, TypeError)
 
 
 @dataclass(frozen=True)
 class Crash:
-    """An unexpected error: its type and message, the innermost place, the same in one short line, and the traceback.
+    """An unexpected error: type and message, innermost place, both in one short line, and the traceback.
 
-    `line` is the same in every run; it names the innermost place in our own code.
+    `line` is equal in every run; it names the innermost place in the code of wmspec.
     """
 
     summary: str
@@ -40,7 +40,7 @@ class Crash:
 
     @classmethod
     def of(cls, error: BaseException, skip: int = 0) -> Crash:
-        """The crash that an exception is; its traceback begins after `skip` frames."""
+        """Return the crash of an exception; its traceback omits the first `skip` frames."""
         way = list(traceback.walk_tb(error.__traceback__))[skip:]
         ours = [step for step in way if step[0].f_globals.get("__name__", "").split(".")[0] in OURS]
         kind, message = type(error).__name__, str(error)
@@ -54,17 +54,17 @@ class Crash:
         )
 
     def told(self) -> str:
-        """What a terminal shows: type and message in full, the file with the rest, how to report it."""
+        """Return the text for a terminal: type and message, the file with the details, how to report it."""
         return f"{escape_controls(self.summary)}\n{self.advice(self.save())}"
 
     def advice(self, path: Path | None) -> str:
-        """The place, the file with the full text, and how to report it, a line each."""
+        """Return the place, the file with the details, and how to report it, one line each."""
         lines = [f"  at {self.place}"] if self.place else []
-        lines.append(f"  the full text: {path}" if path else "  the full text could not be written anywhere")
+        lines.append(f"  details: {path}" if path else "  the details could not be written to a file")
         return "\n".join([*lines, f"  {how_to_report(path is not None)}"])
 
     def save(self) -> Path | None:
-        """Write the full text, and return its file: in the user's cache, else in the temporary folder.
+        """Write the details to the user's cache, else to the temporary folder, and return the file.
 
         The same error of the same command has the same file. None if no file can be written.
         """
@@ -81,7 +81,7 @@ class Crash:
 
 
 def in_our_code(error: BaseException) -> bool:
-    """Whether an exception is a mistake in our code: raised in one of our own lines, or a module of ours is missing."""
+    """Whether an exception is a mistake in wmspec: raised in its code, or by an import of a missing module of it."""
     if isinstance(error, ImportError):
         missing = error.name or ""
         if missing.split(".")[0] in OURS:
@@ -94,7 +94,10 @@ def in_our_code(error: BaseException) -> bool:
 
 
 def how_to_report(file: bool = True) -> str:
-    """How to report an error, with its `file`; with the address of the issue tracker if the package names one."""
+    """Return how to report an error, with the address of the issue tracker if the package has one.
+
+    With `file`, the text refers to the file with the details.
+    """
     try:
         urls = dict(entry.split(", ", 1) for entry in metadata("wmspec").get_all("Project-URL") or () if ", " in entry)
     except PackageNotFoundError:
@@ -107,7 +110,7 @@ def how_to_report(file: bool = True) -> str:
 
 
 def tell(error: BaseException) -> None:
-    """Print an unexpected exception on standard error: message and file, or the traceback if VARIABLE is set."""
+    """Print an unexpected exception to standard error, or its traceback if VARIABLE is set."""
     if os.environ.get(VARIABLE):
         traceback.print_exception(error)
     else:
@@ -115,7 +118,7 @@ def tell(error: BaseException) -> None:
 
 
 def _place(frame: object, line: int) -> str:
-    """The last two parts of a file's path, and the line."""
+    """Return the last two parts of a file's path, and the line."""
     return f"{'/'.join(Path(frame.f_code.co_filename).parts[-2:])}:{line}"  # type: ignore[attr-defined]
 
 
@@ -131,7 +134,7 @@ def _temporary() -> Path:
 
 
 def _circumstances() -> str:
-    """The command line, the versions of Python, of the system, of wmspec and of what it requires."""
+    """Return the command line and the versions of Python, the system, wmspec and its requirements."""
     try:
         needed = sorted({re.split(r"[^\w.-]", one, maxsplit=1)[0] for one in requires("wmspec") or ()})
     except PackageNotFoundError:

@@ -12,9 +12,9 @@ import numpy as np
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit import balance, groups, probes
 from wmspec.dataset.audit.cases import FullSizePictures, Unit, task_of, units
-from wmspec.dataset.audit.counts import check_rows, counts, check_files
-from wmspec.dataset.audit.duplicates import duplicates, mark_faint, duplicate_findings
-from wmspec.dataset.audit.image_similarity import QUANTILES, similarity_finding, option_similarity
+from wmspec.dataset.audit.counts import check_files, check_rows, counts
+from wmspec.dataset.audit.duplicates import duplicate_findings, duplicates, mark_faint
+from wmspec.dataset.audit.image_similarity import QUANTILES, option_similarity, similarity_finding
 from wmspec.dataset.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
 from wmspec.dataset.audit.stability import stability
 from wmspec.dataset.audit.summary import summary
@@ -81,7 +81,9 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
     )
 
 
-def _task_results(pieces: list[tuple[DatasetReader, str, int, bool]], workers: int) -> Generator[_Results | Lost, None, None]:
+def _task_results(
+    pieces: list[tuple[DatasetReader, str, int, bool]], workers: int
+) -> Generator[_Results | Lost, None, None]:
     """Yield the results of every task, in order."""
     if workers > 1:
         yield from in_order(_audit_task, pieces, Effort(workers, TASK_TIMEOUT))

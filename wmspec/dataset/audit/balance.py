@@ -55,7 +55,9 @@ def corrected_tests(tested: Sequence[Test]) -> list[Test]:
         if test.judged:
             families.setdefault((task_of(test.task), test.first), []).append(i)
     made = [
-        test if test.judged else replace(test, corrected=test.p, least=detectable(test.counts, SIGNIFICANCE, test.effect))
+        test
+        if test.judged
+        else replace(test, corrected=test.p, least=detectable(test.counts, SIGNIFICANCE, test.effect))
         for test in tested
     ]
     for family in families.values():
@@ -89,7 +91,9 @@ def judge(test: Test) -> Finding:
         return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {how}")
     if not test.judged:
         return Finding("balance", test.task, "told", f"{what}, as far as can be told {how}")
-    power = f"a strength of {test.least:.2f} would have been found, {100 * guessing_gain(test):.0f} points above guessing"
+    power = (
+        f"a strength of {test.least:.2f} would have been found, {100 * guessing_gain(test):.0f} points above guessing"
+    )
     if guessing_gain(test) > MAX_MISSED_GAIN:
         return Finding("balance", test.task, "unclear", f"{what} {how}; {power}: too few questions to tell")
     return Finding("balance", test.task, "holds", f"{what} {how}; {power}")

@@ -92,7 +92,11 @@ class Unit:
     @cached_property
     def first_engine(self) -> tuple[Case, ...]:
         """The rows of the first engine that have thumbnails."""
-        return tuple(c for c in self.cases if c.row["engine"] == self.engines[0] and (c.context_thumbnails or c.option_thumbnails))
+        return tuple(
+            c
+            for c in self.cases
+            if c.row["engine"] == self.engines[0] and (c.context_thumbnails or c.option_thumbnails)
+        )
 
 
 @dataclass(frozen=True)

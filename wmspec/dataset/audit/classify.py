@@ -145,12 +145,16 @@ def top1_score(scores: Array, asked: ProbeDataset) -> Array:
     return np.asarray(np.add.reduceat((top & asked.truth).astype(np.float64), asked.starts) / ties)
 
 
-def _scores(seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
+def _scores(
+    seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
+) -> Array:
     """Return the score of every option in `here` by a classifier fitted to `fitted`."""
     return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
 
 
-def _of_options(seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
+def _of_options(
+    seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
+) -> Array:
     x = asked.centred(seen.features)
     if seen.ranked:
         x = np.concatenate([x, asked.ranks(seen.features)], axis=1)
@@ -160,7 +164,9 @@ def _of_options(seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.boo
     return _linear(x[fitted], y[fitted], x[here])
 
 
-def _of_questions(seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
+def _of_questions(
+    seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
+) -> Array:
     true, held, others = asked.name[asked.truth], here[asked.starts], fitted[asked.starts]
     x = seen.features
     if seen.model == "forest":
@@ -203,5 +209,7 @@ def _lasso(x: Array, y: Array, noise: float) -> Array:
 
 def _probabilities(x: Array, y: NDArray[np.generic], unseen: Array, trees: int) -> tuple[NDArray[np.generic], Array]:
     """Return the classes, and their probabilities for unseen samples."""
-    forest = RandomForestClassifier(trees, min_samples_leaf=MIN_LEAF, max_features=FEATURE_SHARE, random_state=SEED).fit(x, y)
+    forest = RandomForestClassifier(
+        trees, min_samples_leaf=MIN_LEAF, max_features=FEATURE_SHARE, random_state=SEED
+    ).fit(x, y)
     return forest.classes_, np.asarray(forest.predict_proba(unseen))

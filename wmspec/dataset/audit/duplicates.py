@@ -82,7 +82,9 @@ def duplicate_findings(unit: Unit, pairs: Sequence[Pair]) -> list[Finding]:
         findings.append(Finding("duplicates", unit.name, "fails", what))
     if same:
         exact = sum(p.exact for p in same)
-        what = f"{_count(same)} ask the same and have the same answer ({exact:,} to the byte), such as {_examples(same)}"
+        what = (
+            f"{_count(same)} ask the same and have the same answer ({exact:,} to the byte), such as {_examples(same)}"
+        )
         findings.append(Finding("duplicates", unit.name, "told", what))
     if not pairs:
         seen = len(unit.first_engine)
@@ -116,7 +118,12 @@ def _exact_pairs(cases: Sequence[Case]) -> Iterator[Pair]:
 
 
 def _offers_the_same(a: Case, b: Case) -> bool:
-    return a.open or sorted(_options(a)) == sorted(_options(b)) or _true_option(a) in _options(b) or _true_option(b) in _options(a)
+    return (
+        a.open
+        or sorted(_options(a)) == sorted(_options(b))
+        or _true_option(a) in _options(b)
+        or _true_option(b) in _options(a)
+    )
 
 
 def _options(case: Case) -> tuple[bytes, ...]:

@@ -51,13 +51,19 @@ def positions(cases: Sequence[Case]) -> Array:
 def options(cases: Sequence[Case]) -> Array:
     """Return features of the options alone: pixels or words, and their relation to the other options."""
     if cases[0].has_picture_options:
-        return principal_components(np.concatenate([_relative_to_options([_pixels(p) for p in c.option_thumbnails]) for c in cases]), MAX_PIXEL_COMPONENTS)
+        return principal_components(
+            np.concatenate([_relative_to_options([_pixels(p) for p in c.option_thumbnails]) for c in cases]),
+            MAX_PIXEL_COMPONENTS,
+        )
     return np.concatenate([_words_of(cases), np.concatenate([_ranks(c.row["option_text"]) for c in cases])], axis=1)
 
 
 def colours(cases: Sequence[Case]) -> Array:
     """Return the colours of option pictures, and their relation to the other options."""
-    return principal_components(np.concatenate([_relative_to_options([_histogram(p) for p in c.option_thumbnails]) for c in cases]), MAX_PIXEL_COMPONENTS)
+    return principal_components(
+        np.concatenate([_relative_to_options([_histogram(p) for p in c.option_thumbnails]) for c in cases]),
+        MAX_PIXEL_COMPONENTS,
+    )
 
 
 def texts(cases: Sequence[Case]) -> Array:
@@ -85,7 +91,8 @@ def pixels(cases: Sequence[Case], views: Sequence[int]) -> Array:
     if not cases[0].has_picture_options:
         return principal_components(shown, MAX_PIXEL_COMPONENTS)
     gaps = [
-        np.stack([np.tile(_look(o), len(views)) for o in c.option_thumbnails]) - s for c, s in zip(cases, shown, strict=True)
+        np.stack([np.tile(_look(o), len(views)) for o in c.option_thumbnails]) - s
+        for c, s in zip(cases, shown, strict=True)
     ]
     either = (np.concatenate([gap, abs(gap)], axis=1) for gap in gaps)
     return principal_components(np.concatenate([gap - gap.mean(0) for gap in either]), MAX_PIXEL_COMPONENTS)

@@ -93,7 +93,13 @@ def learned_gains(seen: ProbeFeatures, asked: ProbeDataset, chance: Array) -> tu
     random = np.random.default_rng(SEED)
     times = range(INJECTIONS[seen.model])
     return gain_quantile(
-        [[float((cross_validated_scores(*inject_shortcut(seen, asked, size, random)) - chance).mean()) for _ in times] for size in SHORTCUT_SIZES]
+        [
+            [
+                float((cross_validated_scores(*inject_shortcut(seen, asked, size, random)) - chance).mean())
+                for _ in times
+            ]
+            for size in SHORTCUT_SIZES
+        ]
     )
 
 
@@ -119,7 +125,9 @@ def smallest_detectable(reach: ProbePower, beyond: float) -> float:
     return max(float(found[0]), beyond * reach.deviation) if found else 1.0
 
 
-def inject_shortcut(seen: ProbeFeatures, asked: ProbeDataset, size: float, random: np.random.Generator) -> tuple[ProbeFeatures, ProbeDataset]:
+def inject_shortcut(
+    seen: ProbeFeatures, asked: ProbeDataset, size: float, random: np.random.Generator
+) -> tuple[ProbeFeatures, ProbeDataset]:
     """Return the input with a random truth, and a shortcut injected into one feature.
 
     The feature indicates the truth in so many questions that its accuracy is `size` above chance; in the others it is

@@ -13,7 +13,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.dataset.audit.classify import SEED, Array, ProbeDataset, ProbeFeatures, cross_validated_scores, nested_scores
+from wmspec.dataset.audit.classify import (
+    SEED,
+    Array,
+    ProbeDataset,
+    ProbeFeatures,
+    cross_validated_scores,
+    nested_scores,
+)
 from wmspec.dataset.audit.power import SHORTCUT_SIZES, gain_quantile, inject_shortcut
 
 #: Number of injections of a shortcut of each size, each into a random probe.
@@ -47,17 +54,26 @@ class CandidateProbes:
             judged[held] = self.right[probe, held]
         return judged, picked
 
-    def learned(self, seen: Sequence[Callable[[], ProbeFeatures]], asked: ProbeDataset, chance: Array) -> tuple[float, ...]:
+    def learned(
+        self, seen: Sequence[Callable[[], ProbeFeatures]], asked: ProbeDataset, chance: Array
+    ) -> tuple[float, ...]:
         """Return the selected probe's gain, with a power of 0.8, from shortcuts of each of the `SIZES` in one of the
         probes.
 
         The other probes keep their scores.
         """
         random = np.random.default_rng(SEED)
-        return gain_quantile([[self._gained(seen, asked, chance, s, random) for _ in range(INJECTIONS)] for s in SHORTCUT_SIZES])
+        return gain_quantile(
+            [[self._gained(seen, asked, chance, s, random) for _ in range(INJECTIONS)] for s in SHORTCUT_SIZES]
+        )
 
     def _gained(
-        self, seen: Sequence[Callable[[], ProbeFeatures]], asked: ProbeDataset, chance: Array, size: float, random: np.random.Generator
+        self,
+        seen: Sequence[Callable[[], ProbeFeatures]],
+        asked: ProbeDataset,
+        chance: Array,
+        size: float,
+        random: np.random.Generator,
     ) -> float:
         told = int(random.integers(len(seen)))
         right, picks = self.right.copy(), self.picks.copy()

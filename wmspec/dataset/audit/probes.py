@@ -220,7 +220,9 @@ def _blind(see: See, cases: Sequence[Case]) -> Look:
 
 
 def _pixels(cases: Sequence[Case], views: tuple[int, ...]) -> Look:
-    return lambda: ProbeFeatures(features.pixels(cases, views), "options" if cases[0].pictured else "questions", "forest")
+    return lambda: ProbeFeatures(
+        features.pixels(cases, views), "options" if cases[0].pictured else "questions", "forest"
+    )
 
 
 def _forest(see: SeeViews, cases: Sequence[Case], views: tuple[int, ...], of: Of = "options") -> Look:

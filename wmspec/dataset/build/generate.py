@@ -34,7 +34,9 @@ class RunStats:
     crash: Crash | None = None
 
 
-def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: PriorInstances) -> RunStats:
+def generate(
+    dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: PriorInstances
+) -> RunStats:
     """Make every pending shard, except instances found in `before` or saved by an interrupted run.
 
     `progress` is called with a task and the number of its instances that were finished.
@@ -51,7 +53,9 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
         progress(one.task, len(one.shard.indices) - len(one.missing))
         one.finish()
     shard_of = {(one.task, index): one for one in making for index in one.missing}
-    with closing(by_units(make_instances, _units(job, plan, making), effort, lambda p: weight(specs[p[1]], p[2]))) as outcomes:
+    with closing(
+        by_units(make_instances, _units(job, plan, making), effort, lambda p: weight(specs[p[1]], p[2]))
+    ) as outcomes:
         for (_, task, indices), made in outcomes:
             if isinstance(made, Lost):
                 crash = crash or made.crash
@@ -62,7 +66,9 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
             for at, index in enumerate(indices):
                 one = shard_of[task, index]
                 spec = specs[task]
-                one.keep(index, failed_outcome(plan, spec, index, made) if isinstance(made, Lost) else made.outcomes[at])
+                one.keep(
+                    index, failed_outcome(plan, spec, index, made) if isinstance(made, Lost) else made.outcomes[at]
+                )
                 progress(task, 1)
     return RunStats(shared, balance, crash)
 

@@ -30,14 +30,18 @@ def annotate(frame: Frame, scene: Scene, trace: Trace, camera: str, time: float)
         for line in _visible_path(scene, trace, camera, i, time, (width, height)):
             points = [(SUPERSAMPLING * x, SUPERSAMPLING * y) for x, y in line.tolist()]
             for color, wide in ((HALO, 4), (WAY, 2)):
-                draw.line(points, fill=(*color, 200), width=round(wide * SUPERSAMPLING * height / 512) + 1, joint="curve")
+                draw.line(
+                    points, fill=(*color, 200), width=round(wide * SUPERSAMPLING * height / 512) + 1, joint="curve"
+                )
     for i in shown:
         _name(draw, scene.bodies[i].name, frame.ids == i, height)
     small = over.resize(picture.size, Image.Resampling.BOX)
     return Image.alpha_composite(picture.convert("RGBA"), small).convert("RGB")
 
 
-def _visible_path(scene: Scene, trace: Trace, camera: str, body: int, time: float, size: tuple[int, int]) -> Iterator[Array]:
+def _visible_path(
+    scene: Scene, trace: Trace, camera: str, body: int, time: float, size: tuple[int, int]
+) -> Iterator[Array]:
     """Yield the visible pieces of a body's path in pixels (n, 2); none for a body that barely moved."""
     last = trace.sample(time)
     samples = np.unique(np.append(np.arange(0, last, max(1, round(PATH_STEP / _tick(trace)))), last))

@@ -117,7 +117,10 @@ def schema(spec: TaskSpec) -> pa.Schema:
     is the name of a value of a factor or nuisance with named values.
     """
     varied, drawn = _split_nuisances(spec.factors)
-    fields = [pa.field(name, kind) for name, (kind, _) in (redraw_columns(spec) | outcome_columns(spec) | channel_columns(spec)).items()]
+    fields = [
+        pa.field(name, kind)
+        for name, (kind, _) in (redraw_columns(spec) | outcome_columns(spec) | channel_columns(spec)).items()
+    ]
     fields += [_column("factor", f) for f in varied]
     fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _has_named_values(f)]
     fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]

@@ -52,7 +52,9 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     return record
 
 
-def _check_complete(shard: Shard, expected: Iterable[tuple[int, str]], rows: list[Row], rejected: list[Rejected]) -> None:
+def _check_complete(
+    shard: Shard, expected: Iterable[tuple[int, str]], rows: list[Row], rejected: list[Rejected]
+) -> None:
     """Raise ValueError unless every expected question occurs exactly once."""
     task = shard.task.spec.name
     ids = [r["id"] for r in rows] + [identity(r.task, r.index, r.question, r.engine) for r in rejected]
@@ -87,7 +89,9 @@ def record_path(shard: Shard) -> str:
 def read_records(folder: Path, shards: Iterable[Shard]) -> dict[str, Record]:
     """Return the readable records of shards by path. For a finished dataset they come from the manifest."""
     finished = _manifest_records(folder)
-    there = ((shard, _record(folder / record_path(shard)) or _record_from_manifest(finished, shard)) for shard in shards)
+    there = (
+        (shard, _record(folder / record_path(shard)) or _record_from_manifest(finished, shard)) for shard in shards
+    )
     return {shard.path: record for shard, record in there if record is not None}
 
 

@@ -23,7 +23,11 @@ WIDTH, MARGIN, ENGINE, GAP, PARTING, ROOM = 2000, 56, 150, 10, 44, 6
 LARGEST, WORDS = 384, 430
 
 #: Description of each consensus setting.
-CONSENSUS_TEXT = {"all": "; only what all of them agree on", "majority": "; only what most of them agree on", "none": ""}
+CONSENSUS_TEXT = {
+    "all": "; only what all of them agree on",
+    "majority": "; only what most of them agree on",
+    "none": "",
+}
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
@@ -139,7 +143,9 @@ def _question(rows: list[Row], units: dict[str, str]) -> Picture:
 def _factors(row: Row, units: dict[str, str]) -> str:
     """Return the factors and nuisances of an instance in words."""
     named = [(name, value) for name, value in row.items() if name.startswith(("factor.", "nuisance."))]
-    values = "  ·  ".join(f"{name.partition('.')[2]} {format_value(value, units.get(name, ''))}" for name, value in named)
+    values = "  ·  ".join(
+        f"{name.partition('.')[2]} {format_value(value, units.get(name, ''))}" for name, value in named
+    )
     return f"instance {row['index']}:  {values}"
 
 
@@ -214,7 +220,9 @@ def _choices(row: Row, side: int) -> list[Picture]:
         words = [_word(row, i) for i in range(len(row["option_text"]))]
         return [typeset.vstack(words or [typeset.paragraph("asked for openly", BODY, WORDS)], 4)]
     frames = [(GREEN, 6) if i == row["answer"] else (PALE, 1) for i in range(len(row["option_image"]))]
-    return [typeset.frame(_resized(p, side), *frame, ROOM) for p, frame in zip(row["option_image"], frames, strict=True)]
+    return [
+        typeset.frame(_resized(p, side), *frame, ROOM) for p, frame in zip(row["option_image"], frames, strict=True)
+    ]
 
 
 def _word(row: Row, i: int) -> Picture:

@@ -1,6 +1,6 @@
-"""What physics and pictures read of a scene, as hashes: by them traces, renderers and pictures are shared.
+"""Hashes of the parts of a scene that physics and rendering read; the keys of caches.
 
-The hash of a body is kept with it, since one body is in many scenes.
+The hash of a body is cached on it, since one body occurs in many scenes.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ _PLAIN = Surface()
 
 
 def physics_key(scene: Scene) -> bytes:
-    """What physics reads of a scene: two scenes with the same key have the same trace."""
+    """Return the hash of what physics reads: scenes with equal keys have equal traces."""
     return _once(scene, "physics", _physics)
 
 
 def form_key(scene: Scene) -> bytes:
-    """What a picture shows of a scene apart from poses and colours."""
+    """Return the hash of what a picture shows, except poses and colours."""
     return _once(scene, "form", _form)
 
 
 def look_key(scene: Scene) -> bytes:
-    """What a picture shows of a scene apart from poses."""
+    """Return the hash of what a picture shows, except poses."""
     return _once(scene, "look", lambda s: digest(form_key(s), [_once(b, "paint", _paint) for b in s.bodies]))
 
 
 def shot_key(shot: Shot) -> bytes:
-    """From where a picture is taken, and where everything is."""
+    """Return the hash of the camera and all poses."""
     return digest(shot.camera, *[(pose.position.tobytes(), pose.orientation.tobytes()) for pose in shot.poses])
 
 
@@ -58,7 +58,7 @@ def _paint(body: Body) -> bytes:
 
 
 def _once(whole: Any, name: str, make: Callable[[Any], bytes]) -> bytes:
-    """A hash of what never changes, kept with it beside its fields: neither copies nor comparisons take it along."""
+    """Return a hash of an immutable object, cached outside its fields: copies and comparisons ignore it."""
     kept: dict[str, bytes] = whole.__dict__.setdefault("_keys", {})
     if name not in kept:
         kept[name] = make(whole)

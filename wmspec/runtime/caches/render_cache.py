@@ -1,4 +1,4 @@
-"""Drawing scenes: renderers are kept for scenes that differ in colours and places alone; a picture is drawn once."""
+"""Renders scenes: renderers are reused for scenes that differ in colours and poses only, and pictures are cached."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from wmspec.runtime.caches.cache_keys import form_key, look_key, shot_key
 from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Frame, Look, Renderer, Scene, Shot
 
-#: How much (bytes) the pictures take that are remembered, and how many renderers are open.
+#: Cache size of pictures (bytes), and maximum number of open renderers.
 REMEMBERED, OPEN = 96_000_000, 4
 
 
 class RenderCache:
-    """Draws in one engine at one size (pixels), in a look, with so many samples a pixel. Close it when done.
+    """Renders in one engine at one size (pixels), in a look, with a number of samples per pixel. Close it after use.
 
-    `requests` counts requested pictures, `drawn` those that were drawn.
+    `requests` counts requested pictures, `drawn` those that were rendered.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class RenderCache:
         self._open: OrderedDict[bytes, tuple[bytes, Renderer]] = OrderedDict()
 
     def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
-        """The picture of a scene from a camera, with every body at the pose of the shot."""
+        """Return the picture of a scene from a camera, with every body at the pose of the shot."""
         key = look_key(scene), shot_key(shot), depth
         self.requests += 1
         if key not in self._frames:
@@ -46,7 +46,7 @@ class RenderCache:
         return self._frames[key]
 
     def close(self) -> None:
-        """Let go of the renderers."""
+        """Close the renderers."""
         while self._open:
             self._open.popitem()[1][1].close()
 
@@ -57,7 +57,7 @@ class RenderCache:
             self._room += _bytes(self._frames.popitem(last=False)[1])
 
     def _renderer(self, scene: Scene) -> Renderer:
-        """A renderer of the scene: one that is open if it can be given its colours, or else a new one."""
+        """Return a renderer of the scene: an open one that accepts its colours, or a new one."""
         form, look = form_key(scene), look_key(scene)
         if form in self._open:
             painted, renderer = self._open[form]

@@ -1,10 +1,10 @@
-"""Scenes of documents, read part by part: what was read before, in whatever stage, is not read again.
+"""Scenes of documents, read part by part: each distinct part is read once.
 
-A part is a subtree of prims that becomes one thing of the scene: an object and the cameras that ride on it, another
-camera, all actions, all observations, the lights. What it is read as depends on its own prims, on those above it and on
-the parts that it points to, as an object points to its materials: their content is its key. The parts that are not
-known are composed as a small stage of their own, and read from it as any stage is. Robots that are made of files are
-known together, since the names of their links depend on each other; what they do is read without what they look like.
+A part is a subtree of prims that becomes one element of the scene: an object with the cameras that ride on it, another
+camera, all actions, all observations, or the lights. Its content depends on its own prims, on those above it, and on
+the parts that it refers to, such as materials. The content of these is its key. Unknown parts are composed as a small
+stage and read from it like any stage. Robots with assets share one key, since the names of their links depend on each
+other. Their actions are read without their visual geometry.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from wmspec.sim.usd import read
 _OBJECTS, _MATERIALS, _CAMERAS = "/World/Objects/", "/World/Materials/", "/World/Cameras/"
 _EPISODE, _LIGHTS = "/World/Episode", "/World/Lights"
 _ACTIONS, _OBSERVATIONS = f"{_EPISODE}/Actions", f"{_EPISODE}/Observations"
-#: The prims above all parts, which are in every small stage, as is the part of gravity and the episode's duration.
+#: Prims above all parts. Every small stage contains them, with the part of gravity and the episode's duration.
 _ABOVE = ("/World", "/World/Objects", "/World/Materials", "/World/Cameras", _LIGHTS, _ACTIONS, _OBSERVATIONS)
 _FRAME = "/World/physics"
-#: What ties bodies together is read as a whole: joints, filters, and what is not known here.
+#: Prim types that can be read in parts. Prims that connect bodies (joints, filters) or are unknown are read as a whole.
 _TYPES = {
     "",
     "Xform",
@@ -46,7 +46,7 @@ _TYPES = {
 }
 _TYPES |= {"Cube", "Sphere", "Cylinder", "Cone", "Capsule", "Plane", "Mesh", "GeomSubset", "WmsObservation"}
 _TYING = ("PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI", "CollectionAPI")
-#: So many whole scenes are remembered: those of a few groups whose members are each other's options.
+#: Number of whole scenes cached, for a few groups whose members are each other's options.
 SIBLINGS = 64
 
 #: The paths of the prims of every part.
@@ -54,7 +54,7 @@ _Parts = dict[str, list[str]]
 
 
 class SceneCache:
-    """Reads documents, and remembers the latest parts of them."""
+    """Reads documents, and caches the most recent parts."""
 
     def __init__(self, remembered: int = 2048) -> None:
         self._remembered = remembered
@@ -63,25 +63,27 @@ class SceneCache:
         self._built: OrderedDict[tuple[object, ...], tuple[TaskSpec, Scene]] = OrderedDict()
 
     def of(self, values: Values) -> Scene:
-        """The scene of an instance, or of what it would be under a counterfactual.
+        """Return the scene of an instance, with a counterfactual if given.
 
-        Other levels make it one of its siblings, whose scene it has, whichever of them was built first. Raises WmsError
-        with all that is wrong.
+        A counterfactual that only changes levels shares the scene of that sibling. Raises WmsError with all errors.
         """
         if values.change is not None and values.change.change != "levels":
             return self.scene(built(values, self._objects))
         key = (id(values.spec), values.key, *sorted(values.assignment.items()))
         if key not in self._built:
-            self._built[key] = values.spec, self.scene(built(values, self._objects))  # the spec stays, and so its `id`
+            self._built[key] = (
+                values.spec,
+                self.scene(built(values, self._objects)),
+            )  # keeping the spec keeps its `id` unique
             if len(self._built) > SIBLINGS:
                 self._built.popitem(last=False)
         self._built.move_to_end(key)
         return self._built[key][1]
 
     def scene(self, document: Document) -> Scene:
-        """The scene of a document, as `wmspec.sim.usd.read` reads it from the whole stage.
+        """Return the scene of a document, equal to `wmspec.sim.usd.read` of the whole stage.
 
-        Raises StageError with all that is wrong.
+        Raises StageError with all errors.
         """
         parts = _parts(document)
         if parts is None:
@@ -119,17 +121,19 @@ class SceneCache:
         )
 
     def _read(self, document: Document, parts: _Parts, missing: list[str], keys: dict[str, bytes]) -> None:
-        """Read the parts that are missing, from a stage of these and what they point to."""
+        """Read missing parts, from a stage with these and the parts they refer to."""
         robots = _robots(document)
         near = (other for part in missing for other in _reached(document, parts, part, robots))
-        looking = [part for part in parts if part.startswith(_CAMERAS)][:1]  # else one that shows all would be found
+        looking = [part for part in parts if part.startswith(_CAMERAS)][
+            :1
+        ]  # else the reader would use a default camera
         wanted = {_FRAME, *missing, *near, *looking}
         paths = {path for part in wanted for path in parts.get(part, ())}.union(_ABOVE)
         small = Document({path: prim for path, prim in document.prims.items() if path in paths})
         try:
             scene = read(bare(compose(small, sources=False), [part for part in robots if part not in missing]))
         except WmsError:
-            raise _Whole from None  # where all that is wrong is told
+            raise _Whole from None  # which reports all errors
         _alone(scene.bodies, scene.cameras, document)
         if scene.joints or scene.filtered:
             raise _Whole
@@ -138,11 +142,11 @@ class SceneCache:
 
 
 class _Whole(Exception):
-    """No error: the document is read as a whole."""
+    """Control flow: the document must be read as a whole."""
 
 
 def _parts(document: Document) -> _Parts | None:
-    """The paths of every part, in the document's order; None if the document has to be read as a whole."""
+    """Return the paths of every part, in the document's order, or None if the document must be read as a whole."""
     parts: _Parts = {_FRAME: [], _LIGHTS: [], _ACTIONS: [], _OBSERVATIONS: []}
     for path, prim in document.prims.items():
         part = _part(path, prim)
@@ -154,7 +158,7 @@ def _parts(document: Document) -> _Parts | None:
 
 
 def _part(path: str, prim: Prim) -> str | None:
-    """The part that a prim belongs to, empty if it is above all of them; None if it ties parts together."""
+    """Return the part of a prim, '' if it is above all parts, or None if it connects parts."""
     if path in _ABOVE:
         return ""
     if path == _EPISODE:
@@ -171,12 +175,12 @@ def _part(path: str, prim: Prim) -> str | None:
 
 
 def _robots(document: Document) -> list[str]:
-    """The robots that are made of files."""
+    """Return the robots with assets."""
     return [path for path, prim in document.prims.items() if prim.reference]
 
 
 def _alone(bodies: Sequence[Body], cameras: Sequence[Camera], document: Document) -> None:
-    """Read the document as a whole if names depend on more than the parts that they are in."""
+    """Raise _Whole if names depend on other parts."""
     robots = tuple(f"{path}/" for path in _robots(document))
     given = {body.path.rpartition("/")[2] for body in bodies if body.path.startswith(robots)}
     others = [body.name for body in bodies if not body.path.startswith(robots)]
@@ -186,7 +190,7 @@ def _alone(bodies: Sequence[Body], cameras: Sequence[Camera], document: Document
 
 
 def _keys(document: Document, parts: _Parts) -> dict[str, bytes]:
-    """The keys of all parts but the materials, which are read with what they are bound to."""
+    """Return the keys of all parts except materials, which are read with the parts that use them."""
     own = {part: _bytes_of(document, paths) for part, paths in parts.items()}
     above = _bytes_of(document, [path for path in _ABOVE if path in document.prims])
     robots = _robots(document)
@@ -200,15 +204,15 @@ def _keys(document: Document, parts: _Parts) -> dict[str, bytes]:
 
 
 def _bytes_of(document: Document, paths: Iterable[str]) -> bytes:
-    """What tells prims from others, by what they say, without whence it comes."""
+    """Return the canonical content of prims, without sources."""
     try:
         return b"".join(path.encode() + b"\0" + document.prims[path].digest for path in paths)
-    except ValueError:  # a value that is no number, text or list of them
+    except ValueError:  # a value that is not a number, a text or a list of these
         raise _Whole from None
 
 
 def _reached(document: Document, parts: _Parts, part: str, robots: Sequence[str]) -> list[str]:
-    """The other parts that a part points to, directly or not, in order. `robots` made of files point to each other."""
+    """Return the other parts that a part refers to, transitively, in order. `robots` with assets refer to each other."""
     reached, waiting = [part], [part]
     while waiting:
         for path in parts[waiting.pop()]:
@@ -227,12 +231,12 @@ def _targets(prim: Prim, robots: Sequence[str]) -> Sequence[str]:
 def _owner(path: str, parts: _Parts) -> str:
     whole = "/".join(path.split("/", 4)[:4])
     if whole not in parts:
-        raise _Whole  # it points to nothing that could be read alone
+        raise _Whole  # its target cannot be read separately
     return whole
 
 
 def _content(scene: Scene, part: str, paths: Sequence[str], document: Document) -> Any:
-    """What a part has become in a scene."""
+    """Return the scene elements of a part."""
     match part:
         case _ if part == _FRAME:
             return replace(scene, bodies=(), cameras=(), actions=(), observations=())
@@ -247,13 +251,13 @@ def _content(scene: Scene, part: str, paths: Sequence[str], document: Document) 
     bodies = tuple(body for body in scene.bodies if body.path == part or body.path.startswith(f"{part}/"))
     for body in bodies:
         if body.name != body.path.rpartition("/")[2] and not document.prims[part].reference:
-            raise _Whole  # its name depends on those of others
+            raise _Whole  # its name depends on other names
     riding = [path for path in paths if document.prims[path].type == "Camera"]
     return bodies, tuple(_named(scene.cameras, path) for path in riding)
 
 
 def _named(cameras: Sequence[Camera], path: str) -> Camera:
-    """The camera with the name of its prim."""
+    """Return the camera with the name of its prim."""
     named = [camera for camera in cameras if camera.name == path.rpartition("/")[2]]
     if len(named) != 1:
         raise _Whole

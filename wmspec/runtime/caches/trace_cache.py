@@ -1,4 +1,4 @@
-"""Executing scenes, each physics once: colour does not change a trajectory."""
+"""Executes scenes, once per physics key: colours do not change a trajectory."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wmspec.sim.scene.model import Scene, Trace
 
 
 class TraceCache:
-    """Executes scenes in one engine and remembers the latest traces (some 250 kB each) by what physics reads.
+    """Executes scenes in one engine and caches the most recent traces (about 250 kB each) by physics key.
 
     `requests` counts requested traces, `executed` the executed episodes.
     """
@@ -22,7 +22,7 @@ class TraceCache:
         self._traces: OrderedDict[bytes, Trace] = OrderedDict()
 
     def trace(self, scene: Scene) -> Trace:
-        """The trace of a scene, executed now or before. Raises EngineError if the engine fails on it."""
+        """Return the trace of a scene, cached if possible. Raises EngineError if the engine fails."""
         key = physics_key(scene)
         self.requests += 1
         if key not in self._traces:

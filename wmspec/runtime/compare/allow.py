@@ -1,4 +1,4 @@
-"""How far a body may be from itself in another engine: more the longer it moves and the harder it was met."""
+"""Permitted differences of a body between engines: they grow with time in motion and with impact speeds."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from wmspec.sim.scene.model import Contact, Scene, Trace
 
 Array = NDArray[np.float64]
 
-#: m/s; a body that is slower is at rest. A solver's jitter stays an order of magnitude below.
+#: Maximum speed (m/s) of a body at rest, an order of magnitude above solver jitter.
 STILL = 0.01
 
 
 @dataclass(frozen=True)
 class Allowance:
-    """By how much every body may differ at every sample, (T, N): in velocity (m/s) and in place (m)."""
+    """Permitted difference of every body at every sample, (T, N): velocity (m/s) and position (m)."""
 
     velocity: Array
     position: Array
 
 
 def allowance(scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) -> Allowance:
-    """What the tolerances give: more for each second of motion, and after an impact for the time that it may be off."""
+    """Return the permitted differences: they grow with time in motion, and after impacts by the timing tolerance."""
     met = np.maximum(*(met_at(scene, t, tolerances.event) for t in (a, b)))
     moving = np.maximum(*(np.linalg.norm(t.linear_velocity, axis=2) for t in (a, b))) > STILL
     velocity = tolerances.drift + tolerances.impact * met
@@ -35,9 +35,9 @@ def allowance(scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) -> Allow
 
 
 def met_at(scene: Scene, trace: Trace, apart: float) -> Array:
-    """The largest speed (m/s) with which each body has met another so far, (T, N); zero until then.
+    """Return the maximum impact speed (m/s) of each body so far, (T, N); zero before the first impact.
 
-    What lies against a body that is met is met through it.
+    Impacts also propagate to bodies in contact.
     """
     index = {name: i for i, name in enumerate(trace.bodies)}
     met = np.zeros(trace.position.shape[:2])
@@ -59,7 +59,7 @@ def met_at(scene: Scene, trace: Trace, apart: float) -> Array:
 
 
 def impacts(trace: Trace, apart: float) -> Iterator[Contact]:
-    """The contacts of bodies that did not touch at the start and were apart for longer than `apart` (s) before."""
+    """Yield contacts of bodies that did not touch at the start and were separate for more than `apart` (s)."""
     stopped: dict[tuple[str, str], float] = {}
     for contact in trace.contacts:
         pair = (contact.first, contact.second)
@@ -69,11 +69,11 @@ def impacts(trace: Trace, apart: float) -> Iterator[Contact]:
 
 
 def closing(trace: Trace, i: int, j: int, time: float) -> float:
-    """The speed (m/s) of two bodies' middles relative to one another just before `time` (s)."""
+    """Return the relative speed (m/s) of two bodies' centres just before `time` (s)."""
     k = max(sample(trace, time) - 1, 0)
     return float(np.linalg.norm(trace.linear_velocity[k, i] - trace.linear_velocity[k, j]))
 
 
 def sample(trace: Trace, time: float) -> int:
-    """The last sample that is not after `time` (s)."""
+    """Return the index of the last sample not after `time` (s)."""
     return int(np.searchsorted(trace.time, time + 1e-9, side="right")) - 1

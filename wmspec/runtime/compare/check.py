@@ -1,4 +1,4 @@
-"""One instance in several engines, with the counterfactuals that its questions need executed."""
+"""Executes one instance in several engines, with the counterfactuals of its questions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from wmspec.runtime.questions.question_context import QuestionContext
 from wmspec.runtime.questions.runs import EnginePair, Run, values_of
 from wmspec.sim.scene.model import Scene, Trace
 
-#: The pictures on which `visible`, `occluded` and `contrast` are measured (px).
+#: Size (px) of the pictures on which `visible`, `occluded` and `contrast` are measured.
 SIDE = 256
 
 #: A trace by engine and run.
@@ -31,7 +31,7 @@ Traces = Mapping[tuple[str, str], Trace]
 
 
 def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances: Tolerances) -> Checked:
-    """Execute an instance in every engine and compare each pair of them."""
+    """Execute an instance in every engine and compare each pair of engines."""
     spec, instance = design.spec, design[index]
     scenes, failures = _scenes(design, instance)
     traces, failed = _execute(scenes, engines)
@@ -48,17 +48,17 @@ def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances:
 
 
 def run_name(spec: TaskSpec, q: int, change: Counterfactual) -> str:
-    """What a counterfactual's run is called: its name, with the question's number if there are several."""
+    """Return the name of a counterfactual's run: its name, with the question's number if there are several."""
     return change.name if len(spec.questions) == 1 else f"{change.name} ({q + 1})"
 
 
 def _changes(question: Question, instance: Instance) -> tuple[Counterfactual, ...]:
-    """The counterfactuals that a question needs executed."""
+    """Return the counterfactuals that a question executes."""
     return KINDS[question.kind].executed(question, instance.factors)
 
 
 def _scenes(design: Design, instance: Instance) -> tuple[dict[str, Scene], list[Failure]]:
-    """The scenes to execute, by run, and those that cannot be made."""
+    """Return the scenes to execute, by run, and those that cannot be built."""
     spec = design.spec
     changes: dict[str, Counterfactual | None] = {TRUTH: None}
     for q, question in enumerate(spec.questions):
@@ -85,7 +85,7 @@ def _execute(scenes: Mapping[str, Scene], engines: Iterable[TraceCache]) -> tupl
 
 @dataclass(frozen=True)
 class _Executed:
-    """An executed instance whose questions are asked."""
+    """An executed instance with its questions."""
 
     design: Design
     instance: Instance
@@ -93,7 +93,7 @@ class _Executed:
     traces: Traces
 
     def verdicts(self, q: int, pairs: Sequence[Pair], comparisons: Sequence[Comparison]) -> list[Verdict]:
-        """A question in every pair of engines that executed what it needs."""
+        """Return a question's verdict for every pair of engines that executed its runs."""
         spec, question = self.design.spec, self.design.spec.questions[q]
         runs = {TRUTH, *(run_name(spec, q, change) for change in _changes(question, self.instance))}
         answers = {
@@ -118,7 +118,7 @@ class _Executed:
         return answer(QuestionContext(question, self._run(engine, TRUTH, None), alternative, pair))
 
     def _run(self, engine: str, name: str, change: Counterfactual | None) -> Run:
-        """What was executed, as it is asked about."""
+        """Return an executed run as the questions read it."""
         values = values_of(self.design, self.instance, change)
         return Run(values, self.scenes[name], self.traces[engine, name])
 
@@ -144,18 +144,18 @@ def _verdict(
 
 @cache
 def _reader() -> SceneCache:
-    """Reads every scene of a closed set once, whichever of its members is checked."""
+    """Return the cache that reads each scene of a closed set once."""
     return SceneCache()
 
 
 @cache
 def _renders(engine: str) -> RenderCache:
-    """Draws only for what is measured on pictures; it costs nothing where nothing is."""
+    """Return the renderer for measurements on pictures; renderers are created on first use."""
     return RenderCache(engine, SIDE, SIDE)
 
 
 def _cause(comparisons: Sequence[Comparison]) -> Cause | None:
-    """Why the answer differs: the truth's own divergence, else that of the counterfactual that parts most."""
+    """Return the cause of a different answer: the truth's divergence, else that of the most divergent counterfactual."""
     parted = [c for c in comparisons if c.cause is not None]
     worst = max(
         parted,

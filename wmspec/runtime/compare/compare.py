@@ -1,4 +1,4 @@
-"""One episode in two engines: where bodies part, when they touch, whether they come to rest."""
+"""Compares one episode in two engines: trajectories, first contacts, and rest."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from wmspec.sim.scene.render.visible_rotation import visible_angle
 
 
 def compare(run: str, scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) -> Comparison:
-    """What differs between two traces of a scene."""
+    """Return the differences between two traces of a scene."""
     allowed = allowance(scene, a, b, tolerances)
     moving = [i for i, body in enumerate(scene.bodies) if body.motion != "static"]
     gaps = tuple(_gap(scene.bodies[i], i, a, b, allowed.position[:, i], tolerances.angle) for i in moving)
@@ -43,9 +43,9 @@ def _gap(body: Body, i: int, a: Trace, b: Trace, allowed: Array, most: float) ->
 
 
 def _events(a: Trace, b: Trace, allowed: Array, event: float) -> Iterator[Event]:
-    """First touches. What may be `d` (m) off and moves at `v` (m/s) may arrive `d / v` (s) off."""
+    """Yield first contacts. A body `d` (m) off at speed `v` (m/s) may arrive `d / v` (s) off."""
     index = {name: i for i, name in enumerate(a.bodies)}
-    # From the start in either: what is held touches nothing in some engines until it is let go.
+    # In either engine: some report no contacts of held objects until their release.
     resting = {(c.first, c.second) for t in (a, b) for c in t.contacts if c.start <= event}
     firsts = [_firsts(t, event, resting) for t in (a, b)]
     for pair in sorted(firsts[0].keys() | firsts[1].keys(), key=lambda p: (index[p[0]], index[p[1]])):
@@ -59,7 +59,7 @@ def _events(a: Trace, b: Trace, allowed: Array, event: float) -> Iterator[Event]
 
 
 def _firsts(trace: Trace, apart: float, resting: Set[tuple[str, str]]) -> dict[tuple[str, str], float]:
-    """When (s) pairs touch for the first time, without those that are `resting` on each other from the start."""
+    """Return the times (s) of first contacts, except of pairs in `resting` contact from the start."""
     firsts: dict[tuple[str, str], float] = {}
     for contact in impacts(trace, apart):
         pair = (contact.first, contact.second)
@@ -69,7 +69,7 @@ def _firsts(trace: Trace, apart: float, resting: Set[tuple[str, str]]) -> dict[t
 
 
 def _rests(scene: Scene, moving: list[int], a: Trace, b: Trace, rate: Array) -> Iterator[Rest]:
-    """Bodies that are at rest at the end in one engine alone, by more than their velocities may differ, (N,)."""
+    """Yield bodies at rest at the end in one engine only, beyond the permitted velocity differences (N,)."""
     for i in moving:
         speeds = [float(np.linalg.norm(t.linear_velocity[-1, i])) for t in (a, b)]
         if min(speeds) < STILL and max(speeds) - min(speeds) > STILL + rate[i]:

@@ -1,4 +1,4 @@
-"""Why two engines part: the body that parts first, what it touched before that, and what decides such a touch."""
+"""Explains divergence: the first body that diverges, its previous contact, and the decisive properties."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from wmspec.runtime.compare.model import Cause, Event, Gap, Rest
 from wmspec.sim.scene.model import Body, Contact, Friction, Scene, Trace
 from wmspec.sim.scene.physics.contact import colliders, combine_friction
 
-#: With a friction of 0.5 two rolling balls that meet end three times as far apart as with this.
+#: Friction below which ball collisions agree; at 0.5 the final distance is three times larger.
 SMOOTH = 0.1
 
 _ALONE = "it had touched nothing: the engines differ in free motion"
@@ -22,7 +22,7 @@ def cause(
     differences: tuple[Sequence[Gap], Sequence[Event], Sequence[Rest]],
     apart: float,
 ) -> Cause | None:
-    """Where the engines part first, or None if they do not; a pair `apart` (s) for longer touches anew."""
+    """Return the first divergence, or None; a pair separate for more than `apart` (s) makes a new contact."""
     parted = _parted(scene, *differences, float(traces[0].time[-1]))
     if not parted:
         return None
@@ -50,7 +50,7 @@ def cause(
 def _parted(
     scene: Scene, gaps: Sequence[Gap], events: Sequence[Event], rests: Sequence[Rest], end: float
 ) -> list[tuple[float, str]]:
-    """When (s) and which bodies part."""
+    """Return the times (s) at which bodies diverge, with their names."""
     parted = [(g.began, g.body) for g in gaps if g.began is not None]
     parted += [(min(t for t in e.times if t is not None), _movable(scene, e)) for e in events if not e.within]
     return parted + [(end, r.body) for r in rests]
@@ -65,14 +65,14 @@ def _movable(scene: Scene, event: Event) -> str:
 
 
 def _before(name: str, time: float, traces: tuple[Trace, Trace], apart: float) -> Contact | None:
-    """The latest impact of a body until `time` (s) in either engine, or else what it lay on."""
+    """Return the latest impact of a body until `time` (s) in either engine, or else its support."""
     met = [c for t in traces for c in impacts(t, apart) if name in (c.first, c.second) and c.start <= time]
     lay = [c for t in traces for c in t.contacts if name in (c.first, c.second) and c.start <= time]
     return max(met or lay, key=lambda c: c.start, default=None)
 
 
 def _material(a: Body, b: Body) -> Friction:
-    """The material of the pair, of the first piece of each that can be touched."""
+    """Return the friction of a pair, from the first touchable piece of each."""
     return combine_friction(colliders(a)[0].friction, colliders(b)[0].friction)
 
 
@@ -85,7 +85,7 @@ def _edged(body: Body) -> bool:
 
 
 def _hint(body: Body, other: Body, material: Friction, impacts: int) -> str:
-    """What to do about it: the likeliest first of what no setting of the engines removes."""
+    """Return a remedy for the most likely cause that no engine setting removes."""
     balls = _round(body) and _round(other)
     if material.restitution >= 0.3 and not balls:
         return (

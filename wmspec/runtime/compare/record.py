@@ -1,4 +1,4 @@
-"""A crosscheck for machines: JSON, and JUnit XML as continuous integration reads it. Neither holds a time of day."""
+"""Machine-readable crosschecks: JSON, and JUnit XML for continuous integration. Neither contains a time of day."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from wmspec.runtime.compare.sweep import Job, pairs
 from wmspec.runtime.compare.verbalize import complaints, failure, parting
 from wmspec.runtime.engines.registry import engine_version
 
-#: The version of the JSON's layout.
+#: Version of the JSON layout.
 FORMAT = 1
 
 
 def record(job: Job, checked: Sequence[Checked], strict: bool) -> dict[str, Any]:
-    """The whole crosscheck as JSON values, SI units."""
+    """Return the crosscheck as JSON values, in SI units."""
     return {
         "format": FORMAT,
         "wmspec": __version__,
@@ -49,7 +49,7 @@ def _instance(checked: Checked, strict: bool) -> dict[str, Any]:
 
 
 def junit(job: Job, checked: Sequence[Checked], strict: bool) -> str:
-    """JUnit XML: a suite per task, a case per instance; what is out of tolerance but passes is in its output."""
+    """Return JUnit XML: a suite per task, a case per instance; passing deviations are in its output."""
     root = ET.Element("testsuites", name="wmspec crosscheck")
     for task in dict.fromkeys(c.task for c in checked):
         cases = [c for c in checked if c.task == task]
@@ -84,5 +84,5 @@ def _case(suite: ET.Element, checked: Checked, job: Job, strict: bool) -> None:
 
 
 def _clean(text: str) -> str:
-    """Without the characters that XML 1.0 cannot hold."""
+    """Return the text without characters that XML 1.0 excludes."""
     return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)

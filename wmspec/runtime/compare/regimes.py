@@ -1,6 +1,6 @@
-"""Motion that engines get wrong, found on what they executed: their agreement proves nothing there.
+"""Detects motion that engines get wrong in executed traces: agreement is no evidence there.
 
-`wmspec conformance` measures how wrong; `wmspec check` warns of it beforehand, as WMS608.
+`wmspec conformance` measures the errors; `wmspec check` warns beforehand, as WMS608.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ from wmspec.sim.scene.regime_thresholds import (
 from wmspec.sim.shapes.cylinder import Cylinder
 
 ROW = "what strikes bodies that touch each other is answered by all of them at once"
-#: m/s: slower is at rest.
+#: Maximum speed (m/s) of a body at rest.
 SLOW = 0.05
-#: m and rad/s: what slides less far, or turns over faster, is not braked by much.
+#: Slides shorter than FAR (m), or with a rotation faster than UPRIGHT (rad/s), are little affected.
 FAR, UPRIGHT = 0.05, 1.0
 
 
 def regimes(scene: Scene, traces: tuple[Trace, ...], apart: float) -> tuple[Regime, ...]:
-    """What a scene and traces of it enter, each kind once; a pair `apart` (s) for longer touches anew."""
+    """Return the regimes of a scene and its traces, each kind once; contacts are new after `apart` (s)."""
     engines = [info(trace.engine) for trace in traces if trace.engine in names()]
     found = [Regime(d.message, str(d.place)) for engine in engines for d in approximation_warnings(engine.lacks, scene)]
     found += [regime for trace in traces for regime in entered(scene, trace, apart)]
@@ -58,7 +58,7 @@ def regimes(scene: Scene, traces: tuple[Trace, ...], apart: float) -> tuple[Regi
 
 
 def entered(scene: Scene, trace: Trace, apart: float) -> tuple[Regime, ...]:
-    """What a trace shows of it, each kind once."""
+    """Return the regimes in one trace, each kind once."""
     found = [Regime(ROW, where) for where in _rows(scene, trace, apart)]
     engine = info(trace.engine) if trace.engine in names() else None
     lacking = {lack.capability for lack in engine.lacks} if engine else set()
@@ -69,7 +69,7 @@ def entered(scene: Scene, trace: Trace, apart: float) -> tuple[Regime, ...]:
 
 
 def _rows(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
-    """Impacts on a body that touches a third one, all of them free and bouncy, and beside each other."""
+    """Yield impacts on a body in contact with a third one, all free, elastic and side by side."""
     bodies = {body.name: body for body in scene.bodies if body.motion == "dynamic" and colliders(body)}
     free = [c for c in trace.contacts if c.first in bodies and c.second in bodies]
     index = {name: i for i, name in enumerate(trace.bodies)}
@@ -92,7 +92,7 @@ def _bounce(bodies: dict[str, Body], contact: Contact) -> float:
 
 
 def _beside(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
-    """Whether bodies that touch are beside each other, not on top."""
+    """Whether touching bodies are side by side, not on top of each other."""
     size = np.linalg.norm(scene.gravity)
     up = scene.gravity / size if size else np.zeros(3)
     index = {name: i for i, name in enumerate(trace.bodies)}
@@ -105,7 +105,7 @@ def _beside(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
 
 
 def _lands(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
-    """Impacts, without a bounce, of something heavy on something that touches a third thing."""
+    """Yield inelastic impacts of a heavy body on a supported lighter one."""
     index = {body.name: i for i, body in enumerate(scene.bodies)}
     jointed = {name for joint in scene.joints for name in (joint.first, joint.second)}
     free = {b.name: b for b in scene.bodies if b.motion == "dynamic" and colliders(b) and b.name not in jointed}
@@ -125,7 +125,7 @@ def _lands(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
 
 
 def _leans(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
-    """Cylinders that stand still on slopes on which they only just do."""
+    """Yield cylinders at rest on slopes close to their tipping angle."""
     size = np.linalg.norm(scene.gravity)
     for i, body in enumerate(scene.bodies):
         for geom in colliders(body) if body.motion == "dynamic" and size and len(colliders(body)) == 1 else ():
@@ -140,7 +140,9 @@ def _leans(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
 
 
 def _whips(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
-    """Bodies that swing fast from others that swing; what turns about its own centre of mass, as a wheel, does not."""
+    """Yield bodies that swing fast from other swinging bodies; those rotating about their centre, like wheels, are
+    excluded.
+    """
     index = {body.name: i for i, body in enumerate(scene.bodies)}
     swings = [j for j in scene.joints if j.kind in ("hinge", "ball") and j.drive is None]
     for joint in swings:
@@ -158,7 +160,7 @@ def _whips(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
 
 
 def _spins(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
-    """What spins fast by itself, touched and driven by nothing, and does not keep its energy."""
+    """Yield isolated fast spinning bodies that do not conserve energy."""
     index = {body.name: i for i, body in enumerate(scene.bodies)}
     acted = {action.body for action in scene.actions if isinstance(action, _PUSHES)}
     moved = acted | {name for contact in trace.contacts for name in (contact.first, contact.second)}
@@ -185,7 +187,7 @@ _PUSHES = (Launch, Impulse, Force, Release, Vanish)
 
 
 def _energy(scene: Scene, trace: Trace, i: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The energies (T,) of a body's motion and of its place, J."""
+    """Return kinetic and potential energy (T,) of a body, J."""
     inertia = scene.bodies[i].inertia
     assert inertia is not None
     turn = trace.orientation[:, i]
@@ -196,7 +198,7 @@ def _energy(scene: Scene, trace: Trace, i: int) -> tuple[NDArray[np.float64], ND
 
 
 def _balanced(body: Body, frame: Pose, kind: JointKind) -> bool:
-    """Whether a body's centre of mass lies on the axis, of a hinge, or at the point by which it is held."""
+    """Whether a body's centre of mass is on the axis of its hinge, or at its ball joint."""
     if body.inertia is None:
         return False
     away = body.inertia.center - frame.position
@@ -207,7 +209,7 @@ def _balanced(body: Body, frame: Pose, kind: JointKind) -> bool:
 
 
 def _rolls(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
-    """Cylinders shorter than thick, or as long that stood, that roll on their sides."""
+    """Yield short cylinders, or equally long ones that stood, that roll on their side."""
     size = np.linalg.norm(scene.gravity)
     for i, body in enumerate(scene.bodies):
         for geom in colliders(body) if body.motion == "dynamic" and size else ():
@@ -225,7 +227,7 @@ def _rolls(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
 
 
 def _slides(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
-    """Convex meshes that slide, as far as matters."""
+    """Yield convex meshes that slide far enough to matter."""
     for i, body in enumerate(scene.bodies):
         if body.motion != "dynamic" or all(geom.shape.primitive for geom in colliders(body)):
             continue
@@ -237,7 +239,7 @@ def _slides(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
 
 
 def _touching(trace: Trace, body: Body) -> NDArray[np.bool_]:
-    """When (T,) a body touches anything."""
+    """Return when (T,) a body touches anything."""
     touches = np.zeros(len(trace.time), np.bool_)
     for contact in trace.contacts:
         if body.name in (contact.first, contact.second):
@@ -245,7 +247,7 @@ def _touching(trace: Trace, body: Body) -> NDArray[np.bool_]:
     return touches
 
 
-#: What some engines lack and traces show: what to call it, and where a body enters it.
+#: For each capability that some engines lack: its description, and the detector of its use in a trace.
 SEEN: Mapping[Capability, tuple[str, Callable[[Scene, Trace, float], Iterator[str]]]] = {
     ROLLING_CYLINDERS: ("rolls discs as polygons, which brake", _rolls),
     LEANING_CYLINDERS: ("tips cylinders too early", _leans),

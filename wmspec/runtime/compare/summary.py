@@ -1,4 +1,4 @@
-"""Many instances in a few numbers: agreement per pair of engines, and the factors that go with disagreement."""
+"""Summaries of many instances: agreement per pair of engines, and factors associated with disagreement."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wmspec.runtime.compare.model import Checked, Comparison, Pair
 
 @dataclass(frozen=True)
 class Share:
-    """`good` of `all`."""
+    """`good` out of `all`."""
 
     good: int
     all: int
@@ -24,9 +24,9 @@ class Share:
 class Line:
     """A task in a pair of engines.
 
-    `answers` counts the questions that either engine alone would ask, `before_gates` all of them, `episodes` what was
-    executed, counterfactuals included, and is within tolerance. `median` and `largest` (m) are of every episode's
-    largest gap, `late` (s) is the largest difference of an event that happens in both.
+    `answers` counts the questions that at least one engine accepts, `before_gates` all questions. `episodes` counts
+    executed runs within tolerance, counterfactuals included. `median` and `largest` (m) summarize the largest gap of
+    every episode. `late` (s) is the largest time difference of an event in both engines.
     """
 
     task: str
@@ -41,7 +41,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Suspect:
-    """A value of a factor with which more goes wrong (`with_it`: wrong of all) than with its other values."""
+    """A level of a factor with more failures (`with_it`) than its other levels (`without`)."""
 
     task: str
     what: str
@@ -52,7 +52,7 @@ class Suspect:
 
 
 def lines(checked: Sequence[Checked], engines: Sequence[Pair]) -> tuple[Line, ...]:
-    """One line per task and pair of engines, in order."""
+    """Return one line per task and pair of engines, in order."""
     tasks = dict.fromkeys(c.task for c in checked)
     return tuple(_line(task, pair, [c for c in checked if c.task == task]) for task in tasks for pair in engines)
 
@@ -80,7 +80,7 @@ def _widest(comparison: Comparison) -> float:
 
 
 def suspects(checked: Sequence[Checked]) -> tuple[Suspect, ...]:
-    """The values of factors that go with answers that differ, and with trajectories that part, the worst first."""
+    """Return the levels associated with disputed answers and diverging trajectories, the worst first."""
     tasks = dict.fromkeys(c.task for c in checked)
     kinds: tuple[tuple[str, Callable[[Checked], bool]], ...] = (
         ("answers differ", lambda c: any(not v.agree for v in c.verdicts)),
@@ -95,7 +95,7 @@ def suspects(checked: Sequence[Checked]) -> tuple[Suspect, ...]:
 
 
 def _suspects(task: str, what: str, checked: Sequence[Checked], wrong: Callable[[Checked], bool]) -> list[Suspect]:
-    """Values with at least two cases, and twice the rate of the factor's other values."""
+    """Return levels with at least two cases, and twice the rate of the factor's other levels."""
     suspected = []
     for factor in checked[0].factors:
         for value in dict.fromkeys(c.factors[factor] for c in checked):
@@ -111,7 +111,7 @@ def _suspects(task: str, what: str, checked: Sequence[Checked], wrong: Callable[
 
 @dataclass(frozen=True)
 class Doubtful:
-    """Answers of a task that rest on motion that engines get wrong: how many of all, and where in one of them."""
+    """Answers of a task that rest on a regime: their share, and an example."""
 
     task: str
     kind: str
@@ -121,7 +121,7 @@ class Doubtful:
 
 
 def doubtful(checked: Sequence[Checked]) -> tuple[Doubtful, ...]:
-    """What answers rest on that is no proof though engines agree, by task."""
+    """Return the regimes that answers rest on, by task; agreement is no evidence there."""
     rows: dict[tuple[str, str], Doubtful] = {}
     for task in dict.fromkeys(c.task for c in checked):
         verdicts = [(c.index, v) for c in checked if c.task == task for v in c.verdicts]

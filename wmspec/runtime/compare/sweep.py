@@ -1,4 +1,4 @@
-"""Many instances of many tasks, checked in worker processes."""
+"""Checks many instances of many tasks in worker processes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from wmspec.runtime.workers.pool import Effort, Lost, in_order
 
 @dataclass(frozen=True)
 class Job:
-    """How every instance is checked: `tasks` are `TaskSpec`s as JSON, and their `tolerances`, by name."""
+    """Settings of all checks: `tasks` are `TaskSpec`s as JSON, with their `tolerances`, by name."""
 
     tasks: tuple[tuple[str, str], ...]
     seed: int
@@ -28,7 +28,7 @@ class Job:
     tolerances: tuple[tuple[str, Tolerances], ...]
 
     def of(self, task: str) -> Job:
-        """The same for one task alone: what is sent with every piece of work."""
+        """Return the settings for one task, to be sent with every job."""
         tasks = tuple(pair for pair in self.tasks if pair[0] == task)
         return replace(self, tasks=tasks, tolerances=tuple(pair for pair in self.tolerances if pair[0] == task))
 
@@ -43,7 +43,7 @@ class Swept:
 
 
 def pairs(engines: Sequence[str]) -> list[Pair]:
-    """Every pair of engines, in order."""
+    """Return every pair of engines, in order."""
     return list(combinations(engines, 2))
 
 
@@ -54,9 +54,9 @@ def sweep(
     effort: Effort,
     progress: Callable[[str, int], None],
 ) -> Swept:
-    """`sample` random instances of every task, in the order of the tasks and of their indices.
+    """Return the checks of `sample` random instances per task, ordered by task and index.
 
-    `progress` is told the task and the number of its instances that were finished.
+    `progress` is called with the task and the number of its finished instances.
     """
     designs = {spec.name: Design(spec, job.seed) for spec in specs}
     todo = [(name, index) for name, design in designs.items() for index in sorted(design.sample(sample))]

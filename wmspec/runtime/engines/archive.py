@@ -1,4 +1,4 @@
-"""Traces on disk: an `.npz` file with the stage that was executed, so that it can be drawn without its spec."""
+"""Traces on disk: an `.npz` file with the executed stage, so that it can be rendered without its spec."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocit
 
 
 def save(stage: Usd.Stage, trace: Trace, path: Path, notes: Sequence[Diagnostic] = ()) -> None:
-    """Write a trace, the stage it is of, and what was executed otherwise. Raises WmsError if that is impossible."""
+    """Write a trace with its stage and the warnings of its execution. Raises WmsError if the file is not writable."""
     more: dict[str, Any] = {"notes": np.array([str(note) for note in notes])} if notes else {}
     touched = [(c.first, c.second, c.start, c.stop) for c in trace.contacts]
     pairs, times = [t[:2] for t in touched], [t[2:] for t in touched]
@@ -43,9 +43,9 @@ def save(stage: Usd.Stage, trace: Trace, path: Path, notes: Sequence[Diagnostic]
 
 
 def load(path: Path) -> tuple[Usd.Stage, Trace]:
-    """A trace and the stage that it is of, as `save` wrote them.
+    """Return a trace and its stage from a file of `save`.
 
-    Raises WmsError if the file is something else, if it would not fit into memory, or if its numbers are nonsense.
+    Raises WmsError if the file has another format, exceeds the memory limit, or contains invalid numbers.
     """
     place = FilePlace(str(path))
     try:
@@ -74,7 +74,7 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
 
 
 def _sized(path: Path) -> None:
-    """Raise TooLarge, or ValueError, if an archive would unpack to more than can be, or than its arrays say."""
+    """Raise TooLarge or ValueError if an archive unpacks to more than the limit, or than its headers declare."""
     with zipfile.ZipFile(path) as archive:
         if sum(member.file_size for member in archive.infolist()) > TRACE_BYTES.most:
             raise TRACE_BYTES.exceeded()
@@ -88,14 +88,14 @@ def _sized(path: Path) -> None:
 
 
 def _stage(text: str) -> Usd.Stage | None:
-    """The stage in a trace, which was flattened; None if it uses other layers all the same."""
+    """Return the flattened stage of a trace, or None if it refers to other layers."""
     layer = Sdf.Layer.CreateAnonymous(".usda")
     layer.ImportFromString(text)
     return None if layer.GetCompositionAssetDependencies() else Usd.Stage.Open(layer)
 
 
 def _fault(trace: Trace) -> str:
-    """What is wrong with the numbers of a trace: empty if nothing is."""
+    """Return a description of invalid numbers in a trace, or an empty string."""
     t, n = len(trace.time.reshape(-1)), len(trace.bodies)
     expected = dict(zip(ARRAYS, [(t,), (t, n, 3), (t, n, 4), (t, n, 3), (t, n, 3)], strict=True))
     for name, shape in expected.items():
@@ -121,5 +121,5 @@ def _fault(trace: Trace) -> str:
     return ""
 
 
-#: How far the length of a quaternion may be from 1.
+#: Permitted deviation of a quaternion's norm from 1.
 _UNIT = 1e-3

@@ -1,4 +1,4 @@
-"""Work in several processes: results in order; work that fails, dies or hangs costs nothing but its own piece."""
+"""A process pool with ordered results; a job that fails, crashes or hangs affects no other job."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ from wmspec.core.diagnostics import GraphicsError, WmsError
 T = TypeVar("T")
 Piece = tuple[Any, ...]
 
-#: A worker is replaced after so many pieces of work, which bounds whatever an engine leaks.
+#: Number of jobs after which a worker is replaced, which bounds memory leaks of engines.
 PIECES_PER_WORKER = 1000
-#: So many pieces are with a worker at a time, so that it need not wait for the next.
+#: Number of jobs queued per worker, so that it never idles.
 AHEAD = 2
-#: So many times in a row workers may vanish before they say what they do, until the job that is waited for is lost.
+#: Number of consecutive times that workers may vanish before starting, until the awaited job fails.
 PATIENCE = 10
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard to try: worker processes, and the seconds that a piece of work may take.
+    """Worker processes, and the timeout (s) of a job.
 
-    Without workers, all is done in this process, where nothing stops a piece that hangs. `hire` gives a worker that is
+    Without workers, jobs run in this process, where a hanging job cannot be stopped. `hire` creates a worker that is
     not a process of this machine.
     """
 
@@ -49,10 +49,10 @@ class Effort:
 
 @dataclass(frozen=True)
 class Lost:
-    """A piece of work that came to nothing, and why.
+    """A job without a result, and the reason.
 
-    `timeout` and `crashed` (twice each) depend on the machine and on what else it does: the same piece may succeed at
-    another time. An `error` is its own; `crash` is the exception, if it was an unexpected one.
+    `timeout` and `crashed` (twice each) depend on the machine and its load: the same job may succeed later. An `error`
+    is deterministic.
     """
 
     kind: Literal["timeout", "crashed", "error"]
@@ -66,10 +66,10 @@ def in_order(
     effort: Effort,
     weight: Callable[[tuple[Any, ...]], int] = lambda _: 1,
 ) -> Generator[T | Lost, None, None]:
-    """`work(*piece)` for every piece, in order, with only as many under way as keep the workers busy.
+    """Yield `work(*piece)` for every piece, in order, with a bounded number of pieces in progress.
 
-    A piece may take as many times the seconds as is its `weight`. Close it to stop them. Raises GraphicsError if a
-    worker does: then this machine cannot draw, whatever the piece.
+    The timeout of a piece is multiplied by its `weight`. Close the generator to stop the workers. Raises GraphicsError
+    if a worker does: the machine then cannot render any piece.
     """
     if effort.workers == 0:
         yield from (_done(work, *piece) for piece in pieces)
@@ -83,10 +83,9 @@ def by_units(
     effort: Effort,
     weight: Callable[[Piece], int] = lambda _: 1,
 ) -> Generator[tuple[Piece, T | Lost], None, None]:
-    """`work(*piece)` for every piece of every unit, each with its piece, as they are done.
+    """Yield every piece of every unit with `work(*piece)`, as they finish.
 
-    All pieces of a unit are done by one worker, one after the other, so that it can use again what it knows from the
-    one for the next. Otherwise as `in_order`.
+    One worker processes all pieces of a unit in order, so that its caches apply. Otherwise like `in_order`.
     """
     if effort.workers == 0:
         yield from ((piece, _done(work, *piece)) for unit in units for piece in unit)
@@ -139,7 +138,7 @@ def _in_workers(
 
 
 def result(job: Job, others: Iterable[Job], pool: Workers) -> Any:
-    """What became of a job, which is tried twice, while others are under way."""
+    """Return the result of a job, which is tried twice, while others are in progress."""
     try:
         try:
             return pool.result(job, others)
@@ -156,7 +155,7 @@ def result(job: Job, others: Iterable[Job], pool: Workers) -> Any:
 
 @dataclass
 class Job:
-    """A piece of work, the seconds that it may take, and its result to come."""
+    """Arguments of one call, its timeout (s), and its future."""
 
     work: Callable[..., Any]
     piece: tuple[Any, ...]
@@ -166,14 +165,14 @@ class Job:
 
 @dataclass
 class _Seat:
-    """One worker, what it has to do of its unit, and the jobs that were given to it."""
+    """One worker, the remaining pieces of its unit, and its queued jobs."""
 
     workers: Workers
     unit: deque[Piece] = field(default_factory=deque)
     jobs: deque[Job] = field(default_factory=deque)
 
     def fill(self, units: Iterator[Sequence[Piece]], job: Callable[[Piece], Job]) -> None:
-        """Give it the next pieces, of another unit if its own is done."""
+        """Queue the next pieces, from another unit when its own is done."""
         while len(self.jobs) < AHEAD:
             if not self.unit:
                 self.unit.extend(next(units, ()))
@@ -184,29 +183,29 @@ class _Seat:
 
 
 class Workers(Protocol):
-    """Those who do jobs, wherever they are."""
+    """An executor of jobs, local or remote."""
 
     def take(self, job: Job, others: Iterable[Job]) -> None:
-        """Have a job done, while others are under way."""
+        """Submit a job, while others are in progress."""
 
     def done(self, jobs: Sequence[Job]) -> bool:
-        """Whether the first of their jobs is done, or given up."""
+        """Whether the first of its jobs is done or abandoned."""
 
     def result(self, job: Job, others: Iterable[Job]) -> Any:
-        """What a job gives."""
+        """Return the result of a job."""
 
     def finish(self) -> None:
-        """Wait until all that was taken is done."""
+        """Wait until all submitted jobs are done."""
 
     def stop(self) -> None:
-        """End them, whatever they are doing."""
+        """Kill the workers."""
 
 
 class LocalWorkers:
-    """The processes that do the work.
+    """Worker processes on this machine.
 
-    Where one dies before it has said which job it took, pebble gives up all of them. Others then take over what
-    was under way, and only if that happens `PATIENCE` times in a row the job that is waited for is lost.
+    If one dies before it reports its job, pebble abandons all of them. New processes then resume the jobs in progress.
+    The awaited job fails only if that happens `PATIENCE` times in a row.
     """
 
     def __init__(self, count: int = 1) -> None:
@@ -214,17 +213,17 @@ class LocalWorkers:
         self._begin()
 
     def take(self, job: Job, others: Iterable[Job]) -> None:
-        """Have the job done."""
+        """Submit a job."""
         if not self._pool.active:
             self._renew(other for other in others if other is not job)
         self._schedule(job)
 
     def done(self, jobs: Sequence[Job]) -> bool:
-        """Whether the first of their jobs is done, or given up."""
+        """Whether the first of its jobs is done or abandoned."""
         return bool(jobs[0].future.done() or not self._pool.active)
 
     def result(self, job: Job, others: Iterable[Job]) -> Any:
-        """What the job gives. Raises what pebble does, BrokenProcessPool if the processes die again and again."""
+        """Return the result of a job. Raises pebble's errors, BrokenProcessPool if the processes keep dying."""
         for _ in range(PATIENCE):
             while not wait([job.future], timeout=1).done and self._pool.active:
                 pass
@@ -237,13 +236,13 @@ class LocalWorkers:
         raise BrokenProcessPool
 
     def finish(self) -> None:
-        """Wait until all that was taken is done."""
+        """Wait until all submitted jobs are done."""
         with undisturbed():
             self._pool.close()
             self._pool.join()
 
     def stop(self) -> None:
-        """End the processes, whatever they are doing."""
+        """Kill the processes."""
         with undisturbed():
             self._pool.stop()
             self._pool.join()
@@ -252,7 +251,7 @@ class LocalWorkers:
         pool = {"max_workers": self._count, "max_tasks": PIECES_PER_WORKER, "context": _Context()}
         self._pool: Any = ProcessPool(**pool, initializer=_seldom_collected)
         with undisturbed():
-            _ = self._pool.active  # asked for this, it begins
+            _ = self._pool.active  # reading this starts the processes
 
     def _renew(self, jobs: Iterable[Job]) -> None:
         undone = [j for j in jobs if not j.future.done() or isinstance(j.future.exception(), BrokenProcessPool)]
@@ -267,12 +266,12 @@ class LocalWorkers:
 
 
 def _seldom_collected() -> None:
-    """Look for cycles of objects seldom: specs and scenes are many objects and have none, and looking takes a fifth."""
+    """Raise GC thresholds: specs and scenes are acyclic, and collection costs ~20 %."""
     gc.set_threshold(100_000, 20, 100)
 
 
 def _done(work: Callable[..., T], *piece: Any) -> T | Lost:
-    """The work, where it is done, or what went wrong with it."""
+    """Return the result of a job, or its failure; runs in the worker."""
     try:
         return work(*piece)
     except GraphicsError:
@@ -288,11 +287,10 @@ def _done(work: Callable[..., T], *piece: Any) -> T | Lost:
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """What signals do, they do afterwards.
+    """Defer signals until the block ends.
 
-    Where one raises an exception while a queue wakes its reader, the next word to the reader is lost (in
-    `threading.Condition.notify`): the processes never end, nor does what waits for them. Ray aborts, or ends by an exit
-    code of its own.
+    If a signal handler raises while a queue notifies its reader (in `threading.Condition.notify`), the notification is
+    lost, and the processes never end. Ray aborts, or exits with its own code.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -312,14 +310,14 @@ def undisturbed() -> Iterator[None]:
 
 
 class Helper:
-    """One process that stays, for one piece of work after the other: who waits for it is safe from whatever it does."""
+    """One persistent process for successive jobs; its crashes and hangs do not affect the caller."""
 
     def __init__(self, timeout: float) -> None:
         self._workers = LocalWorkers(1)
         self._timeout = timeout
 
     def do(self, work: Callable[..., T], *piece: Any) -> T | Lost:
-        """`work(*piece)`, or what became of it; it is tried once."""
+        """Return `work(*piece)` or its failure; it is tried once."""
         job = Job(work, piece, self._timeout)
         try:
             self._workers.take(job, ())
@@ -334,12 +332,12 @@ class Helper:
             return Lost("crashed", "the worker process died before it began")
 
     def close(self) -> None:
-        """Stop it, whatever it is doing."""
+        """Kill it."""
         self._workers.stop()
 
 
 class _Worker(SpawnProcess):
-    """A process that imports wmspec and not the script that asked for it, which therefore needs no `__main__` guard."""
+    """A process that does not import the main script, which therefore needs no `__main__` guard."""
 
     def start(self) -> None:
         script = sys.modules["__main__"]
