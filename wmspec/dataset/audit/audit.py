@@ -36,7 +36,7 @@ class _Results:
     counts: list[Counts] = field(default_factory=list)
     tests: list[Test] = field(default_factory=list)
     probes: list[Probe] = field(default_factory=list)
-    option_similarity: list[Likeness] = field(default_factory=list)
+    likeness: list[Likeness] = field(default_factory=list)
     spreads: list[Spread] = field(default_factory=list)
     groups: dict[str, int] = field(default_factory=dict)
     stable: dict[str, float | None] = field(default_factory=dict)
@@ -74,7 +74,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
         counts=tuple(gathered.counts),
         tests=tuple(tests),
         probes=tuple(probed),
-        option_similarity=tuple(gathered.likeness),
+        likeness=tuple(gathered.likeness),
         spreads=tuple(gathered.spreads),
         summaries=tuple(_summary(counted, gathered, probed) for counted in gathered.counts),
         about=made | {"pictures of at most": most},

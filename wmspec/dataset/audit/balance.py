@@ -34,12 +34,12 @@ def tests(unit: Unit) -> list[Test]:
     first = unit.per_instance[0]
     factors, nuisances = first.varied("factor"), first.varied("nuisance")
     made = []
-    if not first.pictured:
+    if not first.has_picture_options:
         made += [_test(unit, ANSWER, n, True) for n in nuisances]
         made += [_test(unit, ANSWER, f, False) for f in factors]
     if not first.open:
         made += [_uniform(unit, PLACE), *(_test(unit, PLACE, n, True) for n in (*factors, *nuisances))]
-    if not first.open and not first.pictured:
+    if not first.open and not first.has_picture_options:
         made += [_uniform(unit, ANSWER), _test(unit, PLACE, ANSWER, True)]
     return made
 

@@ -42,7 +42,7 @@ def similarity_finding(unit: Unit, likeness: Likeness | None) -> Finding:
     if likeness is None:
         return Finding("options", unit.name, "holds", "no question has the same words twice")
     least, _, middle, _, _ = likeness.quantiles
-    what = f"the closest two differ in {middle:.1%} of the picture (median), {least:.2%} at least ({option_similarity.closest})"
+    what = f"the closest two differ in {middle:.1%} of the picture (median), {least:.2%} at least ({likeness.closest})"
     return Finding("options", unit.name, "fails" if least < ALIKE_SHARE else "holds", what)
 
 

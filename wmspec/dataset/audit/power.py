@@ -51,13 +51,13 @@ def deviation(right: Array, chance: Array, groups: Sequence[str]) -> float:
 class ProbePower:
     """Properties of a probe that do not depend on its result: `chance`, and the `deviation` of its accuracy.
 
-    `learned_gains` is the gain above chance, with a power of 0.8, from a shortcut of each of the `SHORTCUT_SIZES`; None if nothing can
+    `learned` is the gain above chance, with a power of 0.8, from a shortcut of each of the `SHORTCUT_SIZES`; None if nothing can
     be learned.
     """
 
     chance: float
     deviation: float
-    learned_gains: Sequence[float] | None
+    learned: Sequence[float] | None
 
     def gained(self, size: float) -> float:
         """Return the gain above chance from a shortcut of this size, with a power of 0.8, in deviations."""
@@ -135,7 +135,7 @@ def inject_shortcut(
     """
     count = asked.sizes
     places = (random.random(asked.count) * count).astype(np.int64)
-    retold = asked.with_labels(places)
+    relabelled = asked.with_labels(places)
     tells = random.random(asked.count) < size / (1 - (1 / count).mean())
     claimed = np.where(tells, places, (random.random(asked.count) * count).astype(np.int64))
     features = seen.features.copy()
@@ -148,7 +148,7 @@ def inject_shortcut(
         features[:, column] = _largest_at_claim(features[:, column], asked, claimed, random)
     else:
         features[:, column] = _bands_by_name(features[:, column], asked.name[asked.starts + claimed], random)
-    return replace(seen, features=features), retold
+    return replace(seen, features=features), relabelled
 
 
 def _shortcut_feature(features: Array, able: Array, random: np.random.Generator) -> int:

@@ -94,7 +94,7 @@ class _ProbedTask:
             scores = line.scores[self._kept] if line.pictured else line.scores
             return self._probe(line, top1_score(scores, asked))
         seen = self._seen(line)
-        learned = power.learned(seen, asked, 1 / asked.sizes) if line.judged else None
+        learned = power.learned_gains(seen, asked, 1 / asked.sizes) if line.judged else None
         return self._probe(line, cross_validated_scores(seen, asked), learned)
 
     def rivals(self, family: Family, lines: Sequence[_ProbeSpec]) -> list[Probe]:
@@ -145,7 +145,7 @@ def _probe_dataset(cases: Sequence[Case], groups: Sequence[str], struck: Sequenc
 
 def _classes(case: Case) -> list[str]:
     """Return the names of options across questions; positions for pictures, since their names reveal the truth."""
-    return [str(i) for i in range(case.count)] if case.pictured else case.row["option_name"]
+    return [str(i) for i in range(case.count)] if case.has_picture_options else case.row["option_name"]
 
 
 # ---------------------------------------------------------------- catalogue
@@ -158,7 +158,7 @@ def _probe_specs(cases: Sequence[Case]) -> Iterator[_ProbeSpec]:
     yield _ProbeSpec("the place of the options", "options", True, _BLIND, _blind(features.positions, cases))
     yield _ProbeSpec("the text", "text", True, _BLIND, _blind(features.texts, cases))
     yield _ProbeSpec("the options", "options", *blind, _blind(features.options, cases))
-    if cases[0].pictured:
+    if cases[0].has_picture_options:
         yield _ProbeSpec("the options' colours", "options", *blind, _blind(features.colours, cases))
         if state.has_object_states(cases):
             yield _ProbeSpec("the options' objects", "options", *blind, _forest(state.option_states, cases, ()))
@@ -187,7 +187,7 @@ def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_
         return  # these pictures are meant to suffice
     family: Family = "picture" if len(views) == 1 else "pair"
     name = f"picture {views[0] + 1}" if len(views) == 1 else f"pictures {views[0] + 1} and {views[1] + 1}"
-    known = state.known(cases)
+    known = state.has_object_states(cases)
 
     def line(what: str, seen: Look, framed: bool = False) -> _ProbeSpec:
         why = _FRAMED if framed else _RIVAL if rival else _ENOUGH
@@ -197,7 +197,7 @@ def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_
         yield line("pixels", _pixels(cases, views))
     if not known:
         return
-    if cases[0].pictured:
+    if cases[0].has_picture_options:
         yield line("objects", _forest(state.option_states, cases, views), rival and state.reveals_initial_state(cases))
         return
     yield line("objects", _forest(state.question_states, cases, views, "questions"))
@@ -221,7 +221,7 @@ def _blind(see: See, cases: Sequence[Case]) -> Look:
 
 def _pixels(cases: Sequence[Case], views: tuple[int, ...]) -> Look:
     return lambda: ProbeFeatures(
-        features.pixels(cases, views), "options" if cases[0].pictured else "questions", "forest"
+        features.pixels(cases, views), "options" if cases[0].has_picture_options else "questions", "forest"
     )
 
 
@@ -244,7 +244,7 @@ def _required_moments(cases: Sequence[Case]) -> int:
 
 def _most_frequent_form(cases: Sequence[Case]) -> list[Case]:
     """Return the cases of the most frequent form: number of pictures and type of options."""
-    forms = [(c.pictured, c.open, len(c.context_thumbnails)) for c in cases]
+    forms = [(c.has_picture_options, c.open, len(c.context_thumbnails)) for c in cases]
     common = max(forms, key=forms.count, default=None)
     return [c for c, form in zip(cases, forms, strict=True) if form == common]
 
@@ -257,7 +257,7 @@ def _groups(unit: Unit, cases: Sequence[Case]) -> list[str]:
     """
     if unit.draws >= MIN_GROUPS:
         return [str(c.row["block"]) for c in cases]
-    names = list(cases[0].varied("factor")) if not cases[0].pictured else []
+    names = list(cases[0].varied("factor")) if not cases[0].has_picture_options else []
     decides = max(names, key=lambda n: independence(answers_by(unit.per_instance, n))[0], default="")
     return ["/".join(f"{n}={v}" for n, v in c.varied("factor").items() if n != decides) or c.row["id"] for c in cases]
 
