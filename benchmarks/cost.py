@@ -20,7 +20,7 @@ from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.generate import job_of
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.worker import CacheStats, Job, make_instances
-from wmspec.runtime.workers.pool import Effort
+from wmspec.runtime.workers.pool import PoolConfig
 
 #: Of a unit so many pieces are made.
 PIECES = 16
@@ -48,7 +48,7 @@ def main() -> None:
     parser.add_argument("--tried", type=int, default=16, help="instances of each task, at least")
     options = parser.parse_args()
     plan: Plan = planned(options.specs, lambda _: None, backend="mujoco")
-    job, whole = job_of(plan, Effort(1, 300)), 0.0
+    job, whole = job_of(plan, PoolConfig(1, 300)), 0.0
     for task in plan.tasks:
         seconds, made, shared = cost(job, task, plan.seed, options.tried)
         hours = seconds / made * len(task.indices) / 3600

@@ -36,7 +36,7 @@ from wmspec.core.places import Source
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.format import format_spec
 from wmspec.lang.parse.load import load_source
-from wmspec.runtime.workers.pool import Effort, Lost, in_order
+from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_ordered
 
 #: Processor seconds that an input may take.
 MOST_SECONDS = 2.0
@@ -197,8 +197,8 @@ def _attempt_file(kind: str, number: int) -> Outcome:
 def run_files(kind: str, numbers: range, workers: int) -> Iterator[Outcome]:
     """The outcomes of all files, in order; a worker that dies or hangs is a failure of the files that it had."""
     pieces = [(kind, first, min(first + TOGETHER, numbers.stop)) for first in numbers[::TOGETHER]]
-    for (_, first, last), outcomes in zip(pieces, in_order(attempt_files, pieces, Effort(workers, 300)), strict=True):
-        if isinstance(outcomes, Lost):
+    for (_, first, last), outcomes in zip(pieces, map_ordered(attempt_files, pieces, PoolConfig(workers, 300)), strict=True):
+        if isinstance(outcomes, JobFailure):
             yield from (Outcome(n, "", "failed", 0.0, 0, f"{outcomes.reason}: {first} to {last}") for n in (first,))
         else:
             yield from outcomes

@@ -27,7 +27,7 @@ from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.runs import EnginePair
-from wmspec.runtime.workers.pool import Effort
+from wmspec.runtime.workers.pool import PoolConfig
 from wmspec.sim.scene.model import Frame, Scene, Shot, Trace
 
 
@@ -75,7 +75,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=384)
     options = parser.parse_args()
     plan = planned(options.specs, lambda _: None, backend=options.backend, size=options.size)
-    job = job_of(plan, Effort(1, 300))
+    job = job_of(plan, PoolConfig(1, 300))
     for task in plan.tasks:
         seconds, made, _ = cost(job, task, plan.seed, options.tried)
         design, bare, drawn = Design(task.spec, plan.seed), 0.0, 0

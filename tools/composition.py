@@ -21,7 +21,7 @@ from tools.reference import table
 from wmspec.api.episode import executor
 from wmspec.api.rendering import renderer_of
 from wmspec.api.task import Task
-from wmspec.compile.design.about import named
+from wmspec.compile.design.about import referenced_objects
 from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.runs import EnginePair, execute
 from wmspec.runtime.questions.views import views_of
@@ -62,7 +62,7 @@ def _measured(task: Task, count: int, size: int) -> Iterator[tuple[Array, Array,
             run = execute(task.design, instance.drawn, None, pair)
         except Reject:
             continue
-        asked = named(task.spec.questions[0], run.values)
+        asked = referenced_objects(task.spec.questions[0], run.values)
         bodies = list(enumerate(run.scene.bodies))
         numbers = [i for i, b in bodies if b.name in asked] or [i for i, b in bodies if b.motion != "static"]
         pictures = [run.draw(camera, time, pair).ids for camera, time in views_of(task.spec, run.values)]

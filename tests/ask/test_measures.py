@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.physics.scenes import body, scene, turn
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Call, Items, Operation, Option, Value
@@ -51,7 +51,7 @@ def measured(
     zero = np.zeros_like(position)
     trace = Trace("hand", tuple(b.name for b in made), T, position, orientation, velocity, zero, contacts)
     looks = [("front", time) for time in window]
-    return Measured(Values(SPEC, {}), Observed(scene(*made, duration=2.0), trace, looks))
+    return Measured(Evaluator(SPEC, {}), Observed(scene(*made, duration=2.0), trace, looks))
 
 
 def of(m: Measured, function: str, *arguments: Any) -> Any:

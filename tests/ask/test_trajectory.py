@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.compile.layout.paths import named, turned, walked
+from wmspec.compile.layout.paths import named_path, rotated_points, timed_points
 from wmspec.runtime.questions.trajectory import path_form
 
 FORMS = ("straight", "arc", "zigzag", "circle", "back_and_forth", "square", "triangle")
 
 
 def path(form: str, length: float, width: float, angle: float, samples: int) -> np.ndarray:
-    points, times = walked(turned(named(form, length, width), angle), 2.0)
+    points, times = timed_points(rotated_points(named_path(form, length, width), angle), 2.0)
     at = np.linspace(0, 2, samples)
     return np.stack([np.interp(at, times, [p[i] for p in points]) for i in range(3)], axis=1)
 

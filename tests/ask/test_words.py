@@ -6,7 +6,7 @@ import pytest
 
 from tests.ask.asking import SCENE
 from tests.language.specs import task_from
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.runtime.questions.referring_expressions import Ambiguous, group_expression, referring_expression
 from wmspec.runtime.questions.verbalize import format_expression, question_text, verbalize, verbalize_option
 
@@ -16,11 +16,11 @@ TASK = """{objects}
   {more}"""
 
 
-def values(objects: str, more: str = "") -> Values:
-    return Values(task_from(SCENE.format(body=TASK.format(objects=objects, more=more))), {})
+def values(objects: str, more: str = "") -> Evaluator:
+    return Evaluator(task_from(SCENE.format(body=TASK.format(objects=objects, more=more))), {})
 
 
-def two(first: str, second: str) -> Values:
+def two(first: str, second: str) -> Evaluator:
     return values(f"object a {{ color: red  {first} }}  object b {{ color: red  {second} }}")
 
 
@@ -59,7 +59,7 @@ def test_what_is_on_the_left_is_so_in_the_pictures(cameras: tuple[str, ...], sai
       camera other { at: (5 cm, 1 m, 50 cm)  look_at: (0, 0, 0) }
       camera rider { ride: b  at: (0, 0, 10 cm)  look_at: (-1 m, 0, 0) }
       """ + " ".join(f"observe {camera} at [0 s]" for camera in cameras)
-    assert referring_expression("a", Values(task_from(SCENE.format(body=body)), {})) == f"the red cube {said}"
+    assert referring_expression("a", Evaluator(task_from(SCENE.format(body=body)), {})) == f"the red cube {said}"
 
 
 def test_what_is_not_there_needs_no_telling_apart() -> None:

@@ -19,7 +19,7 @@ from wmspec.dataset.build.plan import Shard
 from wmspec.dataset.build.reuse import PriorInstances
 from wmspec.dataset.build.worker import BatchResult, Job, Outcome
 from wmspec.runtime.questions.model import Rejected
-from wmspec.runtime.workers.pool import Effort
+from wmspec.runtime.workers.pool import PoolConfig
 
 Listed = list[tuple[str, int]]
 Run = Callable[..., Listed]
@@ -45,7 +45,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
         made: Listed = []
 
         def by_units(
-            work: Any, units: Iterable[list[tuple[Any, str, tuple[int]]]], effort: Effort, weight: Any
+            work: Any, units: Iterable[list[tuple[Any, str, tuple[int]]]], effort: PoolConfig, weight: Any
         ) -> Iterator[tuple[tuple[Any, str, tuple[int]], BatchResult]]:
             for _, task, (index,) in sorted(
                 (piece for unit in units for piece in unit), key=lambda p: ALL.index((p[1], p[2][0]))
@@ -60,7 +60,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
 
         monkeypatch.setattr("wmspec.dataset.build.generate.by_units", by_units)
         with Dataset.open(tmp_path / "out", PLAN) as dataset:
-            generate(dataset, Effort(1, 1), lambda task, count: None, PriorInstances(before, PLAN))
+            generate(dataset, PoolConfig(1, 1), lambda task, count: None, PriorInstances(before, PLAN))
             dataset.finish()
         return made
 
@@ -178,7 +178,7 @@ def fails(job: Job, task: str, indices: tuple[int]) -> BatchResult:
 def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wmspec.dataset.build.generate.work", fails)
     with Dataset.open(tmp_path, PLAN) as dataset:
-        generate(dataset, Effort(0, 1), lambda task, count: None, PriorInstances((), PLAN))
+        generate(dataset, PoolConfig(0, 1), lambda task, count: None, PriorInstances((), PLAN))
         summary = dataset.finish()
     assert summary.rejected["error"] == 2 * len(PLAN.engines)
     listed = json.loads((tmp_path / "manifest.json").read_bytes())["rejected"]["list"]

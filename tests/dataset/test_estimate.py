@@ -11,7 +11,7 @@ from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.estimate import _first_pieces, _rate, _seconds, _spaced_units, _Trial, _Unit
 from wmspec.dataset.build.plan import Task
 from wmspec.dataset.build.worker import Balance
-from wmspec.runtime.workers.pool import Effort, Lost
+from wmspec.runtime.workers.pool import PoolConfig, JobFailure
 
 
 @pytest.fixture(scope="module")
@@ -38,11 +38,11 @@ def test_the_first_piece_is_tried_however_large_it_is() -> None:
 
 def test_the_rest_of_a_unit_is_like_those_after_its_first() -> None:
     unit = _Unit(12, [(0,), (1,), (2,)], (99,))
-    effort = Effort(2, 100)
+    effort = PoolConfig(2, 100)
     assert _seconds(unit, _Trial((5.0, 1.0, 2.0), (), Balance()), effort) == pytest.approx(5 + 11 * 1.5)
     assert _seconds(_Unit(12, [(0, 1, 2)], (99,)), _Trial((6.0,), (), Balance()), effort) == pytest.approx(24)
-    assert _seconds(unit, Lost("timeout", ""), effort) == 12 * 2 * 100
-    assert _seconds(unit, Lost("error", ""), effort) == 0
+    assert _seconds(unit, JobFailure("timeout", ""), effort) == 12 * 2 * 100
+    assert _seconds(unit, JobFailure("error", ""), effort) == 0
 
 
 def test_the_error_is_that_of_a_ratio() -> None:

@@ -12,7 +12,7 @@ from tests.engines import installed
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import Source
-from wmspec.editor.start import about, first_spec, templates
+from wmspec.editor.start import template_titles, first_spec, templates
 from wmspec.lang.parse.format import format_spec
 
 
@@ -24,7 +24,7 @@ def test_a_first_spec_is_without_mistakes_and_well_formed(template: str, tmp_pat
     assert not diagnosis.diagnostics
     assert [name for name, _ in diagnosis.tasks] == ["marbles"]
     assert format_spec(Source("marbles.wms", path.read_text())) == path.read_text()
-    assert about()[template]
+    assert template_titles()[template]
 
 
 @pytest.mark.engine

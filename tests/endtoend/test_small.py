@@ -12,7 +12,7 @@ import pytest
 
 import wmspec
 from tests.engines import installed
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.dataset.build.format_units import format_value
 from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.runtime.questions.verbalize import verbalize
@@ -84,7 +84,7 @@ def test_run_tells_the_middle_of_a_compound_as_measures_do(tmp_path: Path) -> No
 
 @pytest.mark.parametrize(("mass", "words"), [(0.2, "200 g"), (0.9994, "999.4 g"), (1.0, "1 kg"), (1.5, "1.5 kg")])
 def test_a_mass_is_said_as_people_do(mass: float, words: str) -> None:
-    values = Values(task("t", thing("camera", "front", at=(0, -1, 1)), observe("front", [0.0])), {})
+    values = Evaluator(task("t", thing("camera", "front", at=(0, -1, 1)), observe("front", [0.0])), {})
     assert verbalize(mass, "mass", values) == words
     assert mass < 1 or format_value(mass, "kg") == words
 

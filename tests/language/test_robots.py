@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from tests.language.specs import SPECS, task_from, task_of
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.robots.ground_path import arc_length_at
 from wmspec.compile.robots.obstacles import hull, obstacles
 from wmspec.compile.robots.travel import STOP_DISTANCE, WALKER_HEIGHTS, WALKER_RADIUS, Travel, travels
@@ -53,7 +53,7 @@ task t : custom {{
 
 def planned(spec: TaskSpec, index: int = 0) -> dict[str, Travel]:
     instance = Design(spec)[index]
-    return travels(Values(spec, instance.values, None, instance.key))
+    return travels(Evaluator(spec, instance.values, None, instance.key))
 
 
 def town(
@@ -216,7 +216,7 @@ def test_a_walker_goes_through_the_door_to_what_is_behind_the_wall_and_faces_it(
     spec = room("action go = someone.go_to(chest) for 10 s", more=DOOR + CHEST % (2.6, -2))
     go = planned(spec)["go"]
     instance = Design(spec)[0]
-    standing = obstacles(Values(spec, instance.values, None, instance.key), *WALKER_HEIGHTS)
+    standing = obstacles(Evaluator(spec, instance.values, None, instance.key), *WALKER_HEIGHTS)
     assert all(o.distance(point[:2]) >= WALKER_RADIUS for point in go.points for o in standing)
     crossed = next(y for x, y, _ in go.points if x > 2)
     assert 0.5 < crossed < 1.5, "it came through the door"
@@ -255,7 +255,7 @@ def test_on_its_way_to_a_thing_it_goes_through_nothing(
     )
     spec = room("action go = someone.go_to(chest) for 10 s", more=more + CHEST % (f"{place[0]:.6f}", f"{place[1]:.6f}"))
     instance = Design(spec)[0]
-    standing = obstacles(Values(spec, instance.values, None, instance.key), *WALKER_HEIGHTS)
+    standing = obstacles(Evaluator(spec, instance.values, None, instance.key), *WALKER_HEIGHTS)
     try:
         go = planned(spec)["go"]
     except WmsError as error:
@@ -296,7 +296,7 @@ def test_a_walker_goes_through_nothing(boxes: list[tuple[float, float, float]], 
     """
     spec = room(acts, yaw=yaw, more=more)
     instance = Design(spec)[0]
-    standing = obstacles(Values(spec, instance.values, None, instance.key), *WALKER_HEIGHTS)
+    standing = obstacles(Evaluator(spec, instance.values, None, instance.key), *WALKER_HEIGHTS)
     for travel in planned(spec).values():
         for x, y, _ in travel.points:
             assert min((o.distance((x, y)) for o in standing), default=1.0) >= WALKER_RADIUS - 1e-3

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.layout.view import facing, front, seen
 from wmspec.compile.stage.cameras import _looking
 from wmspec.lang.check.statements.builder import observe, task, thing
@@ -20,7 +20,7 @@ PLACES = st.integers(-100, 100).map(lambda cm: cm / 100)
 def test_to_the_right_is_to_the_right_in_the_picture(yaw: float, down: float, x: float, y: float) -> None:
     """The oracle: the camera's own axes on the stage, within 45 degrees of those that words go by."""
     ahead = (math.cos(down) * math.cos(yaw), math.cos(down) * math.sin(yaw), math.sin(down))
-    values = Values(task("t", thing("camera", "eye", at=(0.0, 0.0, 0.0), look_at=ahead), observe("eye", [0])), {})
+    values = Evaluator(task("t", thing("camera", "eye", at=(0.0, 0.0, 0.0), look_at=ahead), observe("eye", [0])), {})
     assert front(values) == facing(values, "eye")
     right, back = seen(front(values), x, y)
     across, *_ = _looking((0.0, 0.0, 0.0), ahead, values, "eye")
@@ -31,5 +31,5 @@ def test_to_the_right_is_to_the_right_in_the_picture(yaw: float, down: float, x:
 
 @pytest.mark.parametrize("below", [-1.0, 1.0])
 def test_looking_along_the_vertical_is_looking_to_the_front(below: float) -> None:
-    values = Values(task("t", thing("camera", "eye", at=(1, 2, 3), look_at=(1, 2, 3 + below)), observe("eye", [0])), {})
+    values = Evaluator(task("t", thing("camera", "eye", at=(1, 2, 3), look_at=(1, 2, 3 + below)), observe("eye", [0])), {})
     assert facing(values, "eye") == 0

@@ -19,7 +19,7 @@ from tests.engines import installed
 from tests.language.specs import SPECS, task_of
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.robots.arm import downward_pose
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.franka import PANDA
@@ -372,7 +372,7 @@ def test_all_of_its_patch_is_within_reach(robot: str, low: float, high: float, p
     """So many places on 60 × 40 cm, or on its half of them, the hand turned anyhow."""
     task = one("") if robot == "arm" else wmspec.load(text=TWO.format(size="(20 cm, 7 cm, 3 cm)", more=""))
     instance = Design(task.spec)[0]
-    stand = matrix(base(Values(task.spec, instance.values, None, instance.key), robot))
+    stand = matrix(base(Evaluator(task.spec, instance.values, None, instance.key), robot))
     rng = np.random.default_rng(0)
     for x, y, z, yaw in rng.uniform((low, -0.2, 0.02, -np.pi / 2), (high, 0.2, 0.25, np.pi / 2), (places, 4)):
         ways = [solve(PANDA, downward_pose(x, y, z, turn), stand, PANDA.rest) for turn in (yaw, yaw + np.pi)]
@@ -384,7 +384,7 @@ def test_all_of_its_patch_is_within_reach(robot: str, low: float, high: float, p
 def test_joints_keep_their_limits_and_speeds_between_knots_too(path: Path) -> None:
     design = Design(task_of(path))
     for index in [*design.sample(8), *AT_A_LIMIT.get(path.stem, ())]:
-        for reach in plan(Values(design.spec, design[index].values, None, design[index].key)).values():
+        for reach in plan(Evaluator(design.spec, design[index].values, None, design[index].key)).values():
             way, times = CubicSpline(reach.times, reach.values, bc_type="clamped"), np.arange(0, reach.times[-1], 0.002)
             q, speed = way(times)[:, :7], way(times, 1)[:, :7]
             assert (PANDA.low <= q).all()

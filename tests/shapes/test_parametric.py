@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.engines import ENGINES, installed
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import ImpossibleValue, StageError
@@ -260,4 +260,4 @@ def test_what_makes_no_shape(word: str, words: dict[str, Any], message: str) -> 
         SHAPES[word].from_words({"size": 0.1, **words})
     spec = task("t", thing("object", "a", shape=word, at=(0.0, 0.0, 0.0), **words))
     with pytest.raises(ImpossibleValue, match=message):
-        pieces(Values(spec, {}), "a")
+        pieces(Evaluator(spec, {}), "a")

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout import scatter
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import WmsError
@@ -38,11 +38,11 @@ def made(*parts: Any) -> ir.TaskSpec:
     return task("placed", CAMERA, *parts, observe("front", [0.0]))
 
 
-def values(*parts: Any, seed: int = 0) -> Values:
+def values(*parts: Any, seed: int = 0) -> Evaluator:
     """What the only instance of such a task is."""
     spec = made(*parts)
     instance = Design(spec, seed)[0]
-    return Values(spec, instance.values, None, instance.key)
+    return Evaluator(spec, instance.values, None, instance.key)
 
 
 def scene(*parts: Any) -> Scene:

@@ -22,7 +22,7 @@ from wmspec.runtime.compare.sweep import Job, Swept, pairs, sweep
 from wmspec.runtime.compare.tolerance import tolerances
 from wmspec.runtime.compare.verbalize import complaints
 from wmspec.runtime.engines.registry import chosen, only_here
-from wmspec.runtime.workers.pool import Effort
+from wmspec.runtime.workers.pool import PoolConfig
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -156,11 +156,11 @@ def gathered(tasks: Tasks, seed: int | None, tell: Tell, dimensions: Sequence[st
     return of_dimensions(loaded, dimensions)
 
 
-def effort(workers: int | None, timeout: float, engines: Iterable[str]) -> Effort:
+def effort(workers: int | None, timeout: float, engines: Iterable[str]) -> PoolConfig:
     """Return the worker settings: one worker per core by default, none for engines that exist in this process only."""
     if only_here(engines):
-        return Effort(0, timeout)
-    return Effort((os.cpu_count() or 1) if workers is None else workers, timeout)
+        return PoolConfig(0, timeout)
+    return PoolConfig((os.cpu_count() or 1) if workers is None else workers, timeout)
 
 
 def _row(line: Line) -> Mapping[str, Any]:

@@ -29,7 +29,7 @@ from wmspec.dataset.build.reuse import PriorInstances
 from wmspec.runtime.engines.registry import chosen, drawing, versions
 from wmspec.runtime.questions.consensus import Consensus
 from wmspec.runtime.workers.cluster import ray_cluster
-from wmspec.runtime.workers.pool import Effort
+from wmspec.runtime.workers.pool import PoolConfig
 from wmspec.sim.scene.model import Look
 
 
@@ -118,7 +118,7 @@ def generate(
 
 def crew(
     executor: Executor, address: str, workers: int | None, timeout: float, plan: Plan
-) -> AbstractContextManager[Effort]:
+) -> AbstractContextManager[PoolConfig]:
     """Return the workers of a plan, as a context. Raises WmsError for an address without Ray."""
     if executor == "ray":
         return ray_cluster(address, workers, timeout, plan.versions)

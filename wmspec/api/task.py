@@ -128,11 +128,11 @@ class Task(Sequence["Instance"]):
     @property
     def images(self) -> int:
         """The number of pictures of a question, without those of its options."""
-        from wmspec.compile.layout.values import Values
+        from wmspec.compile.layout.values import Evaluator
         from wmspec.runtime.questions.views import views_of
 
         first = self.design[0]
-        return len(views_of(self.spec, Values(self.spec, first.values, None, first.key)))
+        return len(views_of(self.spec, Evaluator(self.spec, first.values, None, first.key)))
 
     @property
     def paper(self) -> wm_abench.Column | None:
@@ -195,9 +195,9 @@ class Instance:
         return f"<Instance {self.index} of {self.task.name}: {self}>"
 
     def __str__(self) -> str:
-        from wmspec.compile.design.describe import told
+        from wmspec.compile.design.describe import format_levels
 
-        return told(self.task.design.factors, self.factors)
+        return format_levels(self.task.design.factors, self.factors)
 
     @property
     def index(self) -> int:

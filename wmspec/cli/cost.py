@@ -17,10 +17,10 @@ from wmspec.core.tally import Tally
 if TYPE_CHECKING:
     from wmspec.dataset.build.estimate import Cost
     from wmspec.dataset.build.plan import Plan
-    from wmspec.runtime.workers.pool import Effort
+    from wmspec.runtime.workers.pool import PoolConfig
 
 
-def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
+def tell_cost(plan: Plan, effort: PoolConfig, as_json: bool) -> None:
     """Try some instances of each task and print what all of them would take. Exits with 1 if too many failed."""
     from wmspec.dataset.build.estimate import estimate
     from wmspec.dataset.build.manifest import top_reasons

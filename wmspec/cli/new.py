@@ -13,9 +13,9 @@ from wmspec.core.places import FilePlace
 def _list(context: click.Context, _: click.Parameter, wanted: bool) -> None:
     if not wanted:
         return
-    from wmspec.editor.start import about
+    from wmspec.editor.start import template_titles
 
-    for name, what in about().items():
+    for name, what in template_titles().items():
         click.echo(f"{name:12} {what}")
     context.exit()
 

@@ -22,7 +22,7 @@ from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.reader import CHANNELS, PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row, identity
 from wmspec.dataset.build.worker import make_instances
-from wmspec.runtime.workers.pool import Effort, Lost, by_units
+from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_batches
 
 #: Relative and absolute (SI units) tolerance within which numbers are nearly equal.
 NEAR_RELATIVE, NEAR_ABSOLUTE = 0.01, 1e-3
@@ -64,7 +64,7 @@ class Verification:
         return "near" if all(difference.near for difference in self.differences) else "different"
 
 
-def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callable[[str, int], None]) -> Verification:
+def verify(dataset: DatasetReader, plan: Plan, effort: PoolConfig, progress: Callable[[str, int], None]) -> Verification:
     """Generate the instances of `plan` again and compare them. The plan is a subset of the dataset's plan."""
     job, differences, questions = job_of(plan, effort), list[Difference](), 0
     tasks = {task.spec.name: task for task in plan.tasks}
@@ -74,14 +74,14 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
         for own in [job.of(name)]
         for unit in batches(task.spec, plan.seed, task.indices)
     )
-    with closing(by_units(make_instances, every, effort, lambda p: weight(tasks[p[1]].spec, p[2]))) as outcomes:
+    with closing(map_batches(make_instances, every, effort, lambda p: weight(tasks[p[1]].spec, p[2]))) as outcomes:
         for (_, name, indices), made in outcomes:
             there = _stored_rows(dataset, name, indices)
             for at, index in enumerate(indices):
-                here = made if isinstance(made, Lost) else {row["id"]: row for row in made.outcomes[at].rows}
+                here = made if isinstance(made, JobFailure) else {row["id"]: row for row in made.outcomes[at].rows}
                 rejected = (
                     {}
-                    if isinstance(made, Lost)
+                    if isinstance(made, JobFailure)
                     else {
                         identity(r.task, r.index, r.question, r.engine): f"{r.reason}: {r.detail}"
                         for r in made.outcomes[at].rejected
@@ -105,10 +105,10 @@ def _stored_rows(dataset: DatasetReader, task: str, indices: Sequence[int]) -> d
 
 
 def _compare(
-    id_: str, there: Row | None, here: Mapping[str, Row] | Lost, rejected: Mapping[str, str]
+    id_: str, there: Row | None, here: Mapping[str, Row] | JobFailure, rejected: Mapping[str, str]
 ) -> Iterator[Difference]:
     """Yield the first difference of a question, if any."""
-    if isinstance(here, Lost):
+    if isinstance(here, JobFailure):
         yield Difference(id_, "", f"it cannot be made here: {here.reason}", False)
     elif there is None and id_ in here:
         yield Difference(id_, "", "it was rejected, and is asked here", False)

@@ -53,7 +53,7 @@ _TYPED: dict[str, tuple[Type, ...]] = {
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ExpectedInput:
     """What is wanted. `types` None: a value of any type, and no types: no value. `measured`: of the executed episode.
 
     `slots` are properties or arguments that may be named there, each followed by a colon. `kind` is what is named, if
@@ -69,7 +69,7 @@ class Wanted:
     of: Span | None = None
 
 
-ANYTHING = Wanted(types=None)
+ANYTHING = ExpectedInput(types=None)
 
 
 class Reader:
@@ -80,22 +80,22 @@ class Reader:
         self.meaning = meaning
         self.stack = stack
 
-    def wanted(self) -> Wanted:
+    def wanted(self) -> ExpectedInput:
         """What is wanted after the whole stack."""
         context = self._after(len(self.stack) - 1)
         asked = {"ANSWER", "ENSURE", "MARGIN", "DIFFERENCE", "APART", "UNLESS"} & {symbol(p) for p in self.stack}
-        return Wanted(context.types, bool(asked), context.slots, context.kind, context.words, context.of)
+        return ExpectedInput(context.types, bool(asked), context.slots, context.kind, context.words, context.of)
 
-    def _after(self, top: int) -> Wanted:
+    def _after(self, top: int) -> ExpectedInput:
         """What is wanted after the parts up to `top`."""
         if top < 0:
-            return Wanted()
+            return ExpectedInput()
         here, below = self._symbol(top), self._symbol(top - 1)
         if here in _TYPED:
-            return Wanted(_TYPED[here])
+            return ExpectedInput(_TYPED[here])
         match here:
             case "DOT":
-                return Wanted(kind="member", of=self._span(top - 1)) if below != "TASK" else Wanted()
+                return ExpectedInput(kind="member", of=self._span(top - 1)) if below != "TASK" else ExpectedInput()
             case "COLON":
                 return self._after_colon(top)
             case "LPAR" | "LSQB" | "COMMA":
@@ -105,13 +105,13 @@ class Reader:
             case "COMPARE" | "PLUS" | "MINUS" | "__ANON_0":
                 return self._like(top - 1) if self._is_value(top - 1) else self._after(top - 1)
             case "TIMES" | "EQUAL" | "ANSWER" | "OPTIONS" | "MARGIN" | "DIFFERENCE" | "WITHIN" | "UNLESS":
-                return Wanted(kind="verb") if here == "EQUAL" and self._symbol(top - 2) == "ACTION" else ANYTHING
+                return ExpectedInput(kind="verb") if here == "EQUAL" and self._symbol(top - 2) == "ACTION" else ANYTHING
             case "THEN" | "ELSE":
                 opened = max(i for i in range(top) if self._symbol(i) == "IF")
                 return self._after(opened - 1)
         return self._after_keyword(top)
 
-    def _after_keyword(self, top: int) -> Wanted:  # noqa: C901, PLR0912  a case for each keyword
+    def _after_keyword(self, top: int) -> ExpectedInput:  # noqa: C901, PLR0912  a case for each keyword
         here, below = self._symbol(top), self._symbol(top - 1)
         match here:
             case "IN":
@@ -119,78 +119,78 @@ class Reader:
             case "BY":
                 if below == "APART":
                     return self._like(top - 2)
-                return self._like(top - 1) if self._is_value(top - 1) else Wanted((A_LENGTH,))
+                return self._like(top - 1) if self._is_value(top - 1) else ExpectedInput((A_LENGTH,))
             case "AT":
                 on = self._symbol(top - 2) == "COLON"
-                return Wanted((POINT2, PLACE) if on else (A_TIME, List(A_TIME)))
+                return ExpectedInput((POINT2, PLACE) if on else (A_TIME, List(A_TIME)))
             case "AS":
-                return Wanted((List(CHANNEL),)) if self._symbol(top - 3) == "AT" else Wanted()
+                return ExpectedInput((List(CHANNEL),)) if self._symbol(top - 3) == "AT" else ExpectedInput()
             case "USE":
-                return Wanted(kind="library")
+                return ExpectedInput(kind="library")
             case "ONLY":
-                return Wanted(kind="library_names", of=self._span(top - 1))
+                return ExpectedInput(kind="library_names", of=self._span(top - 1))
             case "OBSERVE":
-                return Wanted(kind="camera")
+                return ExpectedInput(kind="camera")
             case "WITHOUT" | "ORDER":
-                return Wanted(kind="changed")
+                return ExpectedInput(kind="changed")
             case "ACTION" | "STATE" if below.startswith("__counterfactual") or below == "LBRACE":
                 changing = any(self._symbol(i) == "COUNTERFACTUAL" for i in range(top))
-                return Wanted(kind="changed") if changing else Wanted()
+                return ExpectedInput(kind="changed") if changing else ExpectedInput()
             case "DESIGN":
-                return Wanted(kind="table", words={name: plan.meaning for name, plan in DESIGNS.items()})
+                return ExpectedInput(kind="table", words={name: plan.meaning for name, plan in DESIGNS.items()})
             case "TOLERANCE":
-                return Wanted(kind="table", words={name: slot.meaning for name, slot in TOLERANCES.items()})
+                return ExpectedInput(kind="table", words={name: slot.meaning for name, slot in TOLERANCES.items()})
             case "name" if below == "TOLERANCE":
-                return Wanted(TOLERANCES[self._text(top)].types) if self._text(top) in TOLERANCES else Wanted()
+                return ExpectedInput(TOLERANCES[self._text(top)].types) if self._text(top) in TOLERANCES else ExpectedInput()
         if here.startswith("__") and "star" in here:
             return self._body(top)
         if here.lower() in SETTINGS:
-            return Wanted((SETTINGS[here.lower()],))
-        return Wanted()
+            return ExpectedInput((SETTINGS[here.lower()],))
+        return ExpectedInput()
 
     # ------------------------------------------------------------ after a colon
 
-    def _after_colon(self, top: int) -> Wanted:
+    def _after_colon(self, top: int) -> ExpectedInput:
         name, before = self._text(top - 1), self._symbol(top - 2)
         if before in ("OBJECT", "OBJECTS"):
-            return Wanted(kind="template")
+            return ExpectedInput(kind="template")
         if before in ("JOINT", "ROBOT"):
             models = JOINTS if before == "JOINT" else {model: ", ".join(verbs) for model, verbs in ROBOTS.items()}
-            return Wanted(kind="table", words=models)
+            return ExpectedInput(kind="table", words=models)
         if before == "TASK" or self._symbol(top - 1) == "RSQB":
-            return Wanted(kind="template") if before != "TASK" else Wanted()
+            return ExpectedInput(kind="template") if before != "TASK" else ExpectedInput()
         if before in ("ACTION", "STATE"):
             return self._like(top - 1)
         opened = self._opened(top - 1)
         if self._symbol(opened) == "LPAR":
             return self._argument(opened, name)
         slot = self._slots(opened, leave=name).get(name)
-        return Wanted(slot.types) if slot is not None else ANYTHING
+        return ExpectedInput(slot.types) if slot is not None else ANYTHING
 
     # ------------------------------------------------------------ within brackets
 
-    def _within(self, top: int) -> Wanted:
+    def _within(self, top: int) -> ExpectedInput:
         """After an opening bracket, or after a comma within brackets."""
         if self._symbol(top - 2) == "ORDER":
-            return Wanted(kind="changed")
+            return ExpectedInput(kind="changed")
         opened = self._opened(top + 1)
         if opened < 0:
-            return Wanted()
+            return ExpectedInput()
         place = self._count(opened, top)
         match self._symbol(opened):
             case "LPAR" if self._is_value(opened - 1) or self._symbol(opened - 1) == "name":
                 return self._argument(opened, "", place)
             case "LPAR":
                 outer = self._after(opened - 1)
-                return Wanted(None if outer.types is None else _parts(outer.types))
+                return ExpectedInput(None if outer.types is None else _parts(outer.types))
             case "LSQB" if self._is_value(opened - 1) or self._symbol(opened - 1) == "name":
-                return Wanted((A_NUMBER,))
+                return ExpectedInput((A_NUMBER,))
             case "LSQB":
                 outer = self._after(opened - 1)
-                return Wanted(None if outer.types is None else _items(outer.types), kind=outer.kind, of=outer.of)
-        return Wanted()
+                return ExpectedInput(None if outer.types is None else _items(outer.types), kind=outer.kind, of=outer.of)
+        return ExpectedInput()
 
-    def _argument(self, opened: int, name: str, place: int = 0) -> Wanted:
+    def _argument(self, opened: int, name: str, place: int = 0) -> ExpectedInput:
         """An argument of what is called before a bracket: the one of that name, or the one at that place."""
         called = self._text(opened - 1)
         if self._symbol(opened - 1) == "name":  # the parameters of a library or a template
@@ -198,18 +198,18 @@ class Reader:
         if (verb := self.verb(called)) is not None:
             arguments = dict(verb.arguments)
             if name:
-                return Wanted(arguments[name].types) if name in arguments else ANYTHING
+                return ExpectedInput(arguments[name].types) if name in arguments else ANYTHING
             types = tuple(arguments.values())[place].types if place < len(arguments) else ()
             rest = dict(tuple(arguments.items())[place:])
-            return Wanted(types, slots=rest)
+            return ExpectedInput(types, slots=rest)
         if (function := FUNCTIONS.get(called)) is not None:
             if name:
-                return Wanted((function.options[name],)) if name in function.options else ANYTHING
+                return ExpectedInput((function.options[name],)) if name in function.options else ANYTHING
             options = {option: PropertySpec((kind,), "") for option, kind in function.options.items()}
             parameters = function.parameters
             if place >= len(parameters):
-                return Wanted(parameters[-1:] if function.repeated else (), slots=options)
-            return Wanted(_open(parameters[place]), slots=options if place else {})
+                return ExpectedInput(parameters[-1:] if function.repeated else (), slots=options)
+            return ExpectedInput(_open(parameters[place]), slots=options if place else {})
         return ANYTHING
 
     def verb(self, called: str) -> Verb | None:
@@ -224,10 +224,10 @@ class Reader:
 
     # ------------------------------------------------------------ within braces
 
-    def _body(self, top: int) -> Wanted:
+    def _body(self, top: int) -> ExpectedInput:
         """Within the braces of a block: its properties."""
         opened = self._opened(top + 1)
-        return Wanted(slots=self._slots(opened)) if self._symbol(opened) == "LBRACE" else Wanted()
+        return ExpectedInput(slots=self._slots(opened)) if self._symbol(opened) == "LBRACE" else ExpectedInput()
 
     def _slots(self, opened: int, leave: str = "") -> dict[str, PropertySpec]:
         """The properties of the block with these braces that are not said yet; `leave` in the one that is."""
@@ -266,12 +266,12 @@ class Reader:
 
     # ------------------------------------------------------------ types of what was read
 
-    def _like(self, at: int) -> Wanted:
+    def _like(self, at: int) -> ExpectedInput:
         """What goes with the value there: one of its types."""
         span = self._span(at)
         expression = parse_expression(span, Report()) if span is not None else None
         types = self._of(expression) if expression is not None else ()
-        return Wanted(types or None)
+        return ExpectedInput(types or None)
 
     def _of(self, expression: s.Expr) -> tuple[Type, ...]:
         if self.meaning is None:

@@ -17,13 +17,13 @@ from wmspec.editor.complete import complete
 from wmspec.editor.document import Document
 from wmspec.editor.hover import hover
 from wmspec.editor.names import Names, Occurrence
-from wmspec.editor.preview import Preview, pointed_at
+from wmspec.editor.preview import Preview, instance_at
 from wmspec.editor.protocol import uri_of
-from wmspec.editor.rename import meant, renamed
+from wmspec.editor.rename import occurrences_of, rename_places
 from wmspec.editor.server import Server, read
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.format import format_spec
-from wmspec.runtime.workers.pool import Lost
+from wmspec.runtime.workers.pool import JobFailure
 
 T = TypeVar("T")
 
@@ -50,7 +50,7 @@ def completion(ls: Server, params: lsp.CompletionParams) -> lsp.CompletionList:
     offset = positions.offset(params.position)
     offers = complete(document, offset)
     where = positions.between(offers.start, offset)
-    return lsp.CompletionList(False, [protocol.item(i, offer, where) for i, offer in enumerate(offers.offers)])
+    return lsp.CompletionList(False, [protocol.lsp_completion(i, offer, where) for i, offer in enumerate(offers.offers)])
 
 
 def hovered(ls: Server, params: lsp.HoverParams) -> lsp.Hover | None:
@@ -82,7 +82,7 @@ def references(ls: Server, params: lsp.ReferenceParams) -> list[lsp.Location]:
     documents = ls.around(document, name.declared.path)
     return [
         lsp.Location(uri_of(path), where)
-        for path, ranges in _ranges(ls, documents, meant(documents, name))
+        for path, ranges in _ranges(ls, documents, occurrences_of(documents, name))
         for where in ranges
     ]
 
@@ -99,7 +99,7 @@ def rename(ls: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
     if name is None:
         return None
     documents = ls.around(document, name.declared.path)
-    places = _reported(lambda: renamed(documents, name, params.new_name))
+    places = _reported(lambda: rename_places(documents, name, params.new_name))
     changes = {
         uri_of(path): [lsp.TextEdit(where, params.new_name) for where in ranges]
         for path, ranges in _ranges(ls, documents, places)
@@ -129,7 +129,7 @@ def fixes(ls: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
     _, positions = ls.document(uri)
     lines = range(params.range.start.line, params.range.end.line + 1)
     source = ls.workspace.get_text_document(uri).source
-    current = (d for d in ls.told.get(uri, ()) if isinstance(d.place, Span) and d.place.source.text == source)
+    current = (d for d in ls.published.get(uri, ()) if isinstance(d.place, Span) and d.place.source.text == source)
     near = (d for d in current if isinstance(d.place, Span) and d.place.line - 1 in lines)
     made = (protocol.fix(d, uri, positions, params.context.diagnostics) for d in near)
     return [fix for fix in made if fix is not None]
@@ -152,9 +152,9 @@ def _reported(work: Callable[[], T]) -> T:
 
 
 def _drawn(ls: Server, document: Document, offset: int) -> dict[str, object]:
-    which = pointed_at(document, offset)
+    which = instance_at(document, offset)
     png = ls.drawer.do(Preview.draw, which, document.text, document.path)
-    if isinstance(png, Lost):
+    if isinstance(png, JobFailure):
         raise WmsError(f"{which.task} cannot be drawn: {png.reason}")
     path = Path(ls.pictures.name, f"{which.task}-{which.index}.png")
     path.write_bytes(png)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from wmspec.core.node import Node
 from wmspec.core.places import Source, Span
-from wmspec.editor.complete import shown_type, takes
+from wmspec.editor.complete import type_with_example, accepted_values
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names, Occurrence
 from wmspec.lang.check.expressions.calls import signature
@@ -74,28 +74,28 @@ def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C
         case s.Property(name=s.Name(id=key)) if holder.name is name:
             whole = next((n for n in reversed(outer) if isinstance(n, s.Part | s.Block | s.Template)), None)
             slot = PROPERTIES.get(_kind(whole), {}).get(key)
-            return slot_shown(f"{key}:", slot) if slot is not None else ""
+            return slot_markdown(f"{key}:", slot) if slot is not None else ""
         case s.Argument(name=s.Name(id=key)) if holder.name is name:
             call = next((n for n in reversed(outer) if isinstance(n, s.Call)), None)
             called = call.function.span.text if call else ""
             verb = _verb(called)
             if verb is not None and key in verb.arguments:
-                return slot_shown(f"{key}:", verb.arguments[key])
+                return slot_markdown(f"{key}:", verb.arguments[key])
             return _function(called)
         case s.Call(function=function) if function is name:
             verb = VERBS.get(name.id) if any(isinstance(n, s.Action) for n in outer) else None
-            return verb_shown(name.id, verb) if verb is not None else _function(name.id)
+            return verb_markdown(name.id, verb) if verb is not None else _function(name.id)
         case s.Member(name=last) if last is name and any(isinstance(n, s.Call) and n.function is holder for n in outer):
             robot = _verb(f".{name.id}")
-            return verb_shown(name.id, robot) if robot is not None else ""
+            return verb_markdown(name.id, robot) if robot is not None else ""
         case s.Member(name=last) if last is name:
             slot = next((table[name.id] for table in PROPERTIES.values() if name.id in table), None)
             declared = Names(document).at(token.start)
-            return slot_shown(name.id, slot) if slot is not None and declared is None else ""
+            return slot_markdown(name.id, slot) if slot is not None and declared is None else ""
         case s.Design(kind=kind) if kind is name and name.id in DESIGNS:
             return f"`{DESIGNS[name.id].written}`\n\n{DESIGNS[name.id].meaning}"
         case s.Tolerance(name=kind) if kind is name and name.id in TOLERANCES:
-            return slot_shown(name.id, TOLERANCES[name.id])
+            return slot_markdown(name.id, TOLERANCES[name.id])
         case s.Block(model=model, kind=kind) if model is name and SETS.get(kind, kind) == "joint" and name.id in JOINTS:
             return f"`{name.id}`: {JOINTS[name.id]}"
     return ""
@@ -122,20 +122,20 @@ def _function(name: str) -> str:
         return ""
     function = FUNCTIONS[name]
     where = "\n\nMeasured on the executed episode." if function.measured else ""
-    return f"```wms\n{signature(name, function)}\n```\n{function.meaning}; gives {shown_type(function.result)}{where}"
+    return f"```wms\n{signature(name, function)}\n```\n{function.meaning}; gives {type_with_example(function.result)}{where}"
 
 
-def slot_shown(name: str, slot: PropertySpec) -> str:
+def slot_markdown(name: str, slot: PropertySpec) -> str:
     """A property or argument: what it takes, what it is if left out, what it means."""
-    kinds = " or ".join(shown_type(t) for t in slot.types)
+    kinds = " or ".join(type_with_example(t) for t in slot.types)
     left_out = f"  \nleft out: `{slot.default}`" if slot.default is not None else ""
     return f"**{name}** {slot.meaning}\n\ntakes {kinds}{left_out}"
 
 
-def verb_shown(name: str, verb: Verb) -> str:
+def verb_markdown(name: str, verb: Verb) -> str:
     """A verb and its arguments."""
     call = f"{name}({', '.join(verb.arguments)}){' for TIME' if verb.lasts else ''}"
-    rows = "\n".join(f"- `{key}`: {slot.meaning} ({takes(slot)})" for key, slot in verb.arguments.items())
+    rows = "\n".join(f"- `{key}`: {slot.meaning} ({accepted_values(slot)})" for key, slot in verb.arguments.items())
     return f"```wms\n{call}\n```\n{verb.meaning}\n\n{rows}".rstrip()
 
 
@@ -183,6 +183,6 @@ def _declared(document: Document, meaning: Expressions | None, name: Occurrence)
     known = meaning.scope.names.get(name.span.text) if meaning is not None else None
     if meaning is not None and isinstance(node, s.Factor | s.Let) and known is not None:
         with suppress(Failed):
-            of = f"\n\n{shown_type(meaning.infer(s.Name(name.span.text, name.span)).type)}"
+            of = f"\n\n{type_with_example(meaning.infer(s.Name(name.span.text, name.span)).type)}"
     where = "" if source.name == document.source.name else f"\n\nfrom `{source.name}`"
     return f"```wms\n{first}\n```{of}{where}"

@@ -27,7 +27,7 @@ _WORDS = {
 
 
 @dataclass(frozen=True)
-class Declared:
+class Declaration:
     """A declaration: the file and the offset of its name there, and the node that declares it."""
 
     path: Path
@@ -45,7 +45,7 @@ class Occurrence:
     """A name in a document, and what it means."""
 
     span: Span
-    declared: Declared
+    declared: Declaration
 
 
 class Names:
@@ -67,11 +67,11 @@ class Names:
         holding = [o for o in self.occurrences if o.span.start <= offset <= o.span.end]
         return min(holding, key=lambda o: (o.span.end - o.span.start, -o.span.start), default=None)
 
-    def of(self, declared: Declared) -> tuple[Span, ...]:
+    def of(self, declared: Declaration) -> tuple[Span, ...]:
         """Everywhere in the document that a declaration is meant."""
         return tuple(o.span for o in self.occurrences if o.declared.key == declared.key)
 
-    def visible(self, offset: int) -> dict[str, Declared]:
+    def visible(self, offset: int) -> dict[str, Declaration]:
         """Every name that may be used where a character stands; of a library with a name of its own, with that."""
         path = self.document.path.resolve()
         names = self._level(self.document.file.items, path)
@@ -79,36 +79,36 @@ class Names:
             names |= self._level(inside.body, path) if inside is not None else {}
         for node in self.document.nodes_at(offset):
             if isinstance(node, s.Template):
-                names |= {p.name.id: Declared(path, p.name.span.start, p) for p in node.parameters}
+                names |= {p.name.id: Declaration(path, p.name.span.start, p) for p in node.parameters}
         return names
 
     # ------------------------------------------------------------ scopes
 
-    def _level(self, items: tuple[Any, ...], path: Path) -> dict[str, Declared]:
+    def _level(self, items: tuple[Any, ...], path: Path) -> dict[str, Declaration]:
         """What the statements of a file, a task or a variant declare, and what they bring from libraries."""
-        names: dict[str, Declared] = {}
+        names: dict[str, Declaration] = {}
         for item in items:
             if isinstance(item, s.Use):
                 names |= self._used(item)
         for item in items:
             if isinstance(item, s.Factor | s.Let | s.Parameter | s.Block | s.Template | s.Action):
-                names[item.name.id] = Declared(path, item.name.span.start, item)
+                names[item.name.id] = Declaration(path, item.name.span.start, item)
         return names
 
-    def _used(self, use: s.Use) -> dict[str, Declared]:
+    def _used(self, use: s.Use) -> dict[str, Declaration]:
         library = self.document.program.paths.get(use.name.span)
         if library is None or library not in self._files:
             return {}
         brought = self._level(self._files[library].items, library)
         if use.prefix is None:
             return brought
-        own = Declared(self.document.path.resolve(), use.prefix.span.start, use)
+        own = Declaration(self.document.path.resolve(), use.prefix.span.start, use)
         return {use.prefix.id: own} | {f"{use.prefix.id}.{name}": d for name, d in brought.items()}
 
     # ------------------------------------------------------------ the walk
 
     def _walk(  # noqa: C901, PLR0912  a case for each kind of node
-        self, node: Any, path: Path, scope: dict[str, Declared]
+        self, node: Any, path: Path, scope: dict[str, Declaration]
     ) -> Iterator[Occurrence]:
         match node:
             case s.File(items=items):
@@ -117,7 +117,7 @@ class Names:
                 scope = scope | self._level(body, path)
             case s.Template(parameters=parameters):
                 yield from (o for o in self._declaration(node, path))
-                own = {p.name.id: Declared(path, p.name.span.start, p) for p in parameters}
+                own = {p.name.id: Declaration(path, p.name.span.start, p) for p in parameters}
                 for p in parameters:
                     yield Occurrence(p.name.span, own[p.name.id])
                 scope = scope | own
@@ -149,31 +149,31 @@ class Names:
         name = getattr(node, "name", None)
         world = isinstance(node, s.Block) and node.kind == "world"
         if isinstance(node, _DECLARING) and isinstance(name, s.Name) and name.span.text == name.id and not world:
-            yield Occurrence(name.span, Declared(path, name.span.start, node))
+            yield Occurrence(name.span, Declaration(path, name.span.start, node))
 
-    def _filled(self, block: s.Block, node: Any, scope: dict[str, Declared]) -> Iterator[Occurrence]:
+    def _filled(self, block: s.Block, node: Any, scope: dict[str, Declaration]) -> Iterator[Occurrence]:
         """A property that fills in a parameter of the block's template."""
         template = scope.get(block.model.id) if block.model else None
         if isinstance(node, s.Property) and template is not None and isinstance(template.node, s.Template):
             for p in template.node.parameters:
                 if p.name.id == node.name.id:
-                    yield Occurrence(node.name.span, Declared(template.path, p.name.span.start, p))
+                    yield Occurrence(node.name.span, Declaration(template.path, p.name.span.start, p))
 
     def _use(self, use: s.Use, path: Path) -> Iterator[Occurrence]:
         """The library, the name that it is given, its parameters, and what is taken of it."""
         library = self.document.program.paths.get(use.name.span)
         if use.prefix is not None:
-            yield Occurrence(use.prefix.span, Declared(path, use.prefix.span.start, use))
+            yield Occurrence(use.prefix.span, Declaration(path, use.prefix.span.start, use))
         if library is None or library not in self._files:
             return
-        yield Occurrence(use.name.span, Declared(library, 0, self._files[library]))
+        yield Occurrence(use.name.span, Declaration(library, 0, self._files[library]))
         brought = self._level(self._files[library].items, library)
         for p in use.given:
             yield from self._name(p.name, brought)
         if use.only is not None:
             yield from self._walk(use.only, path, brought)
 
-    def _name(self, name: s.Name, scope: dict[str, Declared]) -> Iterator[Occurrence]:
+    def _name(self, name: s.Name, scope: dict[str, Declaration]) -> Iterator[Occurrence]:
         if name.id in scope and "." not in name.id:
             yield Occurrence(name.span, scope[name.id])
         elif "." in name.id:
@@ -183,7 +183,7 @@ class Names:
             if name.id in scope:
                 yield Occurrence(Span(name.span.source, name.span.end - len(last), name.span.end), scope[name.id])
 
-    def _member(self, node: s.Member, path: Path, scope: dict[str, Declared]) -> Iterator[Occurrence]:
+    def _member(self, node: s.Member, path: Path, scope: dict[str, Declaration]) -> Iterator[Occurrence]:
         """`here.floor` is a name of a library, `rack.left` a part."""
         yield from self._walk(node.value, path, scope)
         whole = node.value.id if isinstance(node.value, s.Name) else node.value.span.text
@@ -198,10 +198,10 @@ class Names:
         for place in places:
             for part in getattr(place.node, "parts", ()):
                 if part.name.id == node.name.id:
-                    yield Occurrence(node.name.span, Declared(place.path, part.name.span.start, part))
+                    yield Occurrence(node.name.span, Declaration(place.path, part.name.span.start, part))
                     return
 
-    def _holes(self, span: Span, path: Path, scope: dict[str, Declared]) -> Iterator[Occurrence]:
+    def _holes(self, span: Span, path: Path, scope: dict[str, Declaration]) -> Iterator[Occurrence]:
         """The `{...}` of a text."""
         for hole in _HOLE.finditer(span.text):
             inner = Span(span.source, span.start + hole.start(1), span.start + hole.end(1))

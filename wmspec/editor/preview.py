@@ -29,7 +29,7 @@ class Preview:
         return examples.picture(text, path, self.task, self.index, default(), 256)
 
 
-def pointed_at(document: Document, offset: int) -> Preview:
+def instance_at(document: Document, offset: int) -> Preview:
     """The instance under the cursor: the first of the task there, with the value of a factor if one is there.
 
     Raises WmsError if the text has mistakes or no task.

@@ -13,7 +13,7 @@ from pygls.workspace.position_codec import ServerTextPosition
 from wmspec.core.diagnostics import Diagnostic, Remedy
 from wmspec.core.node import Node
 from wmspec.core.places import FilePlace, Place, Span
-from wmspec.editor.complete import Offer, Sort
+from wmspec.editor.complete import CompletionItem, ItemKind
 from wmspec.editor.document import Document, children
 from wmspec.lang.parse import codes
 from wmspec.lang.parse import syntax as s
@@ -23,7 +23,7 @@ from wmspec.lang.parse.files import resolve_display_path
 #: Where the page of each code is, as `wmspec explain` shows it.
 PAGES = Path(codes.__file__).parent
 
-_SORTS: dict[Sort, lsp.CompletionItemKind] = {
+_SORTS: dict[ItemKind, lsp.CompletionItemKind] = {
     "property": lsp.CompletionItemKind.Property,
     "argument": lsp.CompletionItemKind.Field,
     "unit": lsp.CompletionItemKind.Unit,
@@ -90,7 +90,7 @@ def uri_of(path: Path) -> str:
     return from_fs_path(str(path)) or path.as_uri()
 
 
-def shown(d: Diagnostic, text: TextDocument) -> lsp.Diagnostic:
+def lsp_diagnostic(d: Diagnostic, text: TextDocument) -> lsp.Diagnostic:
     """The diagnostic as editors show it; one that lies in another file stands at the start, with its place told."""
     codec = text.position_codec
     here = isinstance(d.place, Span) and resolve_display_path(d.place.source.name).resolve() == path_of(text.uri)
@@ -122,7 +122,7 @@ def _related(message: str, place: Place | None, codec: PositionCodec) -> lsp.Dia
     return lsp.DiagnosticRelatedInformation(location, message)
 
 
-def fix(d: Diagnostic, uri: str, positions: Positions, shown: Iterable[lsp.Diagnostic]) -> lsp.CodeAction | None:
+def quick_fix(d: Diagnostic, uri: str, positions: Positions, shown: Iterable[lsp.Diagnostic]) -> lsp.CodeAction | None:
     """The remedy of a diagnostic as an edit, if it is one."""
     if not isinstance(d.help, Remedy) or not isinstance(d.place, Span) or d.place.text.count(d.help.wrong) == 0:
         return None
@@ -140,7 +140,7 @@ def fix(d: Diagnostic, uri: str, positions: Positions, shown: Iterable[lsp.Diagn
 # ---------------------------------------------------------------- offers and symbols
 
 
-def item(number: int, offer: Offer, where: lsp.Range) -> lsp.CompletionItem:
+def lsp_completion(number: int, offer: CompletionItem, where: lsp.Range) -> lsp.CompletionItem:
     """An offer, the `number`-th, that replaces a range."""
     return lsp.CompletionItem(
         label=offer.word,

@@ -16,13 +16,13 @@ from wmspec.lang.parse.files import library_folder
 from wmspec.lang.parse.tables import tables
 
 
-def meant(documents: Iterable[Document], occurrence: Occurrence) -> dict[Path, tuple[Span, ...]]:
+def occurrences_of(documents: Iterable[Document], occurrence: Occurrence) -> dict[Path, tuple[Span, ...]]:
     """Everywhere in the documents that the same declaration is meant."""
     spans_of = {d.path: Names(d).of(occurrence.declared) for d in documents}
     return {path: spans for path, spans in spans_of.items() if spans}
 
 
-def renamed(documents: Iterable[Document], occurrence: Occurrence, name: str) -> dict[Path, tuple[Span, ...]]:
+def rename_places(documents: Iterable[Document], occurrence: Occurrence, name: str) -> dict[Path, tuple[Span, ...]]:
     """What to replace by the new name. Raises WmsError where that cannot be, or would change what something means."""
     old, declared = occurrence.span.text, occurrence.declared
     if isinstance(declared.node, s.File):
@@ -35,7 +35,7 @@ def renamed(documents: Iterable[Document], occurrence: Occurrence, name: str) ->
         raise WmsError(f"`{name}` is a word of the language; choose another name")
     if old in BUILTIN:
         raise WmsError(f"`{old}` is a word of the language too; rename by hand where the thing is meant")
-    places = meant(documents, occurrence)
+    places = occurrences_of(documents, occurrence)
     for document in documents:
         if document.path in places and name in Names(document).visible(places[document.path][0].start):
             raise WmsError(f"there is a `{name}` in {document.source.name} already")

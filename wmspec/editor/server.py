@@ -21,13 +21,13 @@ from wmspec import __version__
 from wmspec.api.loading import TextCheck
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.editor.document import Document
-from wmspec.editor.protocol import Positions, path_of, positions_in, shown
-from wmspec.runtime.workers.pool import Helper
+from wmspec.editor.protocol import Positions, path_of, positions_in, lsp_diagnostic
+from wmspec.runtime.workers.pool import HelperProcess
 
 #: How long after the last key a text is checked (s), and how long a picture may take.
-PAUSE, PATIENCE = 0.12, 120.0
+CHECK_DELAY, DRAW_TIMEOUT = 0.12, 120.0
 #: So many specs of a folder are looked through for a name.
-MOST_FILES = 500
+MAX_FILES = 500
 
 
 class Server(LanguageServer):
@@ -37,7 +37,7 @@ class Server(LanguageServer):
         super().__init__("wmspec", __version__)
         self._documents: dict[str, tuple[int | None, Document]] = {}
         self._checks: dict[str, asyncio.Task[None]] = {}
-        self.told: dict[str, tuple[Diagnostic, ...]] = {}
+        self.published: dict[str, tuple[Diagnostic, ...]] = {}
 
     def document(self, uri: str) -> tuple[Document, Positions]:
         """An open document as it is now."""
@@ -52,7 +52,7 @@ class Server(LanguageServer):
         """The documents in which a name of this one, or of the library that declares it, may be meant."""
         opened = {path_of(uri): doc.source for uri, doc in self.workspace.text_documents.items()}
         folders = {document.path.parent, declared.parent} | {path_of(uri) for uri in self.workspace.folders}
-        nearby = [p for folder in sorted(folders) for p in sorted(folder.glob("**/*.wms"))[:MOST_FILES]]
+        nearby = [p for folder in sorted(folders) for p in sorted(folder.glob("**/*.wms"))[:MAX_FILES]]
         documents = {document.path: document}
         for path in dict.fromkeys([declared, *opened, *nearby]):
             if path not in documents and (path in opened or path.is_file()):
@@ -69,7 +69,7 @@ class Server(LanguageServer):
 
     async def _check(self, uri: str) -> None:
         """Tell what is wrong with the text at once, then what is wrong with its values."""
-        await asyncio.sleep(PAUSE)
+        await asyncio.sleep(CHECK_DELAY)
         text = self.workspace.get_text_document(uri)
         version, source, path = text.version, text.source, path_of(uri)
         try:
@@ -86,10 +86,10 @@ class Server(LanguageServer):
                 self._tell(text, error.diagnostics)
 
     def _tell(self, text: TextDocument, diagnostics: tuple[Diagnostic, ...]) -> None:
-        self.told[text.uri] = diagnostics
-        told = [shown(d, text) for d in diagnostics]
+        self.published[text.uri] = diagnostics
+        published = [lsp_diagnostic(d, text) for d in diagnostics]
         self.text_document_publish_diagnostics(
-            lsp.PublishDiagnosticsParams(uri=text.uri, diagnostics=told, version=text.version)
+            lsp.PublishDiagnosticsParams(uri=text.uri, diagnostics=published, version=text.version)
         )
 
     def forget(self, uri: str) -> None:
@@ -97,7 +97,7 @@ class Server(LanguageServer):
         if (running := self._checks.pop(uri, None)) is not None:
             running.cancel()
         self._documents.pop(uri, None)
-        self.told.pop(uri, None)
+        self.published.pop(uri, None)
         self.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(uri=uri, diagnostics=[]))
 
     def positions_in(self, document: Document) -> Positions:
@@ -105,9 +105,9 @@ class Server(LanguageServer):
         return positions_in(document, self.workspace.position_codec)
 
     @cached_property
-    def drawer(self) -> Helper:
+    def drawer(self) -> HelperProcess:
         """Who draws, in a process of its own."""
-        return Helper(PATIENCE)
+        return HelperProcess(DRAW_TIMEOUT)
 
     @cached_property
     def pictures(self) -> tempfile.TemporaryDirectory[str]:

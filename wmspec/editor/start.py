@@ -20,7 +20,7 @@ def templates() -> dict[str, str]:
     return {name.removesuffix(SUFFIX): texts[name] for name in sorted(texts)}
 
 
-def about() -> dict[str, str]:
+def template_titles() -> dict[str, str]:
     """What each template is about, in a line."""
     return {name: text.splitlines()[0].strip('"') for name, text in templates().items()}
 

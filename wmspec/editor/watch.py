@@ -17,10 +17,10 @@ from wmspec.core.places import Source
 from wmspec.editor import examples
 from wmspec.lang.parse.files import display_path, read_source
 from wmspec.lang.parse.load import load_source
-from wmspec.runtime.workers.pool import Helper, Lost
+from wmspec.runtime.workers.pool import HelperProcess, JobFailure
 
 #: How often the files are looked at (s), and how long one instance may take.
-PERIOD, PATIENCE = 0.2, 60.0
+POLL_INTERVAL, INSTANCE_TIMEOUT = 0.2, 60.0
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Watch:
     """Looks at a spec's file and its libraries; `state` is always a whole one, and who waits is told of the next."""
 
     path: Path
-    drawing: PreviewOptions
+    options: PreviewOptions
     state: State = field(default_factory=State)
     stopped: Event = field(default_factory=Event)
     _before: tuple[examples.Row, ...] = ()
@@ -58,7 +58,7 @@ class Watch:
 
     def run(self) -> None:
         """Check and draw at every change, until it is stopped."""
-        helper = Helper(PATIENCE)
+        helper = HelperProcess(INSTANCE_TIMEOUT)
         before: dict[Path, bytes] | None = None
         libraries: tuple[Path, ...] = ()
         try:
@@ -68,7 +68,7 @@ class Watch:
                     before = now
                     libraries = self._changed(helper, before)
                     before |= _contents(libraries)
-                self.stopped.wait(PERIOD)
+                self.stopped.wait(POLL_INTERVAL)
         finally:
             helper.close()
 
@@ -95,7 +95,7 @@ class Watch:
             self.state = replace(state, version=self.state.version + 1)
             self._news.notify_all()
 
-    def _changed(self, helper: Helper, contents: dict[Path, bytes]) -> tuple[Path, ...]:
+    def _changed(self, helper: HelperProcess, contents: dict[Path, bytes]) -> tuple[Path, ...]:
         """Check the text, then draw it. Returns the libraries that it uses."""
         self._before = last = self.state.rows
         self._say(replace(self.state, phase="checking", stale=bool(last)))
@@ -105,12 +105,12 @@ class Watch:
         except WmsError as error:
             self._say(State(phase="done", diagnostics=error.diagnostics, rows=last, stale=bool(last)))
             return ()
-        told = State(phase="drawing", diagnostics=diagnosis.diagnostics, tasks=diagnosis.tasks, rows=last, stale=True)
+        checked = State(phase="drawing", diagnostics=diagnosis.diagnostics, tasks=diagnosis.tasks, rows=last, stale=True)
         if not tasks:
-            self._say(replace(told, phase="done", stale=bool(last)))
+            self._say(replace(checked, phase="done", stale=bool(last)))
             return self._libraries(text)
-        self._say(told)
-        self._draw(helper, text, tasks, told, contents)
+        self._say(checked)
+        self._draw(helper, text, tasks, checked, contents)
         return tuple(path for task in tasks for path in task.program.libraries)
 
     def _libraries(self, text: str) -> tuple[Path, ...]:
@@ -120,24 +120,24 @@ class Watch:
         return ()
 
     def _draw(
-        self, helper: Helper, text: str, tasks: tuple[Task, ...], told: State, contents: dict[Path, bytes]
+        self, helper: HelperProcess, text: str, tasks: tuple[Task, ...], checked: State, contents: dict[Path, bytes]
     ) -> None:
         """Draw instance by instance; a newer text ends it."""
         rows: tuple[examples.Row, ...] = ()
         helper.do(examples.changed)
-        for task, index in _chosen(tasks, self.drawing.instances):
+        for task, index in _chosen(tasks, self.options.instances):
             if self.stopped.is_set() or _contents((self.path,)) != {self.path: contents[self.path]}:
                 return
             row = helper.do(
-                examples.draw, text, self.path.resolve(), task.name, index, self.drawing.engine, self.drawing.size
+                examples.draw, text, self.path.resolve(), task.name, index, self.options.engine, self.options.size
             )
-            if isinstance(row, Lost):
+            if isinstance(row, JobFailure):
                 row = examples.Row(
                     task.name, index, str(task[index]), (examples.QuestionPreview("", rejected=row.reason),)
                 )
             rows = (*rows, row)
-            self._say(replace(told, rows=rows, stale=False))
-        self._say(replace(told, phase="done", rows=rows, stale=False))
+            self._say(replace(checked, rows=rows, stale=False))
+        self._say(replace(checked, phase="done", rows=rows, stale=False))
 
 
 def picture_name(png: bytes) -> str:

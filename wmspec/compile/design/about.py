@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from wmspec.compile.design.depend import dependencies
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.lang.check.ir.evaluate import evaluate, parts
 from wmspec.lang.check.ir.ir import Expr, Interpolation, Question, Ref, Value
 
 
-def named(question: Question, values: Values) -> set[str]:
+def referenced_objects(question: Question, values: Evaluator) -> set[str]:
     """Return the present objects that the text, the options or the answer name, also through a `let`.
 
     If none is named, these are the objects with a property that depends on the factors of the answer. For example,
@@ -21,18 +21,18 @@ def named(question: Question, values: Values) -> set[str]:
     spoken += [question.answer] if question.options is None else [question.answer, question.options]
     things = {t.name: t for t in values.spec.things}
     names: set[str] = set()
-    for part in _spelled_out(spoken, values):
+    for part in _subexpressions(spoken, values):
         if isinstance(part, Value | Ref):
             value = evaluate(part, values)
             names.update(v for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, str))
     for joint in [name for name in names if name in things and things[name].kind == "joint"]:
         names.add(values.reference(joint, "of"))  # a joint is visible only through the objects that it moves
     if not any(name in things and things[name].kind == "object" for name in names):
-        names |= _showing(question.answer, values)
+        names |= _objects_depending_on(question.answer, values)
     return names
 
 
-def _spelled_out(spoken: Iterable[Expr], values: Values) -> Iterator[Expr]:
+def _subexpressions(spoken: Iterable[Expr], values: Evaluator) -> Iterator[Expr]:
     """Yield all subexpressions, including those of the named values that they refer to."""
     lets = {let.name: let.value for let in values.spec.lets}
     waiting, seen = list(spoken), set[str]()
@@ -44,7 +44,7 @@ def _spelled_out(spoken: Iterable[Expr], values: Values) -> Iterator[Expr]:
                 waiting.append(lets[part.name])
 
 
-def _showing(answer: Expr, values: Values) -> set[str]:
+def _objects_depending_on(answer: Expr, values: Evaluator) -> set[str]:
     """Return the objects with a property that depends on a factor or nuisance of the answer."""
     depend, factors = dependencies(values.spec), {f.name for f in values.spec.factors}
     decisive = depend.expression(answer) & factors

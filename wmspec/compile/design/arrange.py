@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, combinations, islice
 
-from wmspec.compile.design.blocks import Blocks, Groups, Repeated, TooManyTied
-from wmspec.compile.design.columns import Column, Free, Strata
+from wmspec.compile.design.blocks import Blocks, Groups, RepeatedPlan, TooManyTied
+from wmspec.compile.design.columns import Column, FreeFactor, Strata
 from wmspec.compile.design.constrain import Constraint
-from wmspec.compile.design.constraint_chain import MOST_COUNTED, Chain, TooMuch
-from wmspec.compile.design.describe import told
+from wmspec.compile.design.constraint_chain import MAX_COUNTED, Chain, TooManyCombinations
+from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.levels import Level
 from wmspec.compile.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
 from wmspec.core.diagnostics import Note, SpecError
@@ -17,7 +17,7 @@ from wmspec.lang.check.ir.ir import Choices, TaskSpec
 
 _EVEN = "remove the conditions on crossed factors, or remove `balance`"
 #: Maximum number of subsets of conditions tried when searching for a minimal contradictory one.
-MOST_SETS = 500
+MAX_SUBSETS = 500
 
 
 def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Blocks:
@@ -25,7 +25,7 @@ def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Block
     columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
     key = (seed, spec.name, spec.plan.kind)
     if spec.plan.kind != "groups":
-        return Repeated(columns, _arranged(spec, conditions, columns, key), spec.repeat)
+        return RepeatedPlan(columns, _arranged(spec, conditions, columns, key), spec.repeat)
     try:
         groups = Groups(columns, spec.plan.cross, spec.plan.turn, spec.plan.count or 1, key)
     except TooManyTied as tied:
@@ -79,8 +79,8 @@ def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, .
         domains = dict(sorted(domains.items()))
     try:
         columns = tuple(_tied(domains, conditions))
-    except TooMuch as much:
-        raise _too_much(much, conditions) from None
+    except TooManyCombinations as much:
+        raise _too_many_combinations(much, conditions) from None
     constant = [c for c in conditions if not c.scope and not c.allowed]
     if constant or not all(c.size for c in columns):
         raise _nothing_left(domains, conditions)
@@ -95,7 +95,7 @@ def _tied(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constra
         here = [c for c in conditions if members & {*c.scope}]
         if name not in placed:
             tied = {n: values for n, values in domains.items() if n in members}
-            yield Chain(tied, here) if here else Free(name, domains[name])
+            yield Chain(tied, here) if here else FreeFactor(name, domains[name])
         placed |= members
 
 
@@ -108,14 +108,14 @@ def _closure(members: set[str], ties: Sequence[frozenset[str]]) -> set[str]:
         members = wider
 
 
-def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
+def _too_many_combinations(much: TooManyCombinations, conditions: Sequence[Constraint]) -> SpecError:
     """Return the error for conditions whose combinations are too many to count."""
     tying = {c.statement: c for c in conditions if len({*c.scope} & {*much.names}) > 1}
     first, *more = tying.values()
     names = f"{', '.join(much.names[:6])}{', ...' if len(much.names) > 6 else ''}"
     return SpecError(
         f"conditions tie {len(much.names)} factors together ({names}): {much.combinations:,} combinations to count at "
-        f"once, and {MOST_COUNTED:,} are the most",
+        f"once, and {MAX_COUNTED:,} are the most",
         first.place,
         "tie fewer factors to one another",
         code="WMS404",
@@ -144,14 +144,14 @@ def _satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[
         return False
     try:
         return all(column.size for column in _tied(domains, conditions))
-    except TooMuch:
+    except TooManyCombinations:
         return True
 
 
 def _smallest(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]) -> tuple[int, ...]:
     """Return the smallest unsatisfiable subset; a minimal one if there are more than MOST_SETS candidates."""
     sets = chain.from_iterable(combinations(candidates, n) for n in range(1, len(candidates)))
-    for some in islice(sets, MOST_SETS):
+    for some in islice(sets, MAX_SUBSETS):
         if not satisfiable(set(some)):
             return some
     needed = list(candidates)
@@ -170,7 +170,7 @@ def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Cons
     ranks = _ranks(columns, baseline)
     if ranks is None:
         broken = next(c for c in conditions if not c.holds(baseline))
-        where = told(spec.factors, {name: baseline[name] for name in broken.scope})
+        where = format_levels(spec.factors, {name: baseline[name] for name in broken.scope})
         place = spec.plan.place or broken.place
         message, remedy = f"the baseline, with {where}, is excluded", "choose another value for it"
         raise SpecError(message, place, remedy, code="WMS408", notes=(Note("this condition", broken.place),))

@@ -14,13 +14,13 @@ from itertools import accumulate
 from math import prod
 from typing import Protocol
 
-from wmspec.compile.design.columns import MOST_LISTED, Column, balanced
+from wmspec.compile.design.columns import MAX_LISTED, Column, balanced_order
 from wmspec.compile.design.levels import Level
 from wmspec.compile.design.plans import Arrangement
 from wmspec.core.rng import Permutation
 
 #: Maximum number of groups of unequal size; their start indices are listed in memory.
-MOST_UNEQUAL = 100_000
+MAX_UNEQUAL = 100_000
 
 
 class Blocks(Protocol):
@@ -51,7 +51,7 @@ class Blocks(Protocol):
 
 
 @dataclass(frozen=True)
-class Repeated:
+class RepeatedPlan:
     """One plan, repeated `count` times."""
 
     columns: tuple[Column, ...]
@@ -111,7 +111,7 @@ class Groups:
         self._turns = tuple(
             _Turn(columns, (*cross, *([turn] if turn else [])), (*key, turn)) for turn in turns or ("",)
         )
-        if count > MOST_UNEQUAL and any(turn.even is None for turn in self._turns):
+        if count > MAX_UNEQUAL and any(turn.even is None for turn in self._turns):
             raise TooManyTied(max((c for c in columns if len(c.names) > 1), key=lambda c: c.size).names)
 
     @property
@@ -233,7 +233,7 @@ class _Part:
         self._single = crossed.isdisjoint(column.names)
         self._contexts: tuple[tuple[int, ...], ...] = ()
         if self._whole is None and not self._single:
-            if column.size > MOST_LISTED:
+            if column.size > MAX_LISTED:
                 raise TooManyTied(column.names)
             self._contexts = _contexts(column, crossed)
 
@@ -251,7 +251,7 @@ class _Part:
             return self._whole
         size = self.column.size if self._single else len(self._contexts)
         lap, at = divmod(number, size)
-        drawn = self._order(lap)[at] if size <= MOST_LISTED else Permutation(size, *self._key, lap)(at)
+        drawn = self._order(lap)[at] if size <= MAX_LISTED else Permutation(size, *self._key, lap)(at)
         return (drawn,) if self._single else self._contexts[drawn]
 
     def _order(self, lap: int) -> Sequence[int]:
@@ -260,7 +260,7 @@ class _Part:
         if known != lap:
             key = (*self._key, lap)
             if self._single:
-                order = balanced(self.column, key)
+                order = balanced_order(self.column, key)
             else:
                 order = list(map(Permutation(len(self._contexts), *key), range(len(self._contexts))))
             self._known = (lap, order)

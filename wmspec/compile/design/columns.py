@@ -14,9 +14,9 @@ from wmspec.core.rng import Permutation, bits, uniform
 from wmspec.lang.check.ir.ir import Factor
 
 #: Maximum number of allowed combinations for which an order with balanced prefixes is computed.
-MOST_BALANCED = 128
+MAX_BALANCED = 128
 #: Maximum number of combinations kept in a list; larger columns compute each one on demand.
-MOST_LISTED = 4096
+MAX_LISTED = 4096
 
 
 class Column(Protocol):
@@ -38,7 +38,7 @@ class Column(Protocol):
 
 
 @dataclass(frozen=True)
-class Free:
+class FreeFactor:
     """A factor that no condition ties to another, with all its values."""
 
     name: str
@@ -111,8 +111,8 @@ class Spread:
         else:
             permutation = Permutation(column.size, *self._key, "order")
             self.rank, self.number = permutation, permutation.inverse
-            if column.size <= MOST_LISTED:
-                order = balanced(column, self._key)
+            if column.size <= MAX_LISTED:
+                order = balanced_order(column, self._key)
                 self.rank = order.__getitem__
                 self.number = {rank: number for number, rank in enumerate(order)}.get
 
@@ -126,14 +126,14 @@ class Spread:
         return number if self._drawn(number) == rank else None
 
 
-def balanced(column: Column, key: tuple[object, ...]) -> list[int]:
+def balanced_order(column: Column, key: tuple[object, ...]) -> list[int]:
     """Return all ranks of a column in random order; prefixes are balanced if several factors are tied."""
-    if len(column.names) > 1 and column.size <= MOST_BALANCED:
-        return _evened(column, key)
+    if len(column.names) > 1 and column.size <= MAX_BALANCED:
+        return _even_order(column, key)
     return list(map(Permutation(column.size, *key, "order"), range(column.size)))
 
 
-def _evened(column: Column, key: tuple[object, ...]) -> list[int]:
+def _even_order(column: Column, key: tuple[object, ...]) -> list[int]:
     """Return the ranks in an order that spaces each value of each factor evenly, otherwise random."""
     cells: dict[tuple[int, Level], int] = {}
     ranks = (enumerate(column.values(rank)) for rank in range(column.size))

@@ -10,16 +10,16 @@ from math import prod
 from typing import Any
 
 from wmspec.compile.design.depend import Dependencies
-from wmspec.compile.design.describe import told
+from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.levels import Level
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.core.diagnostics import ImpossibleValue, SpecError, WmsError
 from wmspec.core.places import Location
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Choices, Expr, Factor, Operation, TaskSpec
 
 #: Maximum number of combinations on which the conditions of a task are evaluated; takes about 0.5 s.
-MOST_TRIED = 100_000
+MAX_TRIED = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +54,13 @@ class Constraint:
         known = {name: self.domains[name][level] for name, level in zip(self.scope, at, strict=True)}
         condition = self.conditions[at[0] if self.conditional else 0]
         try:
-            return bool(evaluate(condition, _Known(self.spec, known)))
+            return bool(evaluate(condition, _FactorEnvironment(self.spec, known)))
         except WmsError as error:
-            where = told(self.spec.factors, known)
+            where = format_levels(self.spec.factors, known)
             raise ImpossibleValue(f"{self.text} has no value where {where}: {error}", self.place) from None
 
 
-class _Known:
+class _FactorEnvironment:
     """An environment for conditions on factors; builds the scene only when a condition needs it."""
 
     def __init__(self, spec: TaskSpec, known: Mapping[str, Level]) -> None:
@@ -68,8 +68,8 @@ class _Known:
         self._known = known
 
     @cached_property
-    def _scene(self) -> Values:
-        return Values(self._spec, self._known)
+    def _scene(self) -> Evaluator:
+        return Evaluator(self._spec, self._known)
 
     def ref(self, name: str) -> Any:
         return self._known[name] if name in self._known else self._scene.ref(name)
@@ -90,10 +90,10 @@ def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
     tries = 0
     for constraint in made:
         tries += constraint.tries
-        if tries > MOST_TRIED:
+        if tries > MAX_TRIED:
             names = ", ".join(constraint.scope)
             raise SpecError(
-                f"this condition ties {names} together, {constraint.tries:,} combinations to try, and {MOST_TRIED:,} "
+                f"this condition ties {names} together, {constraint.tries:,} combinations to try, and {MAX_TRIED:,} "
                 "are the most",
                 constraint.place,
                 "split it into conditions on fewer factors, joined by `and`",
@@ -112,14 +112,14 @@ def _constraints(spec: TaskSpec) -> Iterator[Constraint]:
         for condition in _conjuncts(require.condition):
             tied = depend.expression(condition) & set(order)
             scope = tuple(name for name in order if name in tied)
-            _separate(scope, domains, spec, require.place)
+            _require_discrete(scope, domains, spec, require.place)
             yield Constraint(spec, number, f"`{require.text}`", require.place, scope, (condition,), domains)
     for number, factor in enumerate(conditional, start=len(spec.requires)):
         assert isinstance(factor.domain, Choices)
         when = factor.domain.when or ()
         tied = frozenset[str]().union(*(depend.expression(e) for e in when)) & set(order)
         scope = (factor.name, *(name for name in order if name in tied and name != factor.name))
-        _separate(scope, domains, spec, factor.place)
+        _require_discrete(scope, domains, spec, factor.place)
         text = f"the domain of `{factor.name}`"
         yield Constraint(spec, number, text, factor.place, scope, when, domains, conditional=True)
 
@@ -133,7 +133,7 @@ def _conjuncts(condition: Expr) -> Iterator[Expr]:
         yield condition
 
 
-def _separate(scope: tuple[str, ...], domains: Mapping[str, Any], spec: TaskSpec, place: Location) -> None:
+def _require_discrete(scope: tuple[str, ...], domains: Mapping[str, Any], spec: TaskSpec, place: Location) -> None:
     """Raise SpecError unless every factor in scope has discrete values."""
     for name in scope:
         if name not in domains:

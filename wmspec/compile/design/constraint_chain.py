@@ -12,10 +12,10 @@ from wmspec.compile.design.constrain import Constraint
 from wmspec.compile.design.levels import Level
 
 #: Maximum number of combinations of a factor's values with its tied factors, summed over a group of factors.
-MOST_COUNTED = 300_000
+MAX_COUNTED = 300_000
 
 
-class TooMuch(Exception):
+class TooManyCombinations(Exception):
     """Counting needs `combinations` combinations of the factors `names`, more than MOST_COUNTED."""
 
     def __init__(self, names: tuple[str, ...], combinations: int) -> None:
@@ -114,12 +114,12 @@ def _scope(constraint: Constraint, names: tuple[str, ...]) -> frozenset[int]:
 def _order(sizes: tuple[int, ...], scopes: Sequence[frozenset[int]], names: tuple[str, ...]) -> tuple[int, ...]:
     """Return the order in which factors are numbered: that of the spec, else a cheaper one. Raises TooMuch."""
     written = tuple(range(len(sizes)))
-    if max(_costs(written, sizes, scopes), default=0) <= MOST_COUNTED:
+    if max(_costs(written, sizes, scopes), default=0) <= MAX_COUNTED:
         return written
     cheap = _cheapest(sizes, scopes)
     costs = _costs(cheap, sizes, scopes)
-    if (most := max(costs)) > MOST_COUNTED:
-        raise TooMuch(names, most)
+    if (most := max(costs)) > MAX_COUNTED:
+        raise TooManyCombinations(names, most)
     return cheap
 
 

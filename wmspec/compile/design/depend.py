@@ -24,11 +24,11 @@ PLACEMENT = ("at", "on", "inside", *_TURN)
 _SCATTER = ("scatter", "gap")
 
 #: Number of specs whose dependencies are cached.
-_REMEMBERED = 8
+_MAX_CACHED = 8
 _latest: OrderedDict[int, tuple[TaskSpec, Dependencies]] = OrderedDict()
 
 #: Properties of its objects that a function reads.
-_LOOKS_AT: dict[str, tuple[str, ...]] = {
+_FUNCTION_READS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("toward", "left_of", "right_of", "in_front_of", "behind", "polar", "between"), ("pose",)),
     **dict.fromkeys(("volume", "largest", "smallest"), ("form",)),
     **dict.fromkeys(("luminance", "darkest", "lightest"), ("color",)),
@@ -41,7 +41,7 @@ def dependencies(spec: TaskSpec) -> Dependencies:
     """Return the dependencies of a spec, cached by identity since specs are immutable."""
     if id(spec) not in _latest:
         _latest[id(spec)] = spec, Dependencies(spec)  # keeping the spec keeps its `id` unique
-        if len(_latest) > _REMEMBERED:
+        if len(_latest) > _MAX_CACHED:
             _latest.popitem(last=False)
     _latest.move_to_end(id(spec))
     return _latest[id(spec)][1]
@@ -110,17 +110,17 @@ class Dependencies:
                     direct.add(name)
                 case Property(owner=owner, name=name):
                     direct |= {f"{named}.{name}" for named in self._named(owner)}
-                case Call(function=function, arguments=arguments, options=options) if function in _LOOKS_AT:
+                case Call(function=function, arguments=arguments, options=options) if function in _FUNCTION_READS:
                     for argument in (*arguments, *(option.value for option in options)):
-                        direct |= {f"{n}.{aspect}" for n in self._named(argument) for aspect in _LOOKS_AT[function]}
+                        direct |= {f"{n}.{aspect}" for n in self._named(argument) for aspect in _FUNCTION_READS[function]}
         return frozenset(direct)
 
     # ------------------------------------------------------------ what one property is made of
 
     def _of_property(self, thing: Entity, name: str) -> Iterator[str | Expr]:
         """Yield the sources and expressions that determine a property of an entity."""
-        if name in _TOGETHER:
-            yield from _TOGETHER[name](self, thing)
+        if name in _COMPOSITE_SOURCES:
+            yield from _COMPOSITE_SOURCES[name](self, thing)
         elif name in thing.properties:
             yield thing.properties[name].value
         elif thing.kind == "part" and name in INHERITED:
@@ -244,7 +244,7 @@ class Dependencies:
         return frozenset(named)
 
 
-_TOGETHER: dict[str, Callable[[Dependencies, Entity], Iterator[str | Expr]]] = {
+_COMPOSITE_SOURCES: dict[str, Callable[[Dependencies, Entity], Iterator[str | Expr]]] = {
     "form": Dependencies._form,
     "pose": Dependencies._pose,
     "way": Dependencies._way,

@@ -90,14 +90,14 @@ class Design:
     @overload
     def __getitem__(self, index: int) -> Instance: ...
     @overload
-    def __getitem__(self, index: slice) -> Part: ...
-    def __getitem__(self, index: int | slice) -> Instance | Part:
+    def __getitem__(self, index: slice) -> InstanceSequence: ...
+    def __getitem__(self, index: int | slice) -> Instance | InstanceSequence:
         """Return instance `index` in constant time; for a slice, a lazy sequence.
 
         Raises IndexError outside 0..len-1.
         """
         if isinstance(index, slice):
-            return Part(self, range(len(self))[index])
+            return InstanceSequence(self, range(len(self))[index])
         if not 0 <= index < len(self):
             raise IndexError(f"{self.spec.name} has instances 0 to {len(self) - 1}, not {index}")
         block, place = self.blocks.locate(index)
@@ -216,7 +216,7 @@ class Design:
             parts.setdefault(tuple(values[name] for name in turning), []).append(index)
         return [tuple(part) for part in parts.values()]
 
-    def shard(self, number: int, count: int) -> Part:
+    def shard(self, number: int, count: int) -> InstanceSequence:
         """Return shard `number` (1 .. `count`): contiguous equal shares of the design, to within one."""
         return self[share(len(self), number, count)]
 
@@ -242,7 +242,7 @@ def share(size: int, number: int, count: int) -> slice:
     return slice(size * (number - 1) // count, size * number // count)
 
 
-class Part(Sequence[Instance]):
+class InstanceSequence(Sequence[Instance]):
     """Some instances of a design, each built on access."""
 
     def __init__(self, design: Design, indices: range) -> None:
@@ -255,8 +255,8 @@ class Part(Sequence[Instance]):
     @overload
     def __getitem__(self, index: int) -> Instance: ...
     @overload
-    def __getitem__(self, index: slice) -> Part: ...
-    def __getitem__(self, index: int | slice) -> Instance | Part:
+    def __getitem__(self, index: slice) -> InstanceSequence: ...
+    def __getitem__(self, index: int | slice) -> Instance | InstanceSequence:
         """Return the instance at a position of this part, or a slice as a part."""
         picked = self.indices[index]
-        return Part(self.design, picked) if isinstance(picked, range) else self.design[picked]
+        return InstanceSequence(self.design, picked) if isinstance(picked, range) else self.design[picked]

@@ -103,7 +103,7 @@ class Sample:
         return position if position < self.size else None
 
 
-_KNOWN = 64  # rows up to this length cache their shuffle; most digits of a sample have shorter rows
+_MAX_CACHED_ROW = 64  # rows up to this length cache their shuffle; most digits of a sample have shorter rows
 
 
 class _Digit:
@@ -129,7 +129,7 @@ class _Digit:
         self._cut = count % below  # number of positions of a row that also occur in the unfinished last row
         self._first = Permutation(self._cut, *key, "first")
         self._second = Permutation(below - self._cut, *key, "second") if below <= count else None
-        self._known = tuple(map(self._shuffled, range(below))) if below <= _KNOWN else ()
+        self._known = tuple(map(self._shuffled, range(below))) if below <= _MAX_CACHED_ROW else ()
 
     def __call__(self, position: int) -> int:
         row, column = divmod(position, self.below)

@@ -11,13 +11,13 @@ from wmspec.compile.layout.solids import Box, bounds
 from wmspec.core.space import IDENTITY, Pose, Vector, inverse, multiply
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 #: Overlap (m) that still counts as contact.
 _TOUCH = 1e-9
 
 
-def fits(values: Values, owner: str, container: str) -> bool:
+def fits(values: Evaluator, owner: str, container: str) -> bool:
     """Whether the object's axis-aligned box fits into the container's box without overlapping its parts' boxes.
 
     Axes are those of the container's frame.
@@ -26,10 +26,10 @@ def fits(values: Values, owner: str, container: str) -> bool:
     seen = multiply(inverse(values.pose(container).orientation), values.pose(owner).orientation)
     low, high = bounds(pieces(values, owner), Pose(orientation=seen))
     edges = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
-    return room(edges, bounds(inside, IDENTITY), [bounds((piece,), IDENTITY) for piece in inside])
+    return has_room(edges, bounds(inside, IDENTITY), [bounds((piece,), IDENTITY) for piece in inside])
 
 
-def room(edges: Vector, whole: Box, parts: Sequence[Box]) -> bool:
+def has_room(edges: Vector, whole: Box, parts: Sequence[Box]) -> bool:
     """Whether a box with these edges has a position within `whole` that overlaps none of `parts`.
 
     Any such position can be lowered along each axis until the box meets `whole` or a part. So only positions in contact

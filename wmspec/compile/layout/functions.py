@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 from wmspec.compile.layout import geometry
 from wmspec.compile.layout.cavities import fits
-from wmspec.compile.layout.motion import angle
+from wmspec.compile.layout.motion import heading_of
 from wmspec.compile.layout.surfaces import WORLD
 from wmspec.compile.layout.view import gaze, seen
 from wmspec.lang.check.ir.evaluate import NoValue
 from wmspec.lang.check.tables import colors
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 Location = tuple[str, float, float]
 
 
-def call(values: Values, function: str, arguments: tuple[Any, ...], options: Mapping[str, Any]) -> Any:
+def call(values: Evaluator, function: str, arguments: tuple[Any, ...], options: Mapping[str, Any]) -> Any:
     """Return the value of a design function. Raises WmsError if it has none."""
     try:
         return FUNCTIONS[function](values, *arguments, **options)
@@ -31,7 +31,7 @@ def call(values: Values, function: str, arguments: tuple[Any, ...], options: Map
 # ---------------------------------------------------------------- places
 
 
-def _toward(values: Values, subject: str, target: str) -> float:
+def _toward(values: Evaluator, subject: str, target: str) -> float:
     (x, y, _), (to_x, to_y, _) = values.pose(subject).position, values.pose(target).position
     return math.atan2(to_y - y, to_x - x)
 
@@ -39,7 +39,7 @@ def _toward(values: Values, subject: str, target: str) -> float:
 def _beside(dx: float, dy: float) -> Callable[..., Location]:
     """Return a function for a place at a distance to the right and to the back, seen by the world or a viewer."""
 
-    def beside(values: Values, owner: str, far: float, seen_from: str | None = None) -> Location:
+    def beside(values: Evaluator, owner: str, far: float, seen_from: str | None = None) -> Location:
         x, y, _ = values.pose(owner).position
         right, back = (dx, dy) if seen_from is None else seen(-gaze(values, seen_from), dx, dy)
         return (WORLD, x + right * far, y + back * far)
@@ -47,12 +47,12 @@ def _beside(dx: float, dy: float) -> Callable[..., Location]:
     return beside
 
 
-def _polar(values: Values, owner: str, far: float, direction: str | float) -> Location:
-    heading = angle(direction)
+def _polar(values: Evaluator, owner: str, far: float, direction: str | float) -> Location:
+    heading = heading_of(direction)
     return _beside(math.cos(heading), math.sin(heading))(values, owner, far)
 
 
-def _between(values: Values, first: str, second: str) -> Location:
+def _between(values: Evaluator, first: str, second: str) -> Location:
     (x, y, _), (to_x, to_y, _) = values.pose(first).position, values.pose(second).position
     return (WORLD, (x + to_x) / 2, (y + to_y) / 2)
 
@@ -60,7 +60,7 @@ def _between(values: Values, first: str, second: str) -> Location:
 # ---------------------------------------------------------------- sums
 
 
-def _item(_: Values, items: tuple[Any, ...], number: float) -> Any:
+def _item(_: Evaluator, items: tuple[Any, ...], number: float) -> Any:
     if number != math.floor(number):
         raise NoValue(f"`pick` takes a whole number, not {number:g}")
     return items[int(number) % len(items)]
@@ -71,14 +71,14 @@ def _numbers(given: Iterable[Any]) -> list[float]:
     return [n for item in given for n in (item if isinstance(item, tuple) else (item,))]
 
 
-def _mod(_values: Values, a: float, b: float) -> float:
+def _mod(_values: Evaluator, a: float, b: float) -> float:
     if b == 0:
         raise NoValue("`mod` by 0")
     return float(a) - b * math.floor(a / b)  # also works for directions, which cannot be multiplied
 
 
 def _extreme(choose: Callable[[list[float]], float]) -> Callable[..., float]:
-    def extreme_of(_values: Values, *given: Any) -> float:
+    def extreme_of(_values: Evaluator, *given: Any) -> float:
         if not (numbers := _numbers(given)):
             raise NoValue("there is none to choose from")
         return choose(numbers)
@@ -86,7 +86,7 @@ def _extreme(choose: Callable[[list[float]], float]) -> Callable[..., float]:
     return extreme_of
 
 
-def _sqrt(_values: Values, x: float) -> float:
+def _sqrt(_values: Evaluator, x: float) -> float:
     if x < 0:
         raise NoValue(f"`sqrt` of {x:g}, which has no root")
     return math.sqrt(x)
@@ -95,7 +95,7 @@ def _sqrt(_values: Values, x: float) -> float:
 _ROUNDING = 1e-6
 
 
-def _rgb(_values: Values, red: float, green: float, blue: float) -> str:
+def _rgb(_values: Evaluator, red: float, green: float, blue: float) -> str:
     for part in (red, green, blue):
         if not -_ROUNDING <= part <= 1 + _ROUNDING:
             raise NoValue(f"`rgb` takes parts from 0 to 1, not {part:g} (of 255, write `120 / 255`)")
@@ -105,11 +105,11 @@ def _rgb(_values: Values, red: float, green: float, blue: float) -> str:
 # ---------------------------------------------------------------- what is there
 
 
-def _present(values: Values, objects: tuple[str, ...]) -> tuple[str, ...]:
+def _present(values: Evaluator, objects: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in objects if values.there(name))
 
 
-def _nth(_values: Values, items: tuple[Any, ...], number: float) -> Any:
+def _nth(_values: Evaluator, items: tuple[Any, ...], number: float) -> Any:
     """Return the item with an index; negative indices count from the end."""
     i = int(number)
     if not -len(items) <= i < len(items):
@@ -117,7 +117,7 @@ def _nth(_values: Values, items: tuple[Any, ...], number: float) -> Any:
     return items[i]
 
 
-def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> str:
+def extreme_name(sizes: dict[str, float], most: bool, tie: float | None = None) -> str:
     """Return the name with the largest or smallest size; the first of equals, or `neither` within `tie` times."""
     ordered = sorted(sizes, key=lambda name: -sizes[name] if most else sizes[name])
     if not ordered:
@@ -129,25 +129,25 @@ def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> st
     return ordered[0]
 
 
-def _count(values: Values, items: tuple[str | bool, ...]) -> float:
+def _count(values: Evaluator, items: tuple[str | bool, ...]) -> float:
     """Return the number of present objects, or of true values."""
     return float(sum(item if isinstance(item, bool) else values.there(item) for item in items))
 
 
-def _pick(size: Callable[[Values, str], float], most: bool) -> Callable[..., str]:
-    def pick(values: Values, objects: tuple[str, ...], tie: float | None = None) -> str:
-        return extreme({name: size(values, name) for name in objects}, most, tie)
+def _pick(size: Callable[[Evaluator, str], float], most: bool) -> Callable[..., str]:
+    def pick(values: Evaluator, objects: tuple[str, ...], tie: float | None = None) -> str:
+        return extreme_name({name: size(values, name) for name in objects}, most, tie)
 
     return pick
 
 
-def _luminance(values: Values, owner: str) -> float:
+def _luminance(values: Evaluator, owner: str) -> float:
     return colors.luminance(values.text(owner, "color"))
 
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "toward": _toward,
-    "opposite": lambda _, a: angle(a) + math.pi,
+    "opposite": lambda _, a: heading_of(a) + math.pi,
     "left_of": _beside(-1.0, 0.0),
     "right_of": _beside(1.0, 0.0),
     "in_front_of": _beside(0.0, -1.0),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from wmspec.compile.layout.solids import Piece
+from wmspec.compile.layout.solids import PlacedShape
 from wmspec.core.canonical import dumps, loads
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import IDENTITY, Pose, from_ypr
@@ -15,10 +15,10 @@ from wmspec.sim.shapes import SHAPES, Shape
 from wmspec.sim.shapes.shape import UnfitError
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 
-def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
+def pieces(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
     """Return the touchable solids of an object, or all if none is touchable, each in the object's frame.
 
     Raises WmsError for invalid sizes.
@@ -26,47 +26,47 @@ def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
     return values.once((owner, "pieces"), lambda: _touched(values, owner))
 
 
-def every_piece(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
+def all_pieces(values: Evaluator, owner: str) -> tuple[tuple[str, PlacedShape], ...]:
     """Return all solids of an object, visual and touchable, each with the name of its part or of the object."""
     return values.once((owner, "every piece"), lambda: _pieces(values, owner))
 
 
-def touchable(values: Values, part: str) -> bool:
+def touchable(values: Evaluator, part: str) -> bool:
     """Whether a part is touchable, or an object without parts."""
     return not values.has(part, "solid") or values.flag(part, "solid")
 
 
-def volume(values: Values, owner: str) -> float:
+def volume(values: Evaluator, owner: str) -> float:
     """Return the volume (m³) of an object or part, as the sum over its parts."""
     return sum(piece.solid.volume for piece in pieces(values, owner))
 
 
-def mass(values: Values, name: str) -> float:
+def mass(values: Evaluator, name: str) -> float:
     """Return the mass (kg) of an object, explicit or from its density."""
     if values.has(name, "mass"):
         return values.number(name, "mass")
     return values.number(name, "density") * volume(values, name)
 
 
-def own_turn(values: Values, owner: str) -> tuple[float, float, float]:
+def own_rotation(values: Evaluator, owner: str) -> tuple[float, float, float]:
     """Return yaw, pitch and roll (rad) of an object or part."""
     return (values.number(owner, "yaw"), values.number(owner, "pitch"), values.number(owner, "roll"))
 
 
-def _touched(values: Values, owner: str) -> tuple[Piece, ...]:
-    every = every_piece(values, owner)
+def _touched(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
+    every = all_pieces(values, owner)
     return tuple(piece for part, piece in every if touchable(values, part)) or tuple(piece for _, piece in every)
 
 
-def _pieces(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
+def _pieces(values: Evaluator, owner: str) -> tuple[tuple[str, PlacedShape], ...]:
     parts = values.parts(owner)
     if not parts:
-        return ((owner, Piece(_solid(values, owner), IDENTITY)),)
-    poses = (Pose(values.vector(p, "at"), from_ypr(*own_turn(values, p))) for p in parts)
-    return tuple((p, Piece(_solid(values, p), pose)) for p, pose in zip(parts, poses, strict=True))
+        return ((owner, PlacedShape(_solid(values, owner), IDENTITY)),)
+    poses = (Pose(values.vector(p, "at"), from_ypr(*own_rotation(values, p))) for p in parts)
+    return tuple((p, PlacedShape(_solid(values, p), pose)) for p, pose in zip(parts, poses, strict=True))
 
 
-def _solid(values: Values, owner: str) -> Shape:
+def _solid(values: Evaluator, owner: str) -> Shape:
     if not values.has(owner, "file"):
         return _shape(values, owner)
     from wmspec.compile.layout.meshes import load
@@ -79,7 +79,7 @@ def _solid(values: Values, owner: str) -> Shape:
         raise error.at(values.place(owner, "file")) from None
 
 
-def _shape(values: Values, owner: str) -> Shape:
+def _shape(values: Evaluator, owner: str) -> Shape:
     """Return a shape of the shape table with the specified sizes."""
     word = values.text(owner, "shape")
     kind = SHAPES[word]

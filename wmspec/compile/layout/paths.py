@@ -9,13 +9,13 @@ from itertools import pairwise
 from wmspec.core.space import ORIGIN, Vector, add, scale
 
 #: Bends sharper than CORNER (rad) are corners; the turn happens within this share of the adjacent legs.
-CORNER, SHARE = math.radians(30), 0.1
+MIN_CORNER_ANGLE, CORNER_SHARE = math.radians(30), 0.1
 
 #: Number of segments of a full circle; at a diameter of 40 cm the error is 0.1 mm.
-PIECES = 96
+CIRCLE_SEGMENTS = 96
 
 
-def named(form: str, length: float, width: float) -> tuple[Vector, ...]:
+def named_path(form: str, length: float, width: float) -> tuple[Vector, ...]:
     """Return the points (m) of a named path that starts at the origin along +x and deviates to +y.
 
     straight: to (length, 0). arc: a circular arc to the same end with sagitta `width`. zigzag: to the same end in four
@@ -25,14 +25,14 @@ def named(form: str, length: float, width: float) -> tuple[Vector, ...]:
     return _FORMS[form](length, width)
 
 
-def turned(points: Sequence[Sequence[float]], angle: float) -> tuple[Vector, ...]:
+def rotated_points(points: Sequence[Sequence[float]], angle: float) -> tuple[Vector, ...]:
     """Return points (x, y) or (x, y, z) relative to the first, rotated about the vertical."""
     cos, sin = math.cos(angle), math.sin(angle)
     around = tuple((cos * x - sin * y, sin * x + cos * y, z[0] if z else 0.0) for x, y, *z in points)
     return around if around and around[0] == ORIGIN else (ORIGIN, *around)
 
 
-def walked(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
+def timed_points(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
     """Return the points without consecutive duplicates, and the times (s) of passing them at constant speed.
 
     Fewer than two points remain if the path has no length.
@@ -45,7 +45,7 @@ def walked(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...
     return tuple(kept), tuple(duration * way / gone[-1] if gone[-1] else 0.0 for way in gone)
 
 
-def faced(points: Sequence[Vector]) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
+def aligned_points(points: Sequence[Vector]) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
     """Return the points without consecutive duplicates, and the heading change (rad) at each for an aligned object.
 
     The heading changes evenly along curves. At a corner it takes the shorter turn, within SHARE of the adjacent legs.
@@ -54,15 +54,15 @@ def faced(points: Sequence[Vector]) -> tuple[tuple[Vector, ...], tuple[float, ..
     leads = _headings(kept)
     line, turns = [kept[0]], [leads[0]]
     for before, here, after, (first, second) in zip(kept, kept[1:], kept[2:], pairwise(leads), strict=False):
-        if abs(second - first) <= CORNER:
+        if abs(second - first) <= MIN_CORNER_ANGLE:
             line.append(here)
             turns.append((first + second) / 2)
         else:
-            line += [_toward(here, before, SHARE), _toward(here, after, SHARE)]
+            line += [_toward(here, before, CORNER_SHARE), _toward(here, after, CORNER_SHARE)]
             turns += [first, second]
-    if len(leads) > 1 and abs(leads[1] - leads[0]) <= CORNER:  # a curve also turns along its first and last leg
+    if len(leads) > 1 and abs(leads[1] - leads[0]) <= MIN_CORNER_ANGLE:  # a curve also turns along its first and last leg
         turns[0] -= (leads[1] - leads[0]) / 2
-    last = (leads[-1] - leads[-2]) / 2 if len(leads) > 1 and abs(leads[-1] - leads[-2]) <= CORNER else 0.0
+    last = (leads[-1] - leads[-2]) / 2 if len(leads) > 1 and abs(leads[-1] - leads[-2]) <= MIN_CORNER_ANGLE else 0.0
     return (*line, kept[-1]), tuple(turn - turns[0] for turn in (*turns, leads[-1] + last))
 
 
@@ -124,7 +124,7 @@ def _arc(length: float, width: float) -> tuple[Vector, ...]:
 
 
 def _around(middle: Vector, radius: float, start: float, stop: float) -> tuple[Vector, ...]:
-    count = 2 * max(4, math.ceil(PIECES / 2 * abs(stop - start) / (2 * math.pi)))  # even: the midpoint is a vertex
+    count = 2 * max(4, math.ceil(CIRCLE_SEGMENTS / 2 * abs(stop - start) / (2 * math.pi)))  # even: the midpoint is a vertex
     angles = (start + (stop - start) * i / count for i in range(count + 1))
     points = (add(middle, scale(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
     first, *rest = points

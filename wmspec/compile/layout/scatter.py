@@ -11,41 +11,41 @@ import re
 from typing import TYPE_CHECKING
 
 from wmspec.compile.layout import assets
-from wmspec.compile.layout.geometry import own_turn
+from wmspec.compile.layout.geometry import own_rotation
 from wmspec.compile.layout.solids import Face, footprint
-from wmspec.compile.layout.surfaces import seen_from, tops
+from wmspec.compile.layout.surfaces import seen_from, support_faces
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.rng import uniform
 from wmspec.core.space import UP, from_ypr
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 #: Centre and radius (m) of the area that a scattered object covers.
 Circle = tuple[float, float, float]
 
 #: Number of positions tried per object before all are placed again, and number of such rounds.
-TRIES, DEALS = 1000, 10
+MAX_TRIES, MAX_ROUNDS = 1000, 10
 
 
-def place(values: Values, owner: str) -> tuple[float, float]:
+def scattered_position(values: Evaluator, owner: str) -> tuple[float, float]:
     """Return the position (x, y) of a scattered object on its support, else on the ground."""
     base = _base(values, owner)
     places = values.once((base, "scattered"), lambda: _scattered(values, base))
     return places[owner]
 
 
-def _base(values: Values, owner: str) -> str:
+def _base(values: Evaluator, owner: str) -> str:
     base = values.reference(owner, "on") if values.has(owner, "on") else ""
     return base
 
 
-def _scattered(values: Values, base: str) -> dict[str, tuple[float, float]]:
+def _scattered(values: Evaluator, base: str) -> dict[str, tuple[float, float]]:
     """Return the positions of all objects that scatter on `base`, present or not."""
     names = [t.name for t in values.spec.things if t.kind == "object" and values.has(t.name, "scatter")]
-    members = sorted((name for name in names if _base(values, name) == base), key=natural)
-    face = tops(values, base)[0] if base else Face((0.0, 0.0, 0.0), UP)
-    for deal in range(DEALS):
+    members = sorted((name for name in names if _base(values, name) == base), key=natural_key)
+    face = support_faces(values, base)[0] if base else Face((0.0, 0.0, 0.0), UP)
+    for deal in range(MAX_ROUNDS):
         circles: dict[str, Circle] = {}
         for name in members:
             circle = _free(values, name, face, list(circles.values()), deal)
@@ -61,13 +61,13 @@ def _scattered(values: Values, base: str) -> dict[str, tuple[float, float]]:
     )
 
 
-def _free(values: Values, name: str, face: Face, taken: list[Circle], deal: int) -> Circle | None:
+def _free(values: Evaluator, name: str, face: Face, taken: list[Circle], deal: int) -> Circle | None:
     """Return the first free proposal of this round, or None."""
-    _, pitch, roll = own_turn(values, name)
+    _, pitch, roll = own_rotation(values, name)
     radius = footprint(assets.pieces(values, name), from_ypr(0.0, pitch, roll))
     x, y = seen_from(face, values.spot(name))
     (width, depth), gap = values.pair(name, "scatter"), values.number(name, "gap")
-    for k in range(deal * TRIES, (deal + 1) * TRIES):
+    for k in range(deal * MAX_TRIES, (deal + 1) * MAX_TRIES):
         u, v = (uniform(*values.key, name, axis, k) - 0.5 for axis in "xy")
         here = (x + width * u, y + depth * v)
         if all(math.dist(here, other[:2]) >= radius + other[2] + gap for other in taken):
@@ -75,6 +75,6 @@ def _free(values: Values, name: str, face: Face, taken: list[Circle], deal: int)
     return None
 
 
-def natural(name: str) -> list[tuple[str, int]]:
+def natural_key(name: str) -> list[tuple[str, int]]:
     """Return a key for natural sorting: blocks_2 before blocks_10."""
     return [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", name)]

@@ -16,7 +16,7 @@ Box = tuple[Vector, Vector]
 
 
 @dataclass(frozen=True)
-class Piece:
+class PlacedShape:
     """A shape with its pose in the object's frame."""
 
     solid: Shape
@@ -28,12 +28,12 @@ class Piece:
         return dot(direction, self.pose.position) + own
 
 
-def reach(pieces: Iterable[Piece], direction: Vector) -> float:
+def reach(pieces: Iterable[PlacedShape], direction: Vector) -> float:
     """Return the support distance (m) of an object along a unit vector of its own frame."""
     return max(piece.reach(direction) for piece in pieces)
 
 
-def bounds(pieces: Sequence[Piece], pose: Pose) -> Box:
+def bounds(pieces: Sequence[PlacedShape], pose: Pose) -> Box:
     """Return the axis-aligned bounding box (m) of an object, in the frame in which `pose` is given."""
     here, back = pose.position, inverse(pose.orientation)
     low = [here[i] - reach(pieces, rotate(back, scale(-1.0, axis))) for i, axis in enumerate(AXES)]
@@ -47,12 +47,12 @@ def corners(box: Box) -> Iterator[Vector]:
     yield from product((a, x), (b, y), (c, z))
 
 
-def footprint(pieces: Iterable[Piece], own: Quaternion) -> float:
+def footprint(pieces: Iterable[PlacedShape], own: Quaternion) -> float:
     """Return the radius (m) of a vertical cylinder about the origin that contains an object rotated by `own`."""
     return max(_footprint(piece, own) for piece in pieces)
 
 
-def _footprint(piece: Piece, own: Quaternion) -> float:
+def _footprint(piece: PlacedShape, own: Quaternion) -> float:
     x, y, _ = rotate(own, piece.pose.position)
     turned = multiply(own, piece.pose.orientation)
     symmetry = piece.solid.symmetry
@@ -78,7 +78,7 @@ class Face:
         return self.middle[2] - rise / self.normal[2]
 
 
-def upward(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
+def upward_faces(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
     """Yield the upward faces of a placed solid, the most level first."""
     faces = []
     for normal, offset in solid.flat_faces:
@@ -88,7 +88,7 @@ def upward(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
     yield from sorted(faces, key=lambda face: -face.normal[2])
 
 
-def surface(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:
+def surface_at(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:
     """Return the upward face of a placed solid at (x, y), or None if the solid does not cover it.
 
     Solids with curved faces count as their axis-aligned bounding box, unless they are hollow and upright.
@@ -98,7 +98,7 @@ def surface(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:
         height = solid.floor(own[0], own[1])
         return None if height is None else Face((x, y, pose.position[2] + height))
     if not solid.flat_faces:
-        low, high = bounds((Piece(solid, IDENTITY),), pose)
+        low, high = bounds((PlacedShape(solid, IDENTITY),), pose)
         held = low[0] <= x <= high[0] and low[1] <= y <= high[1]
         return Face((x, y, high[2])) if held else None
     floor, lid = -math.inf, None

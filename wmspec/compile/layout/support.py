@@ -6,14 +6,14 @@ from wmspec.compile.layout import assets
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.placement import frame
 from wmspec.compile.layout.solids import bounds
-from wmspec.compile.layout.surfaces import tops
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.surfaces import support_faces
+from wmspec.compile.layout.values import Evaluator
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import UP
 from wmspec.lang.check.types import units
 
 
-def supported(name: str, values: Values) -> None:
+def require_support(name: str, values: Evaluator) -> None:
     """Raise WmsError with its location if an object that rests on another is beside it, in the air.
 
     Both count as their axis-aligned boxes; a ball on a level top counts as its contact point.
@@ -23,7 +23,7 @@ def supported(name: str, values: Values) -> None:
     base = values.reference(name, "on")
     made, pose = assets.pieces(values, name), frame(values, name) if name in values.assets else values.pose(name)
     low, high = bounds(made, pose)
-    if len(made) == 1 and made[0].solid.symmetry == "ball" and tops(values, base)[0].normal == UP:
+    if len(made) == 1 and made[0].solid.symmetry == "ball" and support_faces(values, base)[0].normal == UP:
         low = high = pose.compose(made[0].pose).position
     least, most = values.once((base, "upright box"), lambda: bounds(pieces(values, base), values.pose(base)))
     if any(low[i] > most[i] + 1e-9 or high[i] < least[i] - 1e-9 for i in range(2)):

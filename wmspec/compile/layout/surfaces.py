@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final, TypeGuard
 
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.solids import Face, bounds, surface, upward
+from wmspec.compile.layout.solids import Face, bounds, surface_at, upward_faces
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import UP, Vector, add, align_z, inverse, rotate, scale
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 #: Tag of the value of `left_of(...)` and similar functions: `("place", x, y)` on the world's ground.
 WORLD: Final = "place"
@@ -27,9 +27,9 @@ def is_point(at: Spot) -> TypeGuard[tuple[float, float] | Vector]:
     return at[0] != WORLD
 
 
-def under(values: Values, owner: str, at: Spot) -> Face | None:
+def contact_face(values: Evaluator, owner: str, at: Spot) -> Face | None:
     """Return the contact point below an object as a face centred there; None without a support or container."""
-    held = holder(values, owner)
+    held = support_of(values, owner)
     if held is None:
         return None
     if is_point(at) and len(at) == 3:
@@ -44,7 +44,7 @@ def under(values: Values, owner: str, at: Spot) -> Face | None:
     return bottom(values, base, at) if way == "inside" else top(values, base, at)
 
 
-def holder(values: Values, owner: str) -> tuple[str, str] | None:
+def support_of(values: Evaluator, owner: str) -> tuple[str, str] | None:
     """Return the support or container of an object and the property (`on` or `inside`) that names it, or None."""
     holders = [(way, values.reference(owner, way)) for way in ("on", "inside") if values.has(owner, way)]
     if len(holders) == 2:
@@ -57,23 +57,23 @@ def holder(values: Values, owner: str) -> tuple[str, str] | None:
 # ---------------------------------------------------------------- on top
 
 
-def tops(values: Values, base: str) -> list[Face]:
+def support_faces(values: Evaluator, base: str) -> list[Face]:
     """Return the surfaces of an object that can support others, the most level first."""
     return values.once((base, "tops"), lambda: _tops(values, base))
 
 
-def _tops(values: Values, base: str) -> list[Face]:
+def _tops(values: Evaluator, base: str) -> list[Face]:
     here, made = values.pose(base), pieces(values, base)
     if len(made) == 1 and made[0].solid.flat_faces:
         placed = here.compose(made[0].pose)
-        return list(upward(made[0].solid, placed, values.number(base, "yaw")))
+        return list(upward_faces(made[0].solid, placed, values.number(base, "yaw")))
     highest = bounds(made, here)[1][2]
     return [Face((here.position[0], here.position[1], highest), UP, values.number(base, "yaw"))]
 
 
-def top(values: Values, base: str, at: Spot) -> Face:
+def top(values: Evaluator, base: str, at: Spot) -> Face:
     """Return the point `at` on top of an object, relative to the centre of its most level face, or in the world."""
-    faces = tops(values, base)
+    faces = support_faces(values, base)
     if is_point(at):
         return Face(add(faces[0].middle, _along(faces[0], at[0], at[1])), faces[0].normal)
     x, y = at[-2:]
@@ -100,7 +100,7 @@ def seen_from(face: Face, at: Spot) -> tuple[float, float]:
 # ---------------------------------------------------------------- inside
 
 
-def bottom(values: Values, base: str, at: Spot) -> Face:
+def bottom(values: Evaluator, base: str, at: Spot) -> Face:
     """Return the point `at` in the cavity of a compound object: on its lowest part there, or on its support."""
     x, y = _ground(values, base, at)
     floor = min(_floors(values, base, x, y), key=lambda face: face.height(x, y), default=None)
@@ -108,21 +108,21 @@ def bottom(values: Values, base: str, at: Spot) -> Face:
     return Face((x, y, face.height(x, y)), face.normal)
 
 
-def _ground(values: Values, base: str, at: Spot) -> tuple[float, float]:
+def _ground(values: Evaluator, base: str, at: Spot) -> tuple[float, float]:
     if not is_point(at):
         return at[-2:]
     x, y, _ = values.pose(base).apply((at[0], at[1], 0.0))
     return (x, y)
 
 
-def _floors(values: Values, base: str, x: float, y: float) -> Iterator[Face]:
+def _floors(values: Evaluator, base: str, x: float, y: float) -> Iterator[Face]:
     for piece in pieces(values, base):
-        face = surface(piece.solid, values.pose(base).compose(piece.pose), x, y)
+        face = surface_at(piece.solid, values.pose(base).compose(piece.pose), x, y)
         if face is not None:
             yield face
 
 
-def _below(values: Values, base: str, x: float, y: float) -> Face:
+def _below(values: Evaluator, base: str, x: float, y: float) -> Face:
     """Return the support of a container, or the level of its lowest point if it has none."""
-    face = under(values, base, (WORLD, x, y))
+    face = contact_face(values, base, (WORLD, x, y))
     return face or Face((x, y, bounds(pieces(values, base), values.pose(base))[0][2]))

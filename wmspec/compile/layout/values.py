@@ -27,12 +27,12 @@ T = TypeVar("T")
 #: Properties that a part inherits from its object.
 INHERITED = ("color", "material", "image", "repeats", "roughness", "metallic")
 #: Default gravity, m/s².
-EARTH = 9.81
+EARTH_GRAVITY = 9.81
 _LENGTHS = frozenset((A_LENGTH, POINT2, POINT3))
 _MOMENT = PropertySpec((A_TIME,), "", least=0)
 
 
-class Values:
+class Evaluator:
     """An environment for `evaluate` without measurements: the design's side of the language.
 
     `change` is the counterfactual to apply, if any. `own` are the levels without it. `key` is the prefix of random
@@ -58,9 +58,9 @@ class Values:
         self._open: set[tuple[str, str]] = set()
 
     @cached_property
-    def truth(self) -> Values:
+    def truth(self) -> Evaluator:
         """The same values without the counterfactual."""
-        return Values(self.spec, self.own, None, self.key) if self.change else self
+        return Evaluator(self.spec, self.own, None, self.key) if self.change else self
 
     # ------------------------------------------------------------ the environment
 
@@ -251,7 +251,7 @@ class Values:
     @cached_property
     def gravity(self) -> float:
         """Gravitational acceleration, m/s²."""
-        return self.number(self.world, "gravity") if self.world else EARTH
+        return self.number(self.world, "gravity") if self.world else EARTH_GRAVITY
 
     @cached_property
     def end(self) -> float:
@@ -303,7 +303,7 @@ class Values:
             return
         slot = _slot(thing, name)
         for number in value if isinstance(value, tuple) else (value,):
-            if isinstance(number, float) and (fault := _fault(number, slot)):
+            if isinstance(number, float) and (fault := _violation(number, slot)):
                 raise ImpossibleValue(f"`{name}` of `{thing.name}` is {fault}", place)
 
     def _of_material(self, owner: str, name: str) -> Any:
@@ -334,14 +334,14 @@ def _mismatch(owner: str, name: str, value: object, kind: str) -> TypeError:
     return TypeError(f"`{owner}.{name}` is {value!r}, which is not {kind}: read it with the accessor of its kind")
 
 
-def _evaluate(expr: Expr, values: Values, place: Location) -> Any:
+def _evaluate(expr: Expr, values: Evaluator, place: Location) -> Any:
     try:
         return evaluate(expr, values)
     except NoValue as error:
         raise ImpossibleValue(str(error), place) from None
 
 
-def _fault(number: float, slot: PropertySpec | None) -> str:
+def _violation(number: float, slot: PropertySpec | None) -> str:
     """Return how a number violates its bounds, or an empty string."""
     if slot and (expected := slot.violation(number)):
         return f"{format_quantity(number, slot.dimension)} here; it must be {expected}"

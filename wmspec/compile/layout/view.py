@@ -9,13 +9,13 @@ from wmspec.core.space import add, rotate, scale
 from wmspec.lang.check.ir.evaluate import NoValue
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 #: A direction with a smaller horizontal component points straight up or down.
 UPRIGHT = 1e-6
 
 
-def front(values: Values) -> int:
+def front(values: Evaluator) -> int:
     """Return the common viewing direction of all observed cameras, in quarter turns (0..3) anticlockwise from +y.
 
     0, the world's own front, if cameras differ or one of them rides on an object.
@@ -27,12 +27,12 @@ def front(values: Values) -> int:
     return ways.pop() if len(ways) == 1 else 0
 
 
-def facing(values: Values, camera: str) -> int:
+def facing(values: Evaluator, camera: str) -> int:
     """Return the initial viewing direction of a camera, in quarter turns as in `front`."""
     return round(gaze(values, camera)) % 4
 
 
-def gaze(values: Values, viewer: str) -> float:
+def gaze(values: Evaluator, viewer: str) -> float:
     """Return the initial viewing direction of a camera or an object, in quarter turns anticlockwise from +y.
 
     An object looks along its x axis. For a camera that looks straight down it is the direction of its upper edge.

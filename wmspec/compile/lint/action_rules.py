@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from wmspec.compile.layout.assets import beyond, told
+from wmspec.compile.layout.assets import exceeded_limit, format_coordinate
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
 from wmspec.core.places import Location
@@ -25,10 +25,10 @@ def target_beyond_limit(scene: Scene) -> Iterator[Breach]:
 def _beyond(scene: Scene, owner: str, joint: str, place: Location) -> Iterator[Breach]:
     values = scene.values
     target = values.number(owner, "target")
-    if (limit := beyond(values, joint, target)) is not None:
+    if (limit := exceeded_limit(values, joint, target)) is not None:
         end, model = limit, values.spec.thing(joint).model
-        most = told(values.number(joint, end), model)
-        what = f"the target of `{owner}` is {told(target, model)}, beyond the limit of `{joint}`, {most}, {scene.where}"
+        most = format_coordinate(values.number(joint, end), model)
+        what = f"the target of `{owner}` is {format_coordinate(target, model)}, beyond the limit of `{joint}`, {most}, {scene.where}"
         yield Breach(what, place, f"stay within the limits, or set another `{end}:`", about=(owner, "target"))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.action_rules import target_beyond_limit
 from wmspec.compile.lint.question_rules import asked, pictured
 from wmspec.compile.lint.rule import Breach, rule
@@ -74,7 +74,7 @@ def twin_counterfactuals(changed: Changed) -> Iterator[Breach]:
     for other in before:
         if other.change == "levels" or changed.change.change == "levels":
             continue
-        twin = Values(values.spec, changed.scene.instance.values, other, changed.scene.instance.key)
+        twin = Evaluator(values.spec, changed.scene.instance.values, other, changed.scene.instance.key)
         if _alike(changed, other, twin):
             what = f"`{changed.change.name}` and `{other.name}` come to the same {changed.scene.where}"
             note = Note(f"`{other.name}` is declared here", other.place)
@@ -121,14 +121,14 @@ RULES = (
 )
 
 
-def _alike(changed: Changed, other: Counterfactual, twin: Values) -> bool:
+def _alike(changed: Changed, other: Counterfactual, twin: Evaluator) -> bool:
     """Whether two counterfactuals have equal results; added actions are compared without their names."""
     if changed.change.change == other.change == "add":
         return _done(changed.otherwise.values, changed.change.name) == _done(twin, other.name)
     return not changed.other_stage.differing(built(twin))
 
 
-def _done(values: Values, action: str) -> tuple[str, dict[str, object]]:
+def _done(values: Evaluator, action: str) -> tuple[str, dict[str, object]]:
     thing = values.spec.thing(action)
     return thing.verb, {name: values.property(action, name) for name in thing.properties}
 

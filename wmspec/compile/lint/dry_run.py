@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint import (
     action_rules,
     change_rules,
@@ -46,7 +46,7 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
         design = Design(spec)
         linter.check(design, design_rules.RULES)
         instances = [design[index] for index in design.sample(TRIED)]
-        tried = [Values(spec, instance.values, None, instance.key) for instance in instances]
+        tried = [Evaluator(spec, instance.values, None, instance.key) for instance in instances]
         work = len(spec.things) + PLANNED * sum(thing.kind == "action" and bool(thing.of) for thing in spec.things)
         built = max(FEWEST, TRIED * THINGS // max(THINGS, work))
         for count, (values, instance) in enumerate(zip(tried[:built], instances, strict=False)):
@@ -75,5 +75,5 @@ def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
         for change in question.alternatives(instance.factors):
             if change.change == "levels" or change.owner in things:
                 with linter.going_on():
-                    otherwise = replace(scene, values=Values(spec, instance.values, change, instance.key))
+                    otherwise = replace(scene, values=Evaluator(spec, instance.values, change, instance.key))
                     linter.check(Changed(question, change, scene, stage, otherwise), change_rules.RULES)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from wmspec.compile.design.about import named
-from wmspec.compile.layout.geometry import every_piece, pieces
+from wmspec.compile.design.about import referenced_objects
+from wmspec.compile.layout.geometry import all_pieces, pieces
 from wmspec.compile.layout.solids import bounds, corners
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.question_rules import asked
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
@@ -29,7 +29,7 @@ def hidden_thing(scene: Scene) -> Iterator[Breach]:
     things = {t.name: t for t in values.spec.things if t.kind == "object" and values.there(t.name)}
     walls = [(name, half, pose) for name in things for half, pose in _boxes(values, name)]
     questions = (question for question in values.spec.questions if asked(question, values))
-    needed = {name for question in questions for name in named(question, values).union(moved(values))}
+    needed = {name for question in questions for name in referenced_objects(question, values).union(moved(values))}
     for name in (name for name in things if name in needed and not things[name].set):
         around = list(corners(bounds(pieces(values, name), values.pose(name))))
         by = [_hiding(values.vector(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]
@@ -43,16 +43,16 @@ def hidden_thing(scene: Scene) -> Iterator[Breach]:
 RULES = (hidden_thing,)
 
 
-def _looking_first(values: Values) -> list[str]:
+def _looking_first(values: Evaluator) -> list[str]:
     """Return the cameras that look at the start."""
     observed = (o for o in values.spec.observations if min(evaluate(o.times, values), default=1.0) < 1e-9)
     return list(dict.fromkeys(observation.camera for observation in observed))
 
 
-def _boxes(values: Values, name: str) -> Iterator[tuple[Vector, Pose]]:
+def _boxes(values: Evaluator, name: str) -> Iterator[tuple[Vector, Pose]]:
     """Yield the visible boxes of an object: half edges (m) and pose."""
     pose = values.pose(name)
-    for part, piece in every_piece(values, name):
+    for part, piece in all_pieces(values, name):
         drawn = all(values.flag(owner, "drawn") for owner in {name, part} if values.has(owner, "drawn"))
         if isinstance(piece.solid, Box) and drawn:
             yield piece.solid.half, pose.compose(piece.pose)

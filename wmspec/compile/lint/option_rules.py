@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from wmspec.compile.design.depend import Dependencies
-from wmspec.compile.design.describe import told_of
+from wmspec.compile.design.describe import format_instance
 from wmspec.compile.design.design import Design, Instance
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.question_rules import asked
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.core.diagnostics import WmsError
@@ -44,7 +44,7 @@ class Tried:
     """A question, and the values of the instances whose scenes are built."""
 
     question: Question
-    values: tuple[Values, ...]
+    values: tuple[Evaluator, ...]
 
 
 def compared(question: Question, design: Design, depend: Dependencies) -> Options:
@@ -53,7 +53,7 @@ def compared(question: Question, design: Design, depend: Dependencies) -> Option
     directions = question.sort == str(AN_ANGLE) and not known
     lacking, checked = [], 0
     for instance in _sample(question, design, depend, known):
-        values = Values(design.spec, instance.values, None, instance.key)
+        values = Evaluator(design.spec, instance.values, None, instance.key)
         options = evaluate(question.options, values) if question.options else ()
         same = [a for a, b in combinations(options, 2) if _same(a, b, directions)]
         answer = _answer(question, values) if known else None
@@ -72,7 +72,7 @@ def coinciding_options(options: Options) -> Iterator[Breach]:
     """Find options that are equal in an instance."""
     if options.coinciding is not None:
         value, instance = options.coinciding
-        where = told_of(options.design, instance)
+        where = format_instance(options.design, instance)
         what = f"two options of this question are the same, {_shown(value, options.question)}, {where}"
         yield Breach(what, options.question.place, "keep them apart with `require`")
 
@@ -111,7 +111,7 @@ RULES = (coinciding_options, answer_never_among_options, answer_not_always_among
 
 def _first_lacking(options: Options) -> str:
     answer, instance = options.lacking[0]
-    return f"{_shown(answer, options.question)}, {told_of(options.design, instance)}"
+    return f"{_shown(answer, options.question)}, {format_instance(options.design, instance)}"
 
 
 def _sample(question: Question, design: Design, depend: Dependencies, known: bool) -> Iterator[Instance]:
@@ -122,7 +122,7 @@ def _sample(question: Question, design: Design, depend: Dependencies, known: boo
     return (design[index] for index in design.sample(COMPARED if varies else 1))
 
 
-def _answer(question: Question, values: Values) -> object:
+def _answer(question: Question, values: Evaluator) -> object:
     """Return the answer, or None if it has no value here; execution reports that case."""
     try:
         return evaluate(question.answer, values)

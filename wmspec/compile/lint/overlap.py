@@ -9,8 +9,8 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.solids import Piece, bounds
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.solids import PlacedShape, bounds
+from wmspec.compile.layout.values import Evaluator
 from wmspec.core.space import Vector, add, cross, rotate, scale
 from wmspec.sim.shapes import Shape
 
@@ -39,12 +39,12 @@ class _Body:
 
     name: str
     fixed: bool
-    pieces: tuple[Piece, ...]
+    pieces: tuple[PlacedShape, ...]
     low: Vector
     high: Vector
 
 
-def overlaps(values: Values) -> Iterator[Overlap]:
+def overlaps(values: Evaluator) -> Iterator[Overlap]:
     """Yield pairs of overlapping objects, unless both are fixed or a joint connects them.
 
     Meshes with convex decomposition are omitted, since their pieces depend on the engine.
@@ -59,24 +59,24 @@ def overlaps(values: Values) -> Iterator[Overlap]:
             yield Overlap(a.name, b.name, depth)
 
 
-def separation(values: Values, a: str, b: str) -> tuple[float, Vector]:
+def separation(values: Evaluator, a: str, b: str) -> tuple[float, Vector]:
     """Return the distance (m) of two objects, negative for overlaps, and the direction of closest approach."""
     first, second = (_pieces_of(values, name) for name in (a, b))
     pairs = [(p, q) for p in first for q in second]
     return min((max((-_overlap(p, q, d), d) for d in _directions(p, q)) for p, q in pairs))
 
 
-def _pieces_of(values: Values, name: str) -> tuple[Piece, ...]:
+def _pieces_of(values: Evaluator, name: str) -> tuple[PlacedShape, ...]:
     """Return the convex pieces of an object in the world."""
     pose = values.pose(name)
     return tuple(
-        Piece(convex, pose.compose(piece.pose).compose(at))
+        PlacedShape(convex, pose.compose(piece.pose).compose(at))
         for piece in pieces(values, name)
         for convex, at in piece.solid.pieces()
     )
 
 
-def _bodies(values: Values) -> Iterator[_Body]:
+def _bodies(values: Evaluator) -> Iterator[_Body]:
     for thing in values.spec.things:
         name = thing.name
         if thing.kind != "object" or not values.there(name) or not values.flag(name, "solid"):
@@ -87,11 +87,11 @@ def _bodies(values: Values) -> Iterator[_Body]:
         yield _Body(name, values.flag(name, "fixed"), _pieces_of(values, name), *box)
 
 
-def _in_pieces(values: Values, part: str) -> bool:
+def _in_pieces(values: Evaluator, part: str) -> bool:
     return values.has(part, "file") and values.text(part, "collision") == "pieces"
 
 
-def _joined(values: Values) -> set[frozenset[str]]:
+def _joined(values: Evaluator) -> set[frozenset[str]]:
     joints = [t.name for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
     return {frozenset(values.ends(j)) for j in joints if values.has(j, "to")}
 
@@ -99,7 +99,7 @@ def _joined(values: Values) -> set[frozenset[str]]:
 # ---------------------------------------------------------------- how deep
 
 
-def _depth(a: Piece, b: Piece) -> float:
+def _depth(a: PlacedShape, b: PlacedShape) -> float:
     """Return the diameter (m) of the largest ball within two convex pieces, or 0 if it is less than SLACK.
 
     Two convex bodies are disjoint if they are separated along some direction. For boxes a few axes suffice. These are
@@ -113,12 +113,12 @@ def _depth(a: Piece, b: Piece) -> float:
     return overlap(first, at, second, there, SLACK)
 
 
-def _overlap(a: Piece, b: Piece, d: Vector) -> float:
+def _overlap(a: PlacedShape, b: PlacedShape, d: Vector) -> float:
     """Return how far (m) `a` extends beyond the start of `b` along a unit vector."""
     return a.reach(d) + b.reach(scale(-1.0, d))
 
 
-def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
+def _directions(a: PlacedShape, b: PlacedShape) -> Iterator[Vector]:
     """Yield both directions of the separating axes of two boxes, and of the line between their centres.
 
     The axes of boxes are those of either and the cross products of their edges (Gottschalk, Lin & Manocha, "OBBTree",
@@ -135,7 +135,7 @@ def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
             yield scale(-1 / size, axis)
 
 
-def _placed(piece: Piece) -> tuple[Shape, model.Pose]:
+def _placed(piece: PlacedShape) -> tuple[Shape, model.Pose]:
     """Return a convex piece, and its pose in a scene."""
     import numpy as np
 

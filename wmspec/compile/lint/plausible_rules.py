@@ -8,7 +8,7 @@ from itertools import combinations, pairwise
 
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import bounds
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
 from wmspec.compile.lint.visibility import boxes_of, boxes_of_matter, mentioned, subjects
@@ -132,12 +132,12 @@ RULES = (
 )
 
 
-def _standing(values: Values) -> list[str]:
+def _standing(values: Evaluator) -> list[str]:
     """Return the observed cameras that do not ride on an object."""
     return [c for c in dict.fromkeys(o.camera for o in values.spec.observations) if not values.has(c, "ride")]
 
 
-def _within(values: Values, name: str, eye: Vector) -> bool:
+def _within(values: Evaluator, name: str, eye: Vector) -> bool:
     """Whether a point is within a solid of an object."""
     pose = values.pose(name)
     low, high = bounds(pieces(values, name), pose)
@@ -160,7 +160,7 @@ def _inside(solid: Shape, point: Vector) -> bool:
     return all(dot(d, point) < solid.reach(d) - 1e-9 for d in outward)
 
 
-def _share(values: Values, camera: str, box: tuple[Vector, Vector]) -> float:
+def _share(values: Evaluator, camera: str, box: tuple[Vector, Vector]) -> float:
     """Return the maximum share of the picture's height that a box covers."""
     eye, edge = values.vector(camera, "at"), 2 * math.tan(values.number(camera, "fov") / 2)
     return _across(box) / max(1e-9, edge * _away(box, eye))

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.lang.check.expressions.measured import is_measured
 from wmspec.lang.check.ir.evaluate import NoValue, evaluate
 from wmspec.lang.check.ir.ir import Call, Operation, Question
 
 
-def asked(question: Question, values: Values) -> bool:
+def asked(question: Question, values: Evaluator) -> bool:
     """Whether the conditions that are known before the episode hold."""
     known = (e.condition for e in question.ensures if not is_measured(values.spec, e.condition))
     return all(evaluate(condition, values) for condition in known)
 
 
-def pictured(question: Question, values: Values) -> float | None:
+def pictured(question: Question, values: Evaluator) -> float | None:
     """Return the time (s) of the picture that is the answer; None for other answers and measured times."""
     answer = question.answer
     while isinstance(answer, Operation) and answer.operator == "if":

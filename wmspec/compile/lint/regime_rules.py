@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from itertools import combinations, permutations
 
 from wmspec.compile.layout.geometry import mass, pieces
-from wmspec.compile.layout.solids import Piece, bounds
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.solids import PlacedShape, bounds
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.overlap import separation
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
@@ -192,66 +192,66 @@ RULES = (
 )
 
 
-def _touchable(values: Values) -> list[str]:
+def _touchable(values: Evaluator) -> list[str]:
     """Return the present, touchable objects."""
     objects = (t.name for t in values.spec.things if t.kind == "object")
     return [name for name in objects if values.there(name) and values.flag(name, "solid")]
 
 
-def _speeds(values: Values) -> Iterator[float]:
+def _speeds(values: Evaluator) -> Iterator[float]:
     """Yield the speeds (m/s) of launches and paths."""
     for action in values.spec.things:
         if action.kind == "action" and values.there(action.name) and "speed" in action.properties:
             yield values.number(action.name, "speed")
 
 
-def _bounce(values: Values, a: str, b: str) -> float:
+def _bounce(values: Evaluator, a: str, b: str) -> float:
     return math.sqrt(values.number(a, "restitution") * values.number(b, "restitution"))
 
 
-def _lying(values: Values, name: str) -> Iterator[bool]:
+def _lying(values: Evaluator, name: str) -> Iterator[bool]:
     for piece in pieces(values, name):
         if isinstance(piece.solid, Cylinder) and is_disc(piece.solid.radius, piece.solid.height):
             yield abs(_rise(values, name, piece)) < STEEP_COSINE
 
 
-def _rise(values: Values, name: str, piece: Piece) -> float:
+def _rise(values: Evaluator, name: str, piece: PlacedShape) -> float:
     """Return the cosine of the angle between the axis of a piece and the vertical."""
     return dot(rotate(values.pose(name).orientation, rotate(piece.pose.orientation, UP)), UP)
 
 
-def _falling(values: Values) -> bool:
+def _falling(values: Evaluator) -> bool:
     """Whether any free object may fall: it has a joint, or rests on nothing."""
     joined = _joined(values)
     return any(name in joined or not values.has(name, "on") for name in _free(values))
 
 
-def _free(values: Values) -> Iterator[str]:
+def _free(values: Evaluator) -> Iterator[str]:
     """Yield the touchable objects that can move."""
     return (name for name in _touchable(values) if not values.flag(name, "fixed"))
 
 
-def _loose(values: Values) -> Iterator[str]:
+def _loose(values: Evaluator) -> Iterator[str]:
     """Yield the movable objects without joints."""
     joined = _joined(values)
     return (name for name in _free(values) if name not in joined)
 
 
-def _joined(values: Values) -> set[str]:
+def _joined(values: Evaluator) -> set[str]:
     """Return the objects that have joints."""
     return {end for j in _joints(values) for end in values.ends(j.name)}
 
 
-def _joints(values: Values) -> list[Entity]:
+def _joints(values: Evaluator) -> list[Entity]:
     return [t for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
 
 
-def _ends(values: Values, joint: str) -> set[str]:
+def _ends(values: Evaluator, joint: str) -> set[str]:
     """Return the movable objects of a joint, one or two."""
     return {end for end in values.ends(joint) if not values.flag(end, "fixed")}
 
 
-def _balanced(values: Values, joint: str, end: str) -> bool:
+def _balanced(values: Evaluator, joint: str, end: str) -> bool:
     """Whether an object's centre of mass is on the axis of its hinge, or at its ball joint.
 
     For hinges of an asset the file, which may give the centre of mass, decides.
@@ -271,12 +271,12 @@ def _balanced(values: Values, joint: str, end: str) -> bool:
     return math.hypot(*away) < WHEEL_OFFSET * max(_thickness(piece) for piece in parts)
 
 
-def _driven(values: Values, joint: str) -> bool:
+def _driven(values: Evaluator, joint: str) -> bool:
     """Whether a joint has a drive or a brake."""
     return any(values.has(joint, name) and values.number(joint, name) for name in ("stiffness", "damping"))
 
 
-def _thickness(piece: Piece) -> float:
+def _thickness(piece: PlacedShape) -> float:
     """Return the minimum thickness (m) of a piece along its own axes."""
     return min(piece.solid.reach(axis) + piece.solid.reach(scale(-1.0, axis)) for axis in AXES)
 

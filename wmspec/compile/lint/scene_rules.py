@@ -8,9 +8,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from wmspec.compile.design.depend import Dependencies
-from wmspec.compile.design.describe import told_of
+from wmspec.compile.design.describe import format_instance
 from wmspec.compile.design.design import Design, Instance
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.layout.view import facing, front
 from wmspec.compile.lint.overlap import overlaps
 from wmspec.compile.lint.question_rules import asked, pictured
@@ -32,7 +32,7 @@ _PAIR_SECONDS, _LONG = 8e-4, 20.0
 class Scene:
     """The values of an instance, with or without a counterfactual."""
 
-    values: Values
+    values: Evaluator
     depend: Dependencies
     design: Design
     instance: Instance
@@ -40,7 +40,7 @@ class Scene:
     @property
     def where(self) -> str:
         """Text that names the instance in messages."""
-        return told_of(self.design, self.instance)
+        return format_instance(self.design, self.instance)
 
 
 @rule("WMS601", "error")
@@ -62,7 +62,7 @@ def objects_inside_one_another(scene: Scene) -> Iterator[Breach]:
         yield Breach(what, place, remedy, (note,), (pair.first, pair.second))
 
 
-def _set_of(values: Values, first: str, second: str) -> str:
+def _set_of(values: Evaluator, first: str, second: str) -> str:
     """Return the set that contains both members, or an empty string."""
     sets = {values.spec.thing(name).set for name in (first, second)}
     return sets.pop() if len(sets) == 1 else ""
@@ -165,7 +165,7 @@ def _measuring(question: Question) -> Iterator[tuple[Expr, Location]]:
         yield question.difference.value, question.place
 
 
-def _times(call: Call, values: Values) -> Iterator[tuple[str, float]]:
+def _times(call: Call, values: Evaluator) -> Iterator[tuple[str, float]]:
     """Yield the times (s) in a function's options that are known before the episode."""
     for option in call.options:
         if option.name in ("at", "from", "to") and not is_measured(values.spec, option.value):
@@ -184,7 +184,7 @@ RULES = (
 )
 
 
-def outside(time: float, values: Values, place: Location) -> Breach:
+def outside(time: float, values: Evaluator, place: Location) -> Breach:
     """Return the breach for a picture at a time (s) after the end of the episode."""
     lasts = f"the episode, which lasts {units.format_quantity(values.ref('end'), units.TIME)}"
     what = f"a picture at {units.format_quantity(time, units.TIME)} is outside {lasts}"

@@ -6,15 +6,15 @@ import math
 from collections.abc import Iterator
 
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.motion import CARRYING, after, angle, before, way
+from wmspec.compile.layout.motion import CARRYING, placement_after, heading_of, placement_before, timed_path
 from wmspec.compile.layout.solids import Box, bounds, corners
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.core.space import Vector, add, cross, dot, heading_vector, scale
 from wmspec.lang.check.ir.evaluate import parts
 from wmspec.lang.check.ir.ir import Entity, Expr, Interpolation, Property, Ref, TaskSpec, Value
 
 
-def blind(values: Values) -> tuple[str, ...]:
+def blind(values: Evaluator) -> tuple[str, ...]:
     """Return the observed, fixed cameras without a relevant or moved object in view.
 
     An object is in view unless its axis-aligned box, and the boxes where its own actions take it, are wholly outside
@@ -26,7 +26,7 @@ def blind(values: Values) -> tuple[str, ...]:
     return tuple(c for c in still if boxes and not any(_in_view(values, c, box) for box in boxes))
 
 
-def boxes_of_matter(values: Values) -> Iterator[Box]:
+def boxes_of_matter(values: Evaluator) -> Iterator[Box]:
     """Yield the boxes of relevant or moved objects, at the start and where their own actions take them."""
     for name in subjects(values):
         yield from boxes_of(values, name)
@@ -35,7 +35,7 @@ def boxes_of_matter(values: Values) -> Iterator[Box]:
 # ---------------------------------------------------------------- what matters
 
 
-def subjects(values: Values) -> list[str]:
+def subjects(values: Evaluator) -> list[str]:
     """Return the present objects that actions move or that answers, options and texts mention."""
     objects = {t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)}
     names = dict.fromkeys(moved(values))
@@ -44,7 +44,7 @@ def subjects(values: Values) -> list[str]:
     return [name for name in names if name in objects]
 
 
-def moved(values: Values) -> list[str]:
+def moved(values: Evaluator) -> list[str]:
     """Return the objects of actions."""
     acting = (t.name for t in values.spec.things if t.kind == "action" and "object" in t.properties)
     return [values.reference(name, "object") for name in acting if values.there(name)]
@@ -58,7 +58,7 @@ def _asked(spec: TaskSpec) -> Iterator[Expr]:
         yield from (question.options,) if question.options else ()
 
 
-def mentioned(values: Values, expr: Expr) -> Iterator[str]:
+def mentioned(values: Evaluator, expr: Expr) -> Iterator[str]:
     """Yield the words of an expression as evaluated in an instance, including names of objects."""
     for part in parts(expr):
         match part:
@@ -79,7 +79,7 @@ def _words(value: object) -> Iterator[str]:
 # ---------------------------------------------------------------- where it is
 
 
-def boxes_of(values: Values, name: str) -> Iterator[Box]:
+def boxes_of(values: Evaluator, name: str) -> Iterator[Box]:
     """Yield the axis-aligned boxes of an object, at the start and where its own actions take it."""
     low, high = bounds(pieces(values, name), values.pose(name))
     yield low, high
@@ -91,16 +91,16 @@ def boxes_of(values: Values, name: str) -> Iterator[Box]:
                 yield _around((low, high), (add(low, gone), add(high, gone)))
 
 
-def _reached(values: Values, action: Entity) -> tuple[Vector, ...]:
+def _reached(values: Evaluator, action: Entity) -> tuple[Vector, ...]:
     """Return the extreme positions that an action takes its object to."""
     name, verb = action.name, action.verb
     if verb in CARRYING:
-        stand = before(values, action)
-        through = way(values, action, stand.pose.position)[0] if verb == "follow" else ()
-        return (*through, after(values, action, stand).pose.position)
+        stand = placement_before(values, action)
+        through = timed_path(values, action, stand.pose.position)[0] if verb == "follow" else ()
+        return (*through, placement_after(values, action, stand).pose.position)
     slides = verb == "slide"
     far = values.number(name, "distance") if slides else values.number(name, "speed") * values.end
-    ahead = heading_vector(angle(values.direction(name)))
+    ahead = heading_vector(heading_of(values.direction(name)))
     return (add(values.pose(values.reference(name, "object")).position, scale(far, ahead)),)
 
 
@@ -113,7 +113,7 @@ def _around(a: Box, b: Box) -> Box:
 # ---------------------------------------------------------------- what is in view
 
 
-def _in_view(values: Values, camera: str, box: Box) -> bool:
+def _in_view(values: Evaluator, camera: str, box: Box) -> bool:
     """Whether no side of the picture excludes the whole box."""
     eye = values.vector(camera, "at")
     forward, right, up = _axes(eye, values.vector(camera, "look_at"))

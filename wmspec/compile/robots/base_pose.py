@@ -9,10 +9,10 @@ from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Pose, from_ypr
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 
-def base(values: Values, robot: str) -> Pose:
+def base(values: Evaluator, robot: str) -> Pose:
     """Return the pose of a robot's base."""
     at, yaw = values.spot(robot), values.number(robot, "yaw")
     if values.has(robot, "on"):

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.solids import Piece
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.solids import PlacedShape
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.robots.arm import Array
 from wmspec.compile.robots.planning import matrix
 
@@ -50,7 +50,7 @@ def box_between(frames: Array, corners: Array) -> Box:
     return Box(middle, frames[:, :3, :3], (corners[1] - corners[0]) / 2)
 
 
-def part_boxes(values: Values, name: str, frame: Array) -> Iterator[Box]:
+def part_boxes(values: Evaluator, name: str, frame: Array) -> Iterator[Box]:
     """Yield the boxes around the solids of an object with this frame (4, 4)."""
     for piece in pieces(values, name):
         placed, (low, high) = frame @ matrix(piece.pose), local_corners(piece)
@@ -58,7 +58,7 @@ def part_boxes(values: Values, name: str, frame: Array) -> Iterator[Box]:
         yield Box(middle[None], placed[None, :3, :3], (high - low) / 2)
 
 
-def local_corners(piece: Piece) -> tuple[Array, Array]:
+def local_corners(piece: PlacedShape) -> tuple[Array, Array]:
     """Return the corners (3,) m of the box around a solid, in its own frame."""
     axes = np.eye(3)
     low, high = (np.array([sign * piece.solid.reach(tuple(sign * axis)) for axis in axes]) for sign in (-1.0, 1.0))

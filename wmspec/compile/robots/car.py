@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from functools import cache
 
-from wmspec.compile.layout.solids import Piece
+from wmspec.compile.layout.solids import PlacedShape
 from wmspec.core.space import Pose, Vector, from_ypr
 from wmspec.sim.shapes import SHAPES
 
@@ -20,7 +20,7 @@ _OUTLINES = (
 
 
 @cache
-def parts() -> tuple[tuple[str, Piece, str], ...]:
+def parts() -> tuple[tuple[str, PlacedShape, str], ...]:
     """Return name, shape and colour of each part; x is ahead, the origin below the centre on the ground."""
     hull = _piece("extrude", (0.0, 0.0, 0.0), outline=_OUTLINES[0], depth=1.76)
     glass = _piece("extrude", (0.0, 0.0, 0.0), outline=_OUTLINES[1], depth=1.5)
@@ -45,10 +45,10 @@ _LAMPS = (-0.65, 0.65)
 _WHEELS = ((1.32, -0.8), (1.32, 0.8), (-1.3, -0.8), (-1.3, 0.8))
 
 
-def _piece(shape: str, at: Vector, **words: object) -> Piece:
-    return Piece(SHAPES[shape].from_words({"size": 0.1, **words}), Pose(at))
+def _piece(shape: str, at: Vector, **words: object) -> PlacedShape:
+    return PlacedShape(SHAPES[shape].from_words({"size": 0.1, **words}), Pose(at))
 
 
-def _wheel(x: float, y: float, radius: float = 0.32) -> Piece:
+def _wheel(x: float, y: float, radius: float = 0.32) -> PlacedShape:
     solid = SHAPES["cylinder"].from_words({"size": 0.1, "radius": radius, "height": 0.2})
-    return Piece(solid, Pose((x, y, 0.32), from_ypr(0.0, 0.0, math.pi / 2)))
+    return PlacedShape(solid, Pose((x, y, 0.32), from_ypr(0.0, 0.0, math.pi / 2)))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.compile.layout.geometry import pieces, touchable
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
 from wmspec.compile.robots.boxes import Box, box_between, local_corners, part_boxes
 from wmspec.compile.robots.grasps import CLOSED_SHARE, FIRM_POINTS
@@ -255,6 +255,6 @@ def _obstacles(made: Plan, action: Entity, carried: set[str]) -> Iterator[tuple[
             yield name, box
 
 
-def _is_solid(values: Values, name: str) -> bool:
+def _is_solid(values: Evaluator, name: str) -> bool:
     parts = values.parts(name)
     return any(touchable(values, part) for part in parts) if parts else touchable(values, name)

@@ -17,7 +17,7 @@ from wmspec.sim.shapes.sphere import Sphere
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 GRASP_DEPTH = 0.25
 """Minimum depth of a grasp in a ball, in radii; nearer to the rim the ball slips out."""
@@ -84,7 +84,7 @@ class Manipuland:
         return 2 * self.half[0 if own[0] > own[1] else 1]
 
 
-def manipuland_of(values: Values, name: str) -> Manipuland:
+def manipuland_of(values: Evaluator, name: str) -> Manipuland:
     """Return an object in its initial state. Raises WmsError with its location if no hand can handle it."""
     made, pose = pieces(values, name), values.pose(name)
     if values.flag(name, "fixed"):
@@ -110,7 +110,7 @@ def manipuland_of(values: Values, name: str) -> Manipuland:
     )
 
 
-def joined_objects(values: Values, name: str, but: str = "") -> set[str]:
+def joined_objects(values: Evaluator, name: str, but: str = "") -> set[str]:
     """Return an object and all objects connected to it by joints, except the joint `but`."""
     joined, left = {name}, [t for t in values.spec.things if t.kind == "joint" and t.name != but]
     ends = [set(values.ends(t.name)) for t in left]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.compile.layout.motion import angle as heading
+from wmspec.compile.layout.motion import heading_of as heading
 from wmspec.compile.robots.arm import Array, downward_pose, translation
 from wmspec.compile.robots.grasps import FINGER_CLEARANCE, FIRM_POINTS, PALM_CLEARANCE, end_actions, grasp_pose
 from wmspec.compile.robots.manipuland import Manipuland, joined_objects

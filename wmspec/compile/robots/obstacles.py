@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from wmspec.compile.layout.geometry import every_piece
+from wmspec.compile.layout.geometry import all_pieces
 from wmspec.compile.layout.motion import carriers
-from wmspec.compile.layout.solids import Piece, bounds, corners
+from wmspec.compile.layout.solids import PlacedShape, bounds, corners
 from wmspec.core.space import IDENTITY, Pose, Vector
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 Point = tuple[float, float]
 
@@ -49,7 +49,7 @@ class Outline:
         return not (_is_separated(self, other) or _is_separated(other, self))
 
 
-def obstacles(values: Values, low: float, high: float) -> tuple[Outline, ...]:
+def obstacles(values: Evaluator, low: float, high: float) -> tuple[Outline, ...]:
     """Return the initial outlines of all visible or touchable, uncarried objects between two heights (m)."""
     carried = carriers(values)
     names = (t.name for t in values.spec.things if t.kind == "object" and t.name not in carried)
@@ -57,29 +57,29 @@ def obstacles(values: Values, low: float, high: float) -> tuple[Outline, ...]:
     return tuple(outline for name in kept for outline in _outlines(values, name, low, high))
 
 
-def object_outlines(values: Values, name: str) -> tuple[Outline, ...]:
+def object_outlines(values: Evaluator, name: str) -> tuple[Outline, ...]:
     """Return the outlines of the parts of one object, at any height."""
     return tuple(_outlines(values, name, -math.inf, math.inf))
 
 
-def _outlines(values: Values, name: str, low: float, high: float) -> list[Outline]:
+def _outlines(values: Evaluator, name: str, low: float, high: float) -> list[Outline]:
     """Return the outlines of the parts of an object that reach between two heights."""
     outlines = []
-    for _, piece in every_piece(values, name):
+    for _, piece in all_pieces(values, name):
         box = _box(piece, values.pose(name))
         if min(z for *_, z in box) < high and max(z for *_, z in box) > low:
             outlines.append(Outline(name, hull([(x, y) for x, y, _ in box])))
     return outlines
 
 
-def _has_any(values: Values, name: str, properties: Sequence[str]) -> bool:
+def _has_any(values: Evaluator, name: str, properties: Sequence[str]) -> bool:
     return any(not values.has(name, p) or values.flag(name, p) for p in properties)
 
 
-def _box(piece: Piece, pose: Pose) -> list[Vector]:
+def _box(piece: PlacedShape, pose: Pose) -> list[Vector]:
     """Return the world corners of the box around a solid, along the solid's own axes."""
     placed = pose.compose(piece.pose)
-    return [placed.apply(corner) for corner in corners(bounds([Piece(piece.solid, IDENTITY)], IDENTITY))]
+    return [placed.apply(corner) for corner in corners(bounds([PlacedShape(piece.solid, IDENTITY)], IDENTITY))]
 
 
 def hull(points: Sequence[Point]) -> tuple[Point, ...]:

@@ -25,7 +25,7 @@ from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.parse.files import resolve_display_path
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 ARMS = ("panda", "arm")
 """Robot models that are arms."""
@@ -46,7 +46,7 @@ _VERBS: dict[str, Callable[[Plan, Sequence[Entity], Manipuland], Manipuland]] = 
 """Planner of each verb, given its simultaneous actions and the object; returns the object afterwards."""
 
 
-def arm_of(values: Values, robot: str) -> Arm:
+def arm_of(values: Evaluator, robot: str) -> Arm:
     """Return the arm of a robot. Raises WmsError with its location if its file has none."""
     if values.spec.thing(robot).model == "panda":
         return PANDA
@@ -58,7 +58,7 @@ def arm_of(values: Values, robot: str) -> Arm:
         raise error.at(values.place(robot, "model")) from None
 
 
-def plan(values: Values) -> dict[str, Reach]:
+def plan(values: Evaluator) -> dict[str, Reach]:
     """Return the motions of all arms, by the names of the actions.
 
     Raises WmsError with its location for infeasible actions.
@@ -66,7 +66,7 @@ def plan(values: Values) -> dict[str, Reach]:
     return values.once(("", "robots"), lambda: _plan(values))
 
 
-def _plan(values: Values) -> dict[str, Reach]:
+def _plan(values: Evaluator) -> dict[str, Reach]:
     """Return the first successful plan; a hand can grasp an object in several ways."""
     problems: list[PlanningError] = []
     for choice in range(4):
@@ -80,7 +80,7 @@ def _plan(values: Values) -> dict[str, Reach]:
     raise ImpossibleValue(f"`{action.of}` cannot {action.verb} so: {problem.reason}", action.place, problem.help)
 
 
-def _attempt(values: Values, choice: int) -> dict[str, Reach]:
+def _attempt(values: Evaluator, choice: int) -> dict[str, Reach]:
     arms = {
         t.name: ArmState(arm := arm_of(values, t.name), matrix(base(values, t.name)), arm.rest, arm.opening)
         for t in values.spec.things

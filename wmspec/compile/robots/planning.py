@@ -17,7 +17,7 @@ from wmspec.core.space import Pose
 from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 APPROACH_HEIGHT = 0.12  # m: height of the hand above a grasp or contact, before and after
 NO_MOTION = np.eye(4)
@@ -94,7 +94,7 @@ class Plan:
     start.
     """
 
-    values: Values
+    values: Evaluator
     choice: int
     arms: dict[str, ArmState]
     things: dict[str, Manipuland] = field(default_factory=dict)
@@ -212,7 +212,7 @@ def require_single(acts: Sequence[Entity]) -> Entity:
     return acts[0]
 
 
-def other_motions(values: Values) -> Iterator[Entity]:
+def other_motions(values: Evaluator) -> Iterator[Entity]:
     """Yield the actions without a robot that move an object."""
     acts = (t for t in values.spec.things if t.kind == "action" and not t.of and t.verb != "paint")
     return (t for t in acts if "object" in t.properties and values.there(t.name))

@@ -13,7 +13,7 @@ from wmspec.compile.robots.ground_path import Bend, PathSegment, Pose2D, Straigh
 from wmspec.core.space import IDENTITY, rotate
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 CAR_LENGTH, CAR_WIDTH = 4.2, 1.8  # m
 MIN_CORNER_DISTANCE = 4.5  # m: of a turn's ends from the corner of two lanes
@@ -203,7 +203,7 @@ def _distance_to_line(spot: Pose2D, line: Pose2D) -> float:
     return away / math.sin(line.heading - spot.heading)
 
 
-def road(values: Values, name: str) -> Road:
+def road(values: Evaluator, name: str) -> Road:
     """Return an object as a road along the longer side of its box."""
     pose = values.pose(name)
     low, high = bounds(pieces(values, name), IDENTITY)

@@ -9,17 +9,17 @@ from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 HAND_OPENING_TIME = 0.4  # s
 
 
-def action_duration(values: Values, action: Entity) -> float:
+def action_duration(values: Evaluator, action: Entity) -> float:
     """Return the duration (s) of an action."""
     return values.number(action.name, "duration") if "duration" in action.properties else HAND_OPENING_TIME
 
 
-def actions_in_order(values: Values, models: Sequence[str]) -> list[Entity]:
+def actions_in_order(values: Evaluator, models: Sequence[str]) -> list[Entity]:
     """Return the actions of robots of these models in order of time.
 
     Raises WmsError with its location if one begins while its robot is busy.

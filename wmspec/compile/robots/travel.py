@@ -23,7 +23,7 @@ from wmspec.core.space import Pose, Quaternion, Vector, add, from_ypr, rotate
 from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.values import Evaluator
 
 SAMPLE_RATE = 30  # Hz
 DECIMALS = 9  # for equal results on every processor
@@ -67,7 +67,7 @@ class _Segment:
         return self.length / self.duration
 
 
-def travels(values: Values) -> dict[str, Travel]:
+def travels(values: Evaluator) -> dict[str, Travel]:
     """Return the motions of all cars and walkers, by the names of the actions.
 
     Raises WmsError with its location for infeasible actions.
@@ -75,7 +75,7 @@ def travels(values: Values) -> dict[str, Travel]:
     return values.once(("", "travels"), lambda: _travels(values))
 
 
-def _travels(values: Values) -> dict[str, Travel]:
+def _travels(values: Evaluator) -> dict[str, Travel]:
     found: dict[str, Travel] = {}
     every = actions_in_order(values, tuple(_PLANS))
     for robot in dict.fromkeys(action.of for action in every):
@@ -91,7 +91,7 @@ def _travels(values: Values) -> dict[str, Travel]:
 
 
 def _segment(
-    values: Values, action: Entity, length: float, at: Callable[[float], tuple[Pose2D, float]], flows: bool = False
+    values: Evaluator, action: Entity, length: float, at: Callable[[float], tuple[Pose2D, float]], flows: bool = False
 ) -> _Segment:
     start = values.number(action.name, "start")
     if action_duration(values, action) <= 0:
@@ -141,7 +141,7 @@ def _tilted_pose(spot: Pose2D, pitch: float, level: float) -> Pose:
 # ---------------------------------------------------------------- cars
 
 
-def _plan_car(values: Values, level: float, spot: Pose2D, acts: Sequence[Entity]) -> list[_Segment]:
+def _plan_car(values: Evaluator, level: float, spot: Pose2D, acts: Sequence[Entity]) -> list[_Segment]:
     """Return the segments of a car."""
     traffic, stretches = _traffic(values, acts[0].of), list[_Segment]()
     standing = obstacles(values, level + CAR_HEIGHTS[0], level + CAR_HEIGHTS[1])
@@ -160,7 +160,7 @@ def _plan_car(values: Values, level: float, spot: Pose2D, acts: Sequence[Entity]
     return stretches
 
 
-def _traffic(values: Values, robot: str) -> Traffic:
+def _traffic(values: Evaluator, robot: str) -> Traffic:
     names = values.references(robot, "roads") if values.has(robot, "roads") else ()
     roads = tuple(road(values, name) for name in names if values.there(name))
     side = 1 if values.text(robot, "keeps") == "left" else -1
@@ -168,7 +168,7 @@ def _traffic(values: Values, robot: str) -> Traffic:
 
 
 def _car_path(
-    values: Values, traffic: Traffic, spot: Pose2D, action: Entity, before: _Segment | None
+    values: Evaluator, traffic: Traffic, spot: Pose2D, action: Entity, before: _Segment | None
 ) -> list[PathSegment]:
     """Return the path of a car during an action."""
     if action.verb == "forward":
@@ -185,7 +185,7 @@ def _car_path(
     return traffic.turn(spot, to) if action.verb == "turn" else traffic.change_lane(spot, to)
 
 
-def _goal(values: Values, action: Entity) -> str:
+def _goal(values: Evaluator, action: Entity) -> str:
     """Return the object that a robot goes to. Raises WmsError with its location if it is absent."""
     goal = values.reference(action.name, "to")
     if not values.there(goal):
@@ -225,7 +225,7 @@ def _check_clearance(stretch: _Segment, standing: Sequence[Outline]) -> None:
 # ---------------------------------------------------------------- walkers
 
 
-def _plan_walker(values: Values, level: float, spot: Pose2D, acts: Sequence[Entity]) -> list[_Segment]:
+def _plan_walker(values: Evaluator, level: float, spot: Pose2D, acts: Sequence[Entity]) -> list[_Segment]:
     """Return the segments of a walker."""
     standing = obstacles(values, level + WALKER_HEIGHTS[0], level + WALKER_HEIGHTS[1])
     stretches, pitch = list[_Segment](), 0.0
@@ -291,7 +291,7 @@ def _free_distance(way: Straight, standing: Sequence[Outline]) -> float:
     return way.length
 
 
-_PLANS: dict[str, Callable[[Values, float, Pose2D, Sequence[Entity]], list[_Segment]]] = {
+_PLANS: dict[str, Callable[[Evaluator, float, Pose2D, Sequence[Entity]], list[_Segment]]] = {
     "car": _plan_car,
     "walker": _plan_walker,
 }

@@ -7,8 +7,8 @@ from pkgutil import resolve_name
 
 from wmspec.compile.layout import motion
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.surfaces import WORLD, holder, under
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.surfaces import WORLD, support_of, contact_face
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.joints import has_drive, joined, joint_path
 from wmspec.compile.stage.objects import object_path
@@ -22,7 +22,7 @@ from wmspec.lang.check.tables.verbs import VERBS
 LYING, ALONG = 0.5, 0.99
 
 
-def add_action(doc: Document, action: Entity, values: Values, carried: dict[str, str]) -> None:
+def add_action(doc: Document, action: Entity, values: Evaluator, carried: dict[str, str]) -> None:
     """Add the prim of an action that happens. Raises WmsError with its location if it is infeasible."""
     name, verb = action.name, VERBS[action.verb]
     there = (f"{name}.there", f"{name}.object", f"{name}.joint")
@@ -38,7 +38,7 @@ def add_action(doc: Document, action: Entity, values: Values, carried: dict[str,
     resolve_name(verb.author)(prim, action, values)
 
 
-def _able(action: Entity, target: str, values: Values, carried: dict[str, str]) -> None:
+def _able(action: Entity, target: str, values: Evaluator, carried: dict[str, str]) -> None:
     """Raise unless the object can perform the verb."""
     if values.flag(target, "fixed") and action.verb != "paint":
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
@@ -53,9 +53,9 @@ def _able(action: Entity, target: str, values: Values, carried: dict[str, str]) 
         raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, remedy)
 
 
-def _heading(action: Entity, values: Values) -> Vector:
+def _heading(action: Entity, values: Evaluator) -> Vector:
     climb = values.number(action.name, "climb") if values.has(action.name, "climb") else 0.0
-    return heading_vector(motion.angle(values.direction(action.name)), climb)
+    return heading_vector(motion.heading_of(values.direction(action.name)), climb)
 
 
 def _toward(action: Entity) -> tuple[str, ...]:
@@ -69,7 +69,7 @@ def _vector(prim: Prim, name: str, value: Vector, *sources: str) -> None:
 # ---------------------------------------------------------------- sudden velocities
 
 
-def launch(prim: Prim, action: Entity, values: Values) -> None:
+def launch(prim: Prim, action: Entity, values: Evaluator) -> None:
     """Set velocity and spin at once."""
     name, target = action.name, values.reference(action.name, "object")
     speed = values.number(name, "speed")
@@ -79,12 +79,12 @@ def launch(prim: Prim, action: Entity, values: Values) -> None:
     _vector(prim, "wms:spin", spin, *sources, f"{target}.form")
 
 
-def _velocity(prim: Prim, action: Entity, values: Values, speed: float, *sources: str) -> None:
+def _velocity(prim: Prim, action: Entity, values: Evaluator, speed: float, *sources: str) -> None:
     prim.set("wms:speed", "double", speed, *sources, uniform=True)
     _vector(prim, "wms:direction", _heading(action, values), *_toward(action))
 
 
-def _rolling(action: Entity, target: str, speed: float, values: Values) -> Vector:
+def _rolling(action: Entity, target: str, speed: float, values: Evaluator) -> Vector:
     """Return the angular velocity of a ball that rolls without slipping: up x velocity / radius."""
     made = pieces(values, target)
     if values.parts(target) or made[0].solid.symmetry != "ball":
@@ -94,11 +94,11 @@ def _rolling(action: Entity, target: str, speed: float, values: Values) -> Vecto
     return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
 
 
-def slide(prim: Prim, action: Entity, values: Values) -> None:
+def slide(prim: Prim, action: Entity, values: Evaluator) -> None:
     """Set the speed sqrt(2 mu g d) at which friction stops the object after a distance d."""
     name, target = action.name, values.reference(action.name, "object")
-    held, here = holder(values, target), values.pose(target).position
-    face = under(values, target, (WORLD, *here[:2]))
+    held, here = support_of(values, target), values.pose(target).position
+    face = contact_face(values, target, (WORLD, *here[:2]))
     if held is None or face is None:
         raise ImpossibleValue(
             f"`{target}` rests on nothing, so it cannot slide", action.place, "say `on:` what it rests"
@@ -106,7 +106,7 @@ def slide(prim: Prim, action: Entity, values: Values) -> None:
     base = held[1]
     if face.normal[2] < 1 - 1e-9:
         raise ImpossibleValue(f"what `{target}` rests on is not level, so it would not stop there", action.place)
-    if _rolls(target, heading_vector(motion.angle(values.direction(name))), values):
+    if _rolls(target, heading_vector(motion.heading_of(values.direction(name))), values):
         ball = pieces(values, target)[0].solid.symmetry == "ball"
         remedy = "say `launch(..., rolling: true)`" if ball else "stand it up, or slide it along its axis"
         raise ImpossibleValue(f"`{target}` is round and would roll on instead of sliding", action.place, remedy)
@@ -121,7 +121,7 @@ def slide(prim: Prim, action: Entity, values: Values) -> None:
     _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
 
 
-def _rolls(target: str, way: Vector, values: Values) -> bool:
+def _rolls(target: str, way: Vector, values: Evaluator) -> bool:
     """Whether an object is round where it rests and rolls in that direction; not along its own axis."""
     made = pieces(values, target)
     if len(made) > 1 or made[0].solid.symmetry == "none":
@@ -133,15 +133,15 @@ def _rolls(target: str, way: Vector, values: Values) -> bool:
 # ---------------------------------------------------------------- carried
 
 
-def glide(prim: Prim, action: Entity, values: Values) -> None:
+def glide(prim: Prim, action: Entity, values: Evaluator) -> None:
     """Set a constant velocity for a while."""
     _velocity(prim, action, values, values.number(action.name, "speed"), f"{action.name}.speed")
 
 
-def follow(prim: Prim, action: Entity, values: Values) -> None:
+def follow(prim: Prim, action: Entity, values: Evaluator) -> None:
     """Set a path."""
-    stand = motion.before(values, action)
-    points, moments, turns = motion.way(values, action, stand.pose.position)
+    stand = motion.placement_before(values, action)
+    points, moments, turns = motion.timed_path(values, action, stand.pose.position)
     form = tuple(f"{action.name}.{p}" for p in ("path", "length", "width", "facing"))
     prim.set("wms:points", "double3[]", points, *form, *_toward(action), f"{action.name}.way", uniform=True)
     prim.set("wms:times", "double[]", moments, *form, *_toward(action), f"{action.name}.duration", uniform=True)
@@ -150,10 +150,10 @@ def follow(prim: Prim, action: Entity, values: Values) -> None:
         prim.set("wms:orientations", "quatd[]", turned, *form, *_toward(action), f"{action.name}.way", uniform=True)
 
 
-def teleport(prim: Prim, action: Entity, values: Values) -> None:
+def teleport(prim: Prim, action: Entity, values: Evaluator) -> None:
     """Set another pose at once."""
     name = action.name
-    pose = motion.landed(values, action, motion.before(values, action)).pose
+    pose = motion.teleport_target(values, action, motion.placement_before(values, action)).pose
     sources = (f"{name}.to", f"{name}.yaw", f"{name}.way")
     _vector(prim, "wms:position", pose.position, *sources)
     prim.set("wms:orientation", "quatd", pose.orientation, *sources, uniform=True)
@@ -162,44 +162,44 @@ def teleport(prim: Prim, action: Entity, values: Values) -> None:
 # ---------------------------------------------------------------- at once, in the midst of it
 
 
-def stop(prim: Prim, _action: Entity, _values: Values) -> None:
+def stop(prim: Prim, _action: Entity, _values: Evaluator) -> None:
     """Set velocity and spin to zero."""
     prim.set("wms:speed", "double", 0.0, uniform=True)
     _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
 
 
-def paint(prim: Prim, action: Entity, values: Values) -> None:
+def paint(prim: Prim, action: Entity, values: Evaluator) -> None:
     """Set another colour at once."""
     _vector(prim, "wms:color", rgb(values.text(action.name, "color")), f"{action.name}.color")
 
 
-def vanish(_prim: Prim, _action: Entity, _values: Values) -> None:
+def vanish(_prim: Prim, _action: Entity, _values: Evaluator) -> None:
     """Add nothing: the object is removed by the verb itself."""
 
 
 # ---------------------------------------------------------------- pushed, released, driven
 
 
-def impulse(prim: Prim, action: Entity, values: Values) -> None:
+def impulse(prim: Prim, action: Entity, values: Evaluator) -> None:
     """Set an impulse."""
     strength = scale(values.number(action.name, "impulse"), _heading(action, values))
     _vector(prim, "wms:impulse", strength, f"{action.name}.impulse", *_toward(action))
 
 
-def force(prim: Prim, action: Entity, values: Values) -> None:
+def force(prim: Prim, action: Entity, values: Evaluator) -> None:
     """Set a force for a while."""
     strength = scale(values.number(action.name, "force"), _heading(action, values))
     _vector(prim, "wms:force", strength, f"{action.name}.force", *_toward(action))
 
 
-def release(_prim: Prim, action: Entity, values: Values) -> None:
+def release(_prim: Prim, action: Entity, values: Evaluator) -> None:
     """Add nothing: the object is held until the start of the action."""
     target = values.reference(action.name, "object")
     if len(values.acting("drop", target)) + len(values.acting("release", target)) > 1:
         raise ImpossibleValue(f"`{target}` is let go more than once", action.place, "keep one `release` or `drop`")
 
 
-def drive(prim: Prim, action: Entity, values: Values) -> None:
+def drive(prim: Prim, action: Entity, values: Evaluator) -> None:
     """Set another target of a drive."""
     joint = values.spec.thing(values.reference(action.name, "joint"))
     if not has_drive(joint, values):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
@@ -20,14 +20,14 @@ BACKGROUND = (0.86, 0.88, 0.90)
 Matrix = tuple[tuple[float, ...], ...]
 
 
-def camera_path(name: str, values: Values) -> str:
+def camera_path(name: str, values: Evaluator) -> str:
     """Return the path of a camera's prim: below the object that it rides on, if any."""
     if not values.has(name, "ride"):
         return f"/World/Cameras/{name}"
     return f"{object_path(values.reference(name, 'ride'))}/Cameras/{name}"
 
 
-def add_camera(doc: Document, name: str, values: Values) -> None:
+def add_camera(doc: Document, name: str, values: Evaluator) -> None:
     """Add the prim of a camera. Raises WmsError if it looks at itself, or its object is absent."""
     eye, target = values.vector(name, "at"), values.vector(name, "look_at")
     path = camera_path(name, values)
@@ -49,7 +49,7 @@ def add_camera(doc: Document, name: str, values: Values) -> None:
     prim.set("clippingRange", "float2", (NEAR, far), *((f"{name}.far",) if values.has(name, "far") else ()))
 
 
-def _looking(eye: Vector, target: Vector, values: Values, name: str) -> Matrix:
+def _looking(eye: Vector, target: Vector, values: Evaluator, name: str) -> Matrix:
     """Return USD's row-vector matrix of a camera at `eye` that looks at `target` with a level horizon."""
     forward = [t - e for e, t in zip(eye, target, strict=True)]
     length = math.hypot(*forward)
@@ -62,7 +62,7 @@ def _looking(eye: Vector, target: Vector, values: Values, name: str) -> Matrix:
     return ((*x, 0.0), (*y, 0.0), (*z, 0.0), (*eye, 1.0))
 
 
-def add_light(doc: Document, name: str, world: str | None, values: Values) -> None:
+def add_light(doc: Document, name: str, world: str | None, values: Evaluator) -> None:
     """Add the prims of a light: a sun and a sky. Raises WmsError if it has no direction."""
     direction = values.vector(name, "direction")
     if math.hypot(*direction) < 1e-9:

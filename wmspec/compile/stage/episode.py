@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from wmspec.compile.design.design import Instance
 from wmspec.compile.layout.motion import carrier_sources, carriers
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.actions import add_action
 from wmspec.compile.stage.cameras import add_camera, add_light, camera_path
 from wmspec.compile.stage.document import Document
@@ -27,10 +27,10 @@ def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None =
 
     Raises WmsError with all errors and their locations, for impossible values and infeasible actions.
     """
-    return built(Values(spec, instance.values, change, instance.key))
+    return built(Evaluator(spec, instance.values, change, instance.key))
 
 
-def built(values: Values, objects: ObjectCache | None = None) -> Document:
+def built(values: Evaluator, objects: ObjectCache | None = None) -> Document:
     """Return the stage for the values of an instance, reusing prims of cached `objects`."""
     try:
         return _built(values, objects.add if objects else add_object)
@@ -41,7 +41,7 @@ def built(values: Values, objects: ObjectCache | None = None) -> Document:
         raise error.of(replace(d, notes=(*d.notes, note)) for d in error.diagnostics) from None
 
 
-def _built(values: Values, make: Callable[[Document, str, Values, frozenset[str], bool], None]) -> Document:
+def _built(values: Evaluator, make: Callable[[Document, str, Evaluator, frozenset[str], bool], None]) -> Document:
     spec = values.spec
     doc = Document({})
     doc.add("/World", "Xform")
@@ -76,7 +76,7 @@ def _built(values: Values, make: Callable[[Document, str, Values, frozenset[str]
     return doc
 
 
-def _actions(doc: Document, values: Values, carried: dict[str, str], report: Report) -> None:
+def _actions(doc: Document, values: Evaluator, carried: dict[str, str], report: Report) -> None:
     for thing in (thing for thing in values.spec.things if thing.kind == "action"):
         with report.collect_errors():
             if values.there(thing.name):
@@ -88,13 +88,13 @@ def _actions(doc: Document, values: Values, carried: dict[str, str], report: Rep
                     add_action(doc, thing, values, carried)
 
 
-def _physics(doc: Document, values: Values) -> None:
+def _physics(doc: Document, values: Evaluator) -> None:
     prim = doc.add("/World/physics", "PhysicsScene")
     prim.set("physics:gravityDirection", "vector3f", (0.0, 0.0, -1.0))
     prim.set("physics:gravityMagnitude", "float", values.gravity, "world.gravity")
 
 
-def _episode(doc: Document, spec: TaskSpec, values: Values) -> None:
+def _episode(doc: Document, spec: TaskSpec, values: Evaluator) -> None:
     episode = doc.add("/World/Episode", "WmsEpisode")
     episode.set("wms:formatVersion", "int", FORMAT_VERSION, uniform=True)
     episode.set("wms:task", "string", spec.name, uniform=True)
@@ -108,7 +108,7 @@ def _episode(doc: Document, spec: TaskSpec, values: Values) -> None:
         prim.set("wms:times", "double[]", times, f"observe.{observation}", uniform=True)
 
 
-def observed(spec: TaskSpec, values: Values) -> list[tuple[str, tuple[float, ...]]]:
+def observed(spec: TaskSpec, values: Evaluator) -> list[tuple[str, tuple[float, ...]]]:
     """Return the observed cameras, each with its times (s) in order.
 
     Raises WmsError if a time is outside the episode.

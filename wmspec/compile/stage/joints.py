@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from wmspec.compile.layout import assets, placement
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
@@ -28,7 +28,7 @@ def joint_path(name: str) -> str:
     return f"/World/Joints/{name}"
 
 
-def add_joint(doc: Document, joint: Entity, values: Values, carried: Mapping[str, str]) -> None:
+def add_joint(doc: Document, joint: Entity, values: Evaluator, carried: Mapping[str, str]) -> None:
     """Add the prim of a joint whose objects are present. Raises WmsError with its location if it is invalid.
 
     `carried` maps each carried object to an action that carries it.
@@ -65,7 +65,7 @@ def add_joint(doc: Document, joint: Entity, values: Values, carried: Mapping[str
         _coordinate(prim, joint, values, driven)
 
 
-def no_loops(values: Values) -> None:
+def no_loops(values: Evaluator) -> None:
     """Raise WmsError with its location for a joint that closes a loop: engines solve trees."""
     groups: dict[str, set[str]] = {}
     for joint in values.spec.things:
@@ -89,19 +89,19 @@ def no_loops(values: Values) -> None:
         groups.update(dict.fromkeys(second, first))
 
 
-def joined(values: Values, owner: str) -> bool:
+def joined(values: Evaluator, owner: str) -> bool:
     """Whether a joint holds an object."""
     joints = (j.name for j in values.spec.things if j.kind == "joint" and values.there(j.name))
     ends = ((name, end) for name in joints for end in ("of", "to"))
     return any(values.reference(name, end) == owner for name, end in ends if values.has(name, end))
 
 
-def has_drive(joint: Entity, values: Values) -> bool:
+def has_drive(joint: Entity, values: Evaluator) -> bool:
     """Whether a joint has a drive, whose target an action can change."""
     return _driven(joint, values)
 
 
-def _side(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose, values: Values) -> None:
+def _side(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose, values: Evaluator) -> None:
     """Set one of the two bodies (or the world), and the joint's frame relative to it."""
     name = joint.name
     here = _place(joint, body, values)
@@ -115,17 +115,17 @@ def _side(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose,
     prim.set(f"physics:localRot{number}", "quatf", turn, *sources, *ends)
 
 
-def _place(joint: Entity, body: str | None, values: Values) -> Pose:
+def _place(joint: Entity, body: str | None, values: Evaluator) -> Pose:
     """Return the pose of a body in the joint's space: the world, or the asset's frame with all joints at 0."""
     if not joint.of:
         return values.pose(body) if body else IDENTITY
     if body:
-        return assets.at_zero(values, body)
+        return assets.zero_pose(values, body)
     frame = placement.frame(values, joint.of)
     return Pose(rotate(inverse(frame.orientation), scale(-1.0, frame.position)), inverse(frame.orientation))
 
 
-def _frame(joint: Entity, values: Values) -> Quaternion:
+def _frame(joint: Entity, values: Evaluator) -> Quaternion:
     """Return the rotation of the joint's frame, whose x axis is the joint's axis."""
     if joint.model not in _COORDINATES:
         return IDENTITY_QUAT
@@ -135,7 +135,7 @@ def _frame(joint: Entity, values: Values) -> Quaternion:
     return align_x(unit(axis))
 
 
-def _driven(joint: Entity, values: Values) -> bool:
+def _driven(joint: Entity, values: Evaluator) -> bool:
     """Whether it has a drive. A drive with damping only brakes the joint."""
     if joint.model not in _COORDINATES:
         return False
@@ -146,7 +146,7 @@ def _driven(joint: Entity, values: Values) -> bool:
     return stiffness > 0 or damping > 0
 
 
-def _coordinate(prim: Prim, joint: Entity, values: Values, driven: bool) -> None:
+def _coordinate(prim: Prim, joint: Entity, values: Evaluator, driven: bool) -> None:
     name, (kind, scale) = joint.name, _COORDINATES[joint.model]
     prim.set("physics:axis", "token", "X", uniform=True)
     limits = {p: values.number(name, p) for p in ("low", "high") if values.has(name, p)}
@@ -154,7 +154,7 @@ def _coordinate(prim: Prim, joint: Entity, values: Values, driven: bool) -> None
         raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.place(name, "low"))
     if not joint.of:  # joints of assets may start elsewhere; `assets` checks them
         help = "limits are counted from how its objects are placed, so 0 is between them"
-        assets.within_limits(values, joint, 0.0, help)
+        assets.require_within_limits(values, joint, 0.0, help)
     for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):
         if side in limits:
             prim.set(f"physics:{attribute}", "float", limits[side] * scale, f"{name}.{side}")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from wmspec.compile.layout.geometry import every_piece, touchable
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.geometry import all_pieces, touchable
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Prim
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import from_ypr
@@ -14,9 +14,9 @@ LEAST_VOLUME = 1e-13
 ROUNDING = 2.0**-22
 
 
-def own(name: str, values: Values) -> bool:
+def own(name: str, values: Evaluator) -> bool:
     """Whether an object declares its own mass distribution. Raises WmsError if it has no mass."""
-    touched = any(touchable(values, part) for part, _ in every_piece(values, name))
+    touched = any(touchable(values, part) for part, _ in all_pieces(values, name))
     if not touched and not (values.has(name, "mass") and values.has(name, "moments")):
         raise ImpossibleValue(
             f"nothing of `{name}` can be touched, so nothing says what it weighs",
@@ -26,7 +26,7 @@ def own(name: str, values: Values) -> bool:
     return values.has(name, "centre") or values.has(name, "moments")
 
 
-def add_own(body: Prim, name: str, values: Values) -> None:
+def add_own(body: Prim, name: str, values: Evaluator) -> None:
     """Add mass, centre of mass and moments of an object to its body."""
     if values.has(name, "mass"):
         body.set("physics:mass", "float", values.number(name, "mass"), f"{name}.mass")
@@ -37,7 +37,7 @@ def add_own(body: Prim, name: str, values: Values) -> None:
         body.set("physics:principalAxes", "quatf", from_ypr(*values.vector(name, "axes")), f"{name}.axes")
 
 
-def _moments(name: str, values: Values) -> tuple[float, ...]:
+def _moments(name: str, values: Evaluator) -> tuple[float, ...]:
     """Return the moments of inertia; for flat objects, rounded so that none exceeds the sum of the others."""
     moments = values.vector(name, "moments")
     largest, rest = max(moments), sum(moments) - max(moments)
@@ -47,7 +47,7 @@ def _moments(name: str, values: Values) -> tuple[float, ...]:
     return tuple(min(m, rest * (1 - ROUNDING)) if m == largest else m for m in moments)
 
 
-def add_mass(prim: Prim, name: str, volume: float, values: Values) -> None:
+def add_mass(prim: Prim, name: str, volume: float, values: Evaluator) -> None:
     """Add the mass of a piece of this volume (m³): its share of the object's mass, or its density."""
     if values.flag(name, "fixed") and not values.has(name, "mass"):
         return
@@ -60,9 +60,9 @@ def add_mass(prim: Prim, name: str, volume: float, values: Values) -> None:
         prim.set("physics:mass", "float", share, f"{name}.mass", *parts)
 
 
-def _whole(name: str, values: Values) -> float:
+def _whole(name: str, values: Evaluator) -> float:
     """Return the touchable volume (m³) of an object. Raises WmsError if it is too small."""
-    whole = sum(piece.solid.volume for part, piece in every_piece(values, name) if touchable(values, part))
+    whole = sum(piece.solid.volume for part, piece in all_pieces(values, name) if touchable(values, part))
     if whole < LEAST_VOLUME:
         raise ImpossibleValue(f"`{name}` is too small to have a mass: {whole:g} m³", values.place(name))
     return whole

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.tables.colors import linear, rgb
@@ -12,7 +12,7 @@ from wmspec.lang.parse.files import resolve_display_path
 from wmspec.sim.materials import MATERIALS
 
 
-def add_material(doc: Document, part: str, owner: str, values: Values) -> str:
+def add_material(doc: Document, part: str, owner: str, values: Evaluator) -> str:
     """Add the material of an object or of one of its parts; returns its path."""
     path = f"/World/Materials/{part.replace('.', '/')}"
     there = (f"{owner}.present", f"{owner}.form")
@@ -47,7 +47,7 @@ def plain(doc: Document, path: str, shade: tuple[float, float, float], *sources:
     return path
 
 
-def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, there: tuple[str, ...]) -> None:
+def _color(doc: Document, surface: Prim, path: str, part: str, values: Evaluator, there: tuple[str, ...]) -> None:
     """Set the colour, or an image that it tints."""
     red, green, blue = (linear(c) for c in rgb(values.text(part, "color")))
     image, repeats = _image(part, values)
@@ -79,7 +79,7 @@ def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, t
     texture.set("outputs:rgb", "float3", None)
 
 
-def _image(part: str, values: Values) -> tuple[Path | None, tuple[float, float] | None]:
+def _image(part: str, values: Evaluator) -> tuple[Path | None, tuple[float, float] | None]:
     """Return the image on a surface and its repetitions per metre; None repetitions if it is laid out once."""
     if values.has(part, "image"):
         path = resolve_display_path(values.text(part, "image"))

@@ -10,7 +10,7 @@ from collections import OrderedDict
 from typing import Any
 
 from wmspec.compile.design.depend import dependencies
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import add_object
 from wmspec.compile.stage.one_factor import changed_by
@@ -26,7 +26,7 @@ class ObjectCache:
         self._deciding: OrderedDict[int, _Deciding] = OrderedDict()
         self._made: OrderedDict[tuple[Any, ...], Document] = OrderedDict()
 
-    def add(self, doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
+    def add(self, doc: Document, name: str, values: Evaluator, carriers: frozenset[str], carried: bool) -> None:
         """Add what `add_object` adds. Raises WmsError like `add_object`."""
         levels = self._of(values.spec).levels(name, values)
         if levels is None:
@@ -59,7 +59,7 @@ class _Deciding:
         self.spec, self._depend = spec, dependencies(spec)
         self._known: dict[str, tuple[frozenset[str], tuple[str, ...], bool]] = {}
 
-    def levels(self, name: str, values: Values) -> tuple[Any, ...] | None:
+    def levels(self, name: str, values: Evaluator) -> tuple[Any, ...] | None:
         """Return the cache key of an object's prims, or None if they depend on more than levels and draws."""
         if values.assets or values.has(name, "passes"):
             return None
@@ -74,7 +74,7 @@ class _Deciding:
             return None
         return (*(values.assignment[factor] for factor in factors), *(values.key if scattered else ()))
 
-    def _sources(self, name: str, values: Values) -> frozenset[str]:
+    def _sources(self, name: str, values: Evaluator) -> frozenset[str]:
         """Return all sources that the prims of an object may depend on."""
         own = [f"{name}.{aspect}" for aspect in ("pose", *PROPERTIES["object"])]
         own += [f"{part}.{word}" for part in values.parts(name) for word in PROPERTIES["part"]]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from wmspec.compile.layout import assets
-from wmspec.compile.layout.geometry import every_piece, touchable
+from wmspec.compile.layout.geometry import all_pieces, touchable
 from wmspec.compile.layout.placement import frame
-from wmspec.compile.layout.solids import Piece
-from wmspec.compile.layout.support import supported
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.solids import PlacedShape
+from wmspec.compile.layout.support import require_support
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage import masses, materials
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.core.diagnostics import ImpossibleValue
@@ -23,7 +23,7 @@ def object_path(name: str) -> str:
     return f"/World/Objects/{name}"
 
 
-def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
+def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[str], carried: bool) -> None:
     """Add the prims of a present object; `carriers` are the sources of `carried`, whether actions carry it."""
     fixed, solid = values.flag(name, "fixed"), values.flag(name, "solid")
     if fixed and carried:
@@ -31,7 +31,7 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
     if not fixed and not carried and not solid:
         what = f"`{name}` cannot be touched, so it would fall through everything"
         raise ImpossibleValue(what, values.place(name), "make it `fixed: true`, or carry it with `glide` or `follow`")
-    supported(name, values)
+    require_support(name, values)
     weighed = () if fixed or not solid or not masses.own(name, values) else ("PhysicsMassAPI",)
     passed = _passed(name, values)
     filters = ("PhysicsFilteredPairsAPI",) if passed else ()
@@ -56,7 +56,7 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
     _pieces(doc, name, values, solid)
 
 
-def _moving(body: Prim, name: str, values: Values) -> None:
+def _moving(body: Prim, name: str, values: Evaluator) -> None:
     """Set the initial velocities; those of an asset's link are along the asset's axes."""
     base = assets.base(values, name)
     turned = frame(values, base).orientation if base else IDENTITY_QUAT
@@ -70,14 +70,14 @@ def _moving(body: Prim, name: str, values: Values) -> None:
         body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{word}", *((f"{base}.pose",) if base else ()))
 
 
-def _passed(name: str, values: Values) -> tuple[str, ...]:
+def _passed(name: str, values: Evaluator) -> tuple[str, ...]:
     """Return the present objects that it does not collide with."""
     passes = values.references(name, "passes") if values.has(name, "passes") else ()
     return tuple(other for other in passes if other != name and values.there(other))
 
 
-def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
-    made = every_piece(values, name)
+def _pieces(doc: Document, name: str, values: Evaluator, solid: bool) -> None:
+    made = all_pieces(values, name)
     for part, piece in made:
         form = "mesh" if values.has(part, "file") else values.text(part, "shape")
         below = form if part == name else part.removeprefix(f"{name}.")
@@ -88,7 +88,7 @@ def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
         prim.relate("material:binding", materials.add_material(doc, part, name, values))
 
 
-def geometry(doc: Document, path: str, piece: Piece, schemas: tuple[str, ...], sources: tuple[str, ...]) -> Prim:
+def geometry(doc: Document, path: str, piece: PlacedShape, schemas: tuple[str, ...], sources: tuple[str, ...]) -> Prim:
     """Add the prim of a solid with its pose in the object; the first of the `sources` determines its form."""
     made, form = piece.solid.prim(), sources[0]
     prim = doc.add(path, made.type, (*schemas, "MaterialBindingAPI"), sources)
@@ -103,7 +103,7 @@ def geometry(doc: Document, path: str, piece: Piece, schemas: tuple[str, ...], s
     return prim
 
 
-def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values: Values, solid: bool) -> Prim:
+def _piece(doc: Document, path: str, piece: PlacedShape, part: str, name: str, values: Evaluator, solid: bool) -> Prim:
     mesh = isinstance(piece.solid.prim(), Polygons)
     touched = ("PhysicsCollisionAPI", "PhysicsMassAPI") if solid else ()
     meshed = ("PhysicsMeshCollisionAPI",) if solid and mesh else ()

@@ -5,7 +5,7 @@ An arm references its asset and has joint trajectories and holds. Cars and walke
 
 from __future__ import annotations
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.robots import car
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.plan import ARMS, arm_of, plan
@@ -21,7 +21,7 @@ from wmspec.lang.check.tables.colors import rgb
 WEIGHT, MOMENTS = 70.0, (16.0, 16.0, 1.0)
 
 
-def add_robot(doc: Document, robot: Entity, values: Values) -> None:
+def add_robot(doc: Document, robot: Entity, values: Evaluator) -> None:
     """Add the prim of a robot in its initial state; an arm's hand is retracted.
 
     Raises WmsError with its location if the base pose is invalid.
@@ -48,7 +48,7 @@ def add_robot(doc: Document, robot: Entity, values: Values) -> None:
         prim.set("physics:principalAxes", "quatf", (1.0, 0.0, 0.0, 0.0))
 
 
-def _paint(doc: Document, name: str, values: Values) -> None:
+def _paint(doc: Document, name: str, values: Evaluator) -> None:
     """Add the coloured shapes of a car."""
     doc.add(f"/World/Materials/{name}", "Scope")
     for part, piece, tone in car.parts():
@@ -59,12 +59,12 @@ def _paint(doc: Document, name: str, values: Values) -> None:
         prim.relate("material:binding", material)
 
 
-def add_action(doc: Document, action: Entity, values: Values) -> None:
+def add_action(doc: Document, action: Entity, values: Evaluator) -> None:
     """Add the action of a robot. Raises WmsError with its location if it is infeasible."""
     (_reach if values.spec.thing(action.of).model in ARMS else _follow)(doc, action, values)
 
 
-def _follow(doc: Document, action: Entity, values: Values) -> None:
+def _follow(doc: Document, action: Entity, values: Evaluator) -> None:
     """Add the path of a car or a walker."""
     travel, way = travels(values)[action.name], (f"{action.name}.way", f"{action.name}.duration")
     prim = doc.add(f"/World/Episode/Actions/{action.name}", "WmsAction", (), (f"{action.name}.there",))
@@ -77,7 +77,7 @@ def _follow(doc: Document, action: Entity, values: Values) -> None:
     prim.set("wms:orientations", "quatd[]", travel.turns, *way, uniform=True)
 
 
-def _reach(doc: Document, action: Entity, values: Values) -> None:
+def _reach(doc: Document, action: Entity, values: Evaluator) -> None:
     """Add a joint trajectory of an arm, with a `hold` below it for a grasp."""
     reach = plan(values)[action.name]
     path, here = f"/World/Episode/Actions/{action.name}", object_path(action.of)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from hashlib import blake2b
 from pathlib import Path
 
-from wmspec.compile.design.describe import told
+from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import document
@@ -32,7 +32,7 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
 
     base, truth = written(None, design[0]), written(None)
     name = f"{instance.index:06d}"
-    assigned = told(spec.factors, instance.values)
+    assigned = format_levels(spec.factors, instance.values)
     layers = {
         "base.usda": base_layer(base, f"{spec.title}. Instance 0; the layers of other instances change it."),
         f"{name}.usda": override_layer(

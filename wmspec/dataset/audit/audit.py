@@ -19,7 +19,7 @@ from wmspec.dataset.audit.model import Audit, Counts, Finding, Likeness, Probe, 
 from wmspec.dataset.audit.stability import stability
 from wmspec.dataset.audit.summary import summary
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.runtime.workers.pool import Effort, Lost, in_order
+from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_ordered
 
 #: Timeout for a task (s).
 TASK_TIMEOUT = 24 * 3600.0
@@ -60,7 +60,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
     pieces = [(dataset, task, most, task in damaged) for task in dataset.tasks]
     with closing(_task_results(pieces, min(workers, len(pieces)))) as done:
         for task, found in zip(dataset.tasks, done, strict=True):
-            if isinstance(found, Lost):
+            if isinstance(found, JobFailure):
                 raise WmsError(f"the audit of `{task}` came to nothing: {found.reason}")
             gathered.add(found)
             progress(task, 1)
@@ -83,10 +83,10 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
 
 def _task_results(
     pieces: list[tuple[DatasetReader, str, int, bool]], workers: int
-) -> Generator[_Results | Lost, None, None]:
+) -> Generator[_Results | JobFailure, None, None]:
     """Yield the results of every task, in order."""
     if workers > 1:
-        yield from in_order(_audit_task, pieces, Effort(workers, TASK_TIMEOUT))
+        yield from map_ordered(_audit_task, pieces, PoolConfig(workers, TASK_TIMEOUT))
     else:
         yield from (_audit_task(*piece) for piece in pieces)
 

@@ -180,8 +180,9 @@ def _of_questions(
 
 
 def _linear(x: Array, y: Array, unseen: Array) -> Array:
-    """Return predictions of a sparse regression, since shortcuts tend to be in few features; dense if questions are
-    few.
+    """Return predictions of a sparse regression, since shortcuts tend to be in few features.
+
+    The regression is dense if there are too few questions.
     """
     middle, spread = x.mean(0), x.std(0)
     spread[spread < 1e-9] = np.inf

@@ -51,8 +51,8 @@ def deviation(right: Array, chance: Array, groups: Sequence[str]) -> float:
 class ProbePower:
     """Properties of a probe that do not depend on its result: `chance`, and the `deviation` of its accuracy.
 
-    `learned` is the gain above chance, with a power of 0.8, from a shortcut of each of the `SHORTCUT_SIZES`; None if nothing can
-    be learned.
+    `learned` is the gain above chance from a shortcut of each of the `SHORTCUT_SIZES`, with a power of 0.8. It is None
+    if nothing can be learned.
     """
 
     chance: float
@@ -152,8 +152,9 @@ def inject_shortcut(
 
 
 def _shortcut_feature(features: Array, able: Array, random: np.random.Generator) -> int:
-    """Return a feature for a shortcut: one of the eight with the largest variance among those with the highest `able`
-    (0 to 1).
+    """Return a feature for a shortcut: one of the eight with the largest variance among the most able.
+
+    `able` (0 to 1) says how well each feature can hold a shortcut.
     """
     possible = np.flatnonzero(able >= min(MIN_UNIQUE_MAXIMA, able.max()))
     widest = possible[np.argsort(-features[:, possible].std(0), kind="stable")][:8]

@@ -45,9 +45,7 @@ class CandidateProbes:
         return cls(np.stack(right), np.stack(picks))
 
     def best(self, asked: ProbeDataset) -> tuple[Array, NDArray[np.int64]]:
-        """Return the score of every question by the selected probe, and the probe selected in each fold (the first of
-        equals).
-        """
+        """Return the score of every question by the selected probe, and the probe selected in each fold."""
         picked = self.picks.round(9).argmax(0)
         judged = np.zeros(asked.count)
         for held, probe in zip(asked.folds, picked, strict=True):
@@ -57,10 +55,9 @@ class CandidateProbes:
     def learned(
         self, seen: Sequence[Callable[[], ProbeFeatures]], asked: ProbeDataset, chance: Array
     ) -> tuple[float, ...]:
-        """Return the selected probe's gain, with a power of 0.8, from shortcuts of each of the `SIZES` in one of the
-        probes.
+        """Return the selected probe's gain, with a power of 0.8, from a shortcut in one of the probes.
 
-        The other probes keep their scores.
+        One value for each of the `SHORTCUT_SIZES`. The other probes keep their scores.
         """
         random = np.random.default_rng(SEED)
         return gain_quantile(

@@ -17,7 +17,7 @@ from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.shards import parquet
 from wmspec.dataset.build.worker import Balance, Job, Outcome, make_instances
 from wmspec.runtime.questions.model import FAILED, Rejected
-from wmspec.runtime.workers.pool import Effort, Lost, in_order
+from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_ordered
 
 #: Number of units timed for a task. The cost of an instance may depend on what differs between units, such as the
 #: number of objects.
@@ -82,15 +82,15 @@ class _Unit:
     other: Piece
 
 
-def estimate(plan: Plan, effort: Effort, progress: Callable[[str, int], None]) -> tuple[Cost, ...]:
+def estimate(plan: Plan, effort: PoolConfig, progress: Callable[[str, int], None]) -> tuple[Cost, ...]:
     """Make instances of units spread over every task, with all workers busy; `progress` is called for each task."""
     job = job_of(plan, effort)
     own = {task.spec.name: job.of(task.spec.name) for task in plan.tasks}
     todo = [(task.spec.name, unit) for task in plan.tasks for unit in _spaced_units(task, plan.seed)]
     pieces = [(own[name], name, unit.other, unit.pieces) for name, unit in todo]
-    trials: dict[str, list[tuple[_Unit, _Trial | Lost]]] = {task.spec.name: [] for task in plan.tasks}
+    trials: dict[str, list[tuple[_Unit, _Trial | JobFailure]]] = {task.spec.name: [] for task in plan.tasks}
     specs = {task.spec.name: task.spec for task in plan.tasks}
-    with closing(in_order(run_trial, pieces, effort, lambda p: sum(weight(specs[p[1]], x) for x in p[-1]))) as outcomes:
+    with closing(map_ordered(run_trial, pieces, effort, lambda p: sum(weight(specs[p[1]], x) for x in p[-1]))) as outcomes:
         for number, ((name, unit), trial) in enumerate(zip(todo, outcomes, strict=True), 1):
             trials[name].append((unit, trial))
             if number == len(todo) or todo[number][0] != name:
@@ -143,7 +143,7 @@ def _size(unit: Sequence[Piece]) -> int:
     return sum(map(len, unit))
 
 
-def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Trial | Lost]]) -> Cost:
+def _cost(plan: Plan, task: Task, effort: PoolConfig, trials: list[tuple[_Unit, _Trial | JobFailure]]) -> Cost:
     """Return the estimate of a task from its trials."""
     whole = [trial for _, trial in trials if isinstance(trial, _Trial)]
     outcomes = [outcome for trial in whole for outcome in trial.outcomes]
@@ -151,7 +151,7 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
     tried = sum(_size(unit.pieces) for unit, _ in trials)
     rejected = [r for outcome in outcomes for r in outcome.rejected]
     for unit, trial in trials:
-        if isinstance(trial, Lost):
+        if isinstance(trial, JobFailure):
             nothings = (failed_outcome(plan, task.spec, index, trial) for piece in unit.pieces for index in piece)
             rejected += (r for outcome in nothings for r in outcome.rejected)
     reasons, examples = by_reason(rejected)
@@ -171,13 +171,13 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
         examples=examples,
         balance=sum((trial.balance for trial in whole), Balance()) if task.spec.plan.balance else None,
         failed=len({r.index for r in rejected if r.reason in FAILED}),
-        crash=next((trial.crash for _, trial in trials if isinstance(trial, Lost) and trial.crash), None),
+        crash=next((trial.crash for _, trial in trials if isinstance(trial, JobFailure) and trial.crash), None),
     )
 
 
-def _seconds(unit: _Unit, trial: _Trial | Lost, effort: Effort) -> float:
+def _seconds(unit: _Unit, trial: _Trial | JobFailure, effort: PoolConfig) -> float:
     """Return the time of a whole unit: its first piece has no cache to use, the others cost as much as those timed."""
-    if isinstance(trial, Lost):
+    if isinstance(trial, JobFailure):
         return 2 * effort.timeout * unit.instances if trial.kind == "timeout" else 0.0  # one retry each
     first, others = len(unit.pieces[0]), _size(unit.pieces[1:])
     each = sum(trial.seconds[1:]) / others if others else trial.seconds[0] / first

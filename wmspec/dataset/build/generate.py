@@ -22,7 +22,7 @@ from wmspec.dataset.build.worker import Balance, CacheStats, Job, Outcome, make_
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import to_json
 from wmspec.runtime.questions.model import Rejected
-from wmspec.runtime.workers.pool import Effort, Lost, by_units
+from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_batches
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class RunStats:
 
 
 def generate(
-    dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: PriorInstances
+    dataset: Dataset, effort: PoolConfig, progress: Callable[[str, int], None], before: PriorInstances
 ) -> RunStats:
     """Make every pending shard, except instances found in `before` or saved by an interrupted run.
 
@@ -54,10 +54,10 @@ def generate(
         one.finish()
     shard_of = {(one.task, index): one for one in making for index in one.missing}
     with closing(
-        by_units(make_instances, _units(job, plan, making), effort, lambda p: weight(specs[p[1]], p[2]))
+        map_batches(make_instances, _units(job, plan, making), effort, lambda p: weight(specs[p[1]], p[2]))
     ) as outcomes:
         for (_, task, indices), made in outcomes:
-            if isinstance(made, Lost):
+            if isinstance(made, JobFailure):
                 crash = crash or made.crash
             else:
                 shared += made.shared
@@ -67,7 +67,7 @@ def generate(
                 one = shard_of[task, index]
                 spec = specs[task]
                 one.keep(
-                    index, failed_outcome(plan, spec, index, made) if isinstance(made, Lost) else made.outcomes[at]
+                    index, failed_outcome(plan, spec, index, made) if isinstance(made, JobFailure) else made.outcomes[at]
                 )
                 progress(task, 1)
     return RunStats(shared, balance, crash)
@@ -110,7 +110,7 @@ def _units(job: Job, plan: Plan, making: Iterable[_PendingShard]) -> Iterator[li
                 yield [(own, task, piece) for piece in unit]
 
 
-def job_of(plan: Plan, effort: Effort) -> Job:
+def job_of(plan: Plan, effort: PoolConfig) -> Job:
     """Return the settings of the workers; call it before they start."""
     if effort.workers > 1:  # otherwise Mesa's software renderer starts a thread per core in every worker
         os.environ.setdefault("LP_NUM_THREADS", "0")
@@ -118,7 +118,7 @@ def job_of(plan: Plan, effort: Effort) -> Job:
     return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, plan.look, plan.samples, plan.renderer)
 
 
-def failed_outcome(plan: Plan, spec: TaskSpec, index: int, lost: Lost) -> Outcome:
+def failed_outcome(plan: Plan, spec: TaskSpec, index: int, lost: JobFailure) -> Outcome:
     """Return the outcome of a failed instance: every question is rejected in every engine."""
     rejected = (
         Rejected(spec.name, index, q, engine, lost.kind, lost.reason)

@@ -86,7 +86,10 @@ class Store:
             self._file.close()
 
     def begin(self, person: Person) -> Place:
-        """Return a participant's progress, with a new slot on the first visit. Raises Full if all slots are finished."""
+        """Return a participant's progress, with a new slot on the first visit.
+
+        Raises Full if all slots are finished.
+        """
         with self._write():
             if self._slot(person.session) is None:
                 values = [person.session, person.rater, self._free(), secrets.token_hex(4).upper()]

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.episode import built
 from wmspec.compile.stage.layers import bare, compose
@@ -62,7 +62,7 @@ class SceneCache:
         self._objects = ObjectCache()
         self._built: OrderedDict[tuple[object, ...], tuple[TaskSpec, Scene]] = OrderedDict()
 
-    def of(self, values: Values) -> Scene:
+    def of(self, values: Evaluator) -> Scene:
         """Return the scene of an instance, with a counterfactual if given.
 
         A counterfactual that only changes levels shares the scene of that sibling. Raises WmsError with all errors.

@@ -15,7 +15,7 @@ from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.compare.check import check
 from wmspec.runtime.compare.model import Checked, Failure, Pair
 from wmspec.runtime.compare.tolerance import Tolerances
-from wmspec.runtime.workers.pool import Effort, Lost, in_order
+from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_ordered
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Swept:
 
     checked: tuple[Checked, ...]
     failed: int = 0
-    cause: Lost | None = None
+    cause: JobFailure | None = None
 
 
 def pairs(engines: Sequence[str]) -> list[Pair]:
@@ -51,7 +51,7 @@ def sweep(
     specs: Sequence[TaskSpec],
     sample: int,
     job: Job,
-    effort: Effort,
+    effort: PoolConfig,
     progress: Callable[[str, int], None],
 ) -> Swept:
     """Return the checks of `sample` random instances per task, ordered by task and index.
@@ -60,12 +60,12 @@ def sweep(
     """
     designs = {spec.name: Design(spec, job.seed) for spec in specs}
     todo = [(name, index) for name, design in designs.items() for index in sorted(design.sample(sample))]
-    checked, lost, own = list[Checked](), list[Lost](), {name: job.of(name) for name in designs}
-    with closing(in_order(work, ((own[name], name, index) for name, index in todo), effort)) as outcomes:
+    checked, lost, own = list[Checked](), list[JobFailure](), {name: job.of(name) for name in designs}
+    with closing(map_ordered(work, ((own[name], name, index) for name, index in todo), effort)) as outcomes:
         for (name, index), outcome in zip(todo, outcomes, strict=True):
-            if isinstance(outcome, Lost):
+            if isinstance(outcome, JobFailure):
                 lost.append(outcome)
-            checked.append(_lost(designs[name], index, outcome) if isinstance(outcome, Lost) else outcome)
+            checked.append(_lost(designs[name], index, outcome) if isinstance(outcome, JobFailure) else outcome)
             progress(name, 1)
     return Swept(tuple(checked), len(lost), next((one for one in lost if one.crash), lost[0] if lost else None))
 
@@ -85,7 +85,7 @@ def _executors(engines: tuple[str, ...]) -> tuple[TraceCache, ...]:
     return tuple(TraceCache(engine) for engine in engines)
 
 
-def _lost(design: Design, index: int, lost: Lost) -> Checked:
+def _lost(design: Design, index: int, lost: JobFailure) -> Checked:
     instance = design[index]
     failures = (Failure("", "", lost.reason),)
     return Checked(design.spec.name, index, instance.factors, instance.nuisances, failures=failures)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from wmspec.compile.design.about import named
+from wmspec.compile.design.about import referenced_objects
 from wmspec.compile.design.design import Design, Instance
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.core.rng import Permutation, bits, permuted
@@ -114,7 +114,7 @@ class _Row:
         require_stable(asking, answer, instance.key)
         self.visible(answer)
         options = kind.options(asking, answer, self.slot)
-        names = named(question, asking.values)
+        names = referenced_objects(question, asking.values)
         difference = self.difference()
         channels = channels_of(spec)
         return QuestionRow(
@@ -155,7 +155,7 @@ class _Row:
         depicted = kind.option_images(asking, answer)
         runs = [asking.run, *(option.run for option in depicted)]
         things = {thing.name for thing in asking.values.spec.things}  # links of an arm may be hidden
-        needed = named(asking.question, asking.values).union(*(run.movers() & things for run in runs))
+        needed = referenced_objects(asking.question, asking.values).union(*(run.movers() & things for run in runs))
         together = connected_sets(asking.values)
         require_visible(asking.observed, needed, together)
         for option in depicted:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.lang.check.ir.ir import Counterfactual, OrbitFactor
 from wmspec.lang.check.statements.orbits import level_words
 from wmspec.runtime.questions.model import Change
 from wmspec.runtime.questions.verbalize import verbalize
 
 
-def change_of(change: Counterfactual, orbit: Sequence[OrbitFactor], before: Values, after: Values) -> Change:
+def change_of(change: Counterfactual, orbit: Sequence[OrbitFactor], before: Evaluator, after: Evaluator) -> Change:
     """Return the change with values before and after."""
     if change.change == "without":
         return Change("without", change.owner, "done", "left out")
@@ -28,7 +28,7 @@ def change_of(change: Counterfactual, orbit: Sequence[OrbitFactor], before: Valu
     return Change(change.change, f"{owner}.{name}", was, verbalize(after.property(owner, name), change.sort, after))
 
 
-def _levels(change: Counterfactual, orbit: Sequence[OrbitFactor], before: Values) -> Change:
+def _levels(change: Counterfactual, orbit: Sequence[OrbitFactor], before: Evaluator) -> Change:
     """Return the changed levels; for a closed set, as changes of state or action."""
     reads: dict[str, tuple[str, ...]] = {v.factor: _READS[v.reads] for v in orbit}
     made: Change | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.compile.layout.functions import extreme
+from wmspec.compile.layout.functions import extreme_name
 from wmspec.compile.layout.view import front
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions import outcome
@@ -15,24 +15,24 @@ NEITHER = "neither"
 
 def fastest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
     """Return the object with the highest speed."""
-    return extreme(measured.each("speed", names), True, tie)
+    return extreme_name(measured.each("speed", names), True, tie)
 
 
 def slowest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
     """Return the object with the lowest speed."""
-    return extreme(measured.each("speed", names), False, tie)
+    return extreme_name(measured.each("speed", names), False, tie)
 
 
 def longest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
     """Return the object that moved for the longest time."""
-    return extreme(measured.each("moving_time", names), True, tie)
+    return extreme_name(measured.each("moving_time", names), True, tie)
 
 
 def mover(measured: Measured, names: tuple[str, ...]) -> str:
     """Return the object with the longest path; observation times are equal, so speeds compare like distances."""
     if not any(measured.each("moved", names).values()):
         raise WmsError(f"none of {', '.join(names)} moves, so there is no mover")
-    return extreme(measured.each("speed", names), True)
+    return extreme_name(measured.each("speed", names), True)
 
 
 def first(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:

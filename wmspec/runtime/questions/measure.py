@@ -7,7 +7,7 @@ from keyword import iskeyword
 from pkgutil import resolve_name
 from typing import Any
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.types.types import POINT3
@@ -20,7 +20,7 @@ class Measured:
     `readings` collects every measured quantity by its call in source form.
     """
 
-    def __init__(self, values: Values, observed: Observed) -> None:
+    def __init__(self, values: Evaluator, observed: Observed) -> None:
         self.values = values
         self.observed = observed
         self.readings: dict[str, float] = {}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
 from wmspec.lang.check.ir.ir import Counterfactual, Question
@@ -29,7 +29,7 @@ class QuestionContext:
     pair: EnginePair
 
     @property
-    def values(self) -> Values:
+    def values(self) -> Evaluator:
         """Values of the spec before the episode."""
         return self.run.values
 

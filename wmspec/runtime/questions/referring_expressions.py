@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache, lru_cache
 
 from wmspec.compile.layout.geometry import volume
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.layout.view import front, seen
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.colors import rgb
@@ -26,7 +26,7 @@ class Ambiguous(WmsError):
     """No words distinguish two objects."""
 
 
-def referring_expression(name: str, values: Values) -> str:
+def referring_expression(name: str, values: Evaluator) -> str:
     """Return words that describe exactly this object. Raises Ambiguous if there are none."""
     plain = _plain(name, values)
     rivals = [other for other in present_objects(values) if other != name and _plain(other, values) == plain]
@@ -38,7 +38,7 @@ def referring_expression(name: str, values: Values) -> str:
     raise Ambiguous(f"`{name}` and `{rivals[0]}` are both {_article(plain)} and no words distinguish them")
 
 
-def present_objects(values: Values) -> Iterator[str]:
+def present_objects(values: Evaluator) -> Iterator[str]:
     """Yield the names of present objects."""
     for thing in values.spec.things:
         if thing.kind == "object" and values.there(thing.name):
@@ -61,7 +61,7 @@ def _named() -> dict[str, Array]:
     return {word: lab(color) for word, color in COLORS.items()}
 
 
-def group_expression(names: Sequence[str], values: Values) -> str | None:
+def group_expression(names: Sequence[str], values: Evaluator) -> str | None:
     """Return words that describe exactly these objects, by colour and noun or by noun; None if there are none."""
     things = [values.spec.thing(name) for name in names]
     alike = len({thing.set or values.has(thing.name, "called") for thing in things}) == 1
@@ -76,7 +76,7 @@ def group_expression(names: Sequence[str], values: Values) -> str | None:
     return None
 
 
-def _plural(name: str, noun: str, values: Values) -> str:
+def _plural(name: str, noun: str, values: Evaluator) -> str:
     """Return the plural: from the spec, or by spelling rules."""
     if values.has(name, "plural"):
         return values.text(name, "plural")
@@ -85,7 +85,7 @@ def _plural(name: str, noun: str, values: Values) -> str:
     return f"{noun[:-1]}ies" if noun.endswith("y") and noun[-2:-1] not in "aeiou" else f"{noun}s"
 
 
-def noun(name: str, values: Values) -> str:
+def noun(name: str, values: Evaluator) -> str:
     """Return the noun of an object: its label, its shape, or its name if it has parts or is a mesh."""
     if values.has(name, "called"):
         return values.text(name, "called")
@@ -94,7 +94,7 @@ def noun(name: str, values: Values) -> str:
     return values.text(name, "shape")
 
 
-def _plain(name: str, values: Values) -> str:
+def _plain(name: str, values: Evaluator) -> str:
     what = noun(name, values)
     formless = values.parts(name) or values.has(name, "file") or not values.has(name, "shape")
     if formless and not (values.has(name, "called") and values.has(name, "color")):
@@ -109,7 +109,7 @@ def _article(noun: str) -> str:
 # ---------------------------------------------------------------- what tells apart
 
 
-def _material(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+def _material(name: str, rivals: list[str], values: Evaluator) -> Iterator[str]:
     if not all(values.has(n, "material") for n in (name, *rivals)):
         return
     mine = values.text(name, "material")
@@ -118,7 +118,7 @@ def _material(name: str, rivals: list[str], values: Values) -> Iterator[str]:
         yield f"{_plain(name, values).removesuffix(what)}{_MADE.get(mine, mine)} {what}"
 
 
-def _size(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+def _size(name: str, rivals: list[str], values: Evaluator) -> Iterator[str]:
     def edge(n: str) -> float:
         return float(volume(values, n) ** (1 / 3))
 
@@ -127,15 +127,15 @@ def _size(name: str, rivals: list[str], values: Values) -> Iterator[str]:
         yield f"{word} {_plain(name, values)}"
 
 
-def _side(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+def _side(name: str, rivals: list[str], values: Evaluator) -> Iterator[str]:
     yield from _placed(name, rivals, values, 0, ("on the right", "on the left"))
 
 
-def _depth(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+def _depth(name: str, rivals: list[str], values: Evaluator) -> Iterator[str]:
     yield from _placed(name, rivals, values, 1, ("at the back", "at the front"))
 
 
-def _placed(name: str, rivals: list[str], values: Values, axis: int, words: tuple[str, str]) -> Iterator[str]:
+def _placed(name: str, rivals: list[str], values: Evaluator, axis: int, words: tuple[str, str]) -> Iterator[str]:
     way = front(values)
     here, *there = (seen(way, *values.pose(n).position[:2])[axis] for n in (name, *rivals))
     for word in _extreme(here, there, words, lambda a, b: a > b + MIN_OFFSET):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.compile.design.design import Design, Instance
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.core.diagnostics import EngineError, WmsError
 from wmspec.core.rng import uniform
 from wmspec.lang.check.ir.ir import Counterfactual
@@ -47,7 +47,7 @@ class EnginePair:
 class Run:
     """An executed episode."""
 
-    values: Values
+    values: Evaluator
     scene: Scene
     trace: Trace
 
@@ -89,9 +89,9 @@ class Run:
         return pair.renders.draw(appearance_at(self.scene, time), Shot(camera, self.trace.poses(time)), depth=depth)
 
 
-def values_of(design: Design, instance: Instance, change: Counterfactual | None = None) -> Values:
+def values_of(design: Design, instance: Instance, change: Counterfactual | None = None) -> Evaluator:
     """Return the values of an instance or of its counterfactual."""
-    return Values(design.spec, instance.values, change, instance.key)
+    return Evaluator(design.spec, instance.values, change, instance.key)
 
 
 def execute(design: Design, instance: Instance, change: Counterfactual | None, pair: EnginePair) -> Run:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import Environment, evaluate
 from wmspec.lang.check.tables.vocabulary import WORDS
@@ -42,7 +42,7 @@ _RELATIONS = {"left_of": "to the left of", "right_of": "to the right of", "in_fr
 _ENDS_IN_THE = re.compile(r"\bthe $", re.IGNORECASE)
 
 
-def verbalize(value: Any, sort: str, values: Values) -> str:
+def verbalize(value: Any, sort: str, values: Evaluator) -> str:
     """Return a value of a type in words; an object by a referring expression.
 
     Raises Ambiguous for an object that words cannot distinguish.
@@ -80,7 +80,7 @@ def _of_each(sort: str) -> str:
     return several.removesuffix("s")
 
 
-def verbalize_option(value: Any, sort: str, values: Values) -> str:
+def verbalize_option(value: Any, sort: str, values: Evaluator) -> str:
     """Return a value in words that stand alone."""
     words = verbalize(value, sort, values)
     return f"{words} it" if sort == "relation" else words
@@ -96,12 +96,12 @@ def si_unit(sort: str) -> str:
     return _SI.get(sort, sort)
 
 
-def question_text(question: ir.Question, env: Environment, values: Values) -> str:
+def question_text(question: ir.Question, env: Environment, values: Evaluator) -> str:
     """Return the text of a question with its values."""
     return fill_template(question.text, env, values)
 
 
-def fill_template(parts: Sequence[str | ir.Interpolation], env: Environment, values: Values) -> str:
+def fill_template(parts: Sequence[str | ir.Interpolation], env: Environment, values: Evaluator) -> str:
     """Return a text with its values; an article in the text replaces that of an object."""
     text = ""
     for part in parts:
@@ -112,7 +112,7 @@ def fill_template(parts: Sequence[str | ir.Interpolation], env: Environment, val
     return text
 
 
-def _interpolated(part: ir.Interpolation, env: Environment, values: Values) -> str:
+def _interpolated(part: ir.Interpolation, env: Environment, values: Evaluator) -> str:
     """Return an interpolated value in words, by its name if the factor names its values."""
     value = evaluate(part.value, env)
     factor = next((f for f in values.spec.factors if part.value == ir.Ref(name=f.name)), None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.runtime.questions import visibility
 from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.observed import Observed
@@ -20,7 +20,7 @@ MIN_INSIDE, MAX_HIDDEN = 0.5, 0.7
 MIN_CONTRAST = 5.0
 
 
-def connected_sets(values: Values) -> list[frozenset[str]]:
+def connected_sets(values: Evaluator) -> list[frozenset[str]]:
     """Return the sets whose members are joined, such as ropes, which count as one object."""
     sets = {thing.name: thing.set for thing in values.spec.things if thing.kind == "object" and thing.set}
     tied = set[str]()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.values import Evaluator
 from wmspec.runtime.questions.model import VisibleObject
 from wmspec.runtime.questions.patch import patch
 from wmspec.runtime.questions.runs import Run
@@ -27,6 +27,6 @@ def visible_objects(run: Run, frame: Frame, time: float, queried: Collection[str
     return tuple(found)
 
 
-def _words(values: Values, name: str) -> tuple[str, ...]:
+def _words(values: Evaluator, name: str) -> tuple[str, ...]:
     words = (values.property(name, key) for key in _TELLING if values.has(name, key))
     return tuple(word for word in words if isinstance(word, str))

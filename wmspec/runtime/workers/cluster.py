@@ -17,25 +17,25 @@ from importlib import import_module
 from typing import Any, TypeVar
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.runtime.workers.pool import PATIENCE, Effort, Job, LocalWorkers, Lost, result, undisturbed
+from wmspec.runtime.workers.pool import MAX_RETRIES, PoolConfig, PoolJob, LocalWorkers, JobFailure, result, defer_signals
 
 T = TypeVar("T")
 
 #: Timeout (s) for a machine's versions; it imports wmspec for the first time.
-FIRST = 300.0
+STARTUP_TIMEOUT = 300.0
 
 
 @contextmanager
-def ray_cluster(address: str, workers: int | None, timeout: float, versions: Mapping[str, str]) -> Iterator[Effort]:
+def ray_cluster(address: str, workers: int | None, timeout: float, versions: Mapping[str, str]) -> Iterator[PoolConfig]:
     """Provide the workers of the cluster at `address` ("auto": this machine's), or of a new one if it is empty.
 
     `workers` is their number; None means one per processor. `versions` are those of wmspec and the engines, which
     determine the results. Raises WmsError if Ray or the cluster is missing, or a machine has other versions.
     """
-    with nullcontext() if _ray().is_initialized() else _joined(address, workers):
-        _check(versions)
+    with nullcontext() if _ray().is_initialized() else _connected(address, workers):
+        _require_versions(versions)
         processors = int(_ray().cluster_resources().get("CPU", 0))
-        yield Effort(workers or max(1, processors), timeout, RayWorkers)
+        yield PoolConfig(workers or max(1, processors), timeout, RayWorkers)
 
 
 class RayWorkers:
@@ -45,25 +45,25 @@ class RayWorkers:
         self._losses = 0
         self._begin()
 
-    def take(self, job: Job, others: Iterable[Job]) -> None:  # noqa: ARG002  as `Workers` has it
+    def take(self, job: PoolJob, others: Iterable[PoolJob]) -> None:  # noqa: ARG002  as `Workers` has it
         """Submit a job."""
-        with undisturbed():
+        with defer_signals():
             job.future = self._actor.do.remote(job.work, job.piece, job.timeout).future()
 
-    def done(self, jobs: Sequence[Job]) -> bool:
+    def done(self, jobs: Sequence[PoolJob]) -> bool:
         """Whether the first job is done; if its machine is lost, restart it on another.
 
         This must not wait for the new machine, which may become available only after other jobs finish.
         """
         if not jobs[0].future.done():
             return False
-        if not _gone(jobs[0]) or self._losses == PATIENCE:
+        if not _is_node_lost(jobs[0]) or self._losses == MAX_RETRIES:
             return True
         self._losses += 1
         self._renew(jobs)
         return False
 
-    def result(self, job: Job, others: Iterable[Job]) -> Any:  # noqa: ARG002
+    def result(self, job: PoolJob, others: Iterable[PoolJob]) -> Any:  # noqa: ARG002
         """Return the result of a finished job. Raises its error, or BrokenProcessPool if all machines were lost."""
         from ray.exceptions import RayError, RayTaskError
 
@@ -81,15 +81,15 @@ class RayWorkers:
 
     def stop(self) -> None:
         """Kill the worker."""
-        with undisturbed():
+        with defer_signals():
             _ray().kill(self._actor)
 
     def _begin(self) -> None:
-        with undisturbed():
+        with defer_signals():
             self._actor: Any = _remote(_Actor, num_cpus=1).remote()
 
-    def _renew(self, jobs: Iterable[Job]) -> None:
-        undone = [job for job in jobs if not job.future.done() or _gone(job)]
+    def _renew(self, jobs: Iterable[PoolJob]) -> None:
+        undone = [job for job in jobs if not job.future.done() or _is_node_lost(job)]
         self.stop()
         self._begin()
         for job in undone:
@@ -102,15 +102,15 @@ class _Actor:
     def __init__(self) -> None:
         self._workers = LocalWorkers(1)
 
-    def do(self, work: Callable[..., T], piece: tuple[Any, ...], timeout: float) -> T | Lost:
+    def do(self, work: Callable[..., T], piece: tuple[Any, ...], timeout: float) -> T | JobFailure:
         """Return the result of a job, computed as without a cluster."""
-        job = Job(work, piece, timeout)
+        job = PoolJob(work, piece, timeout)
         self._workers.take(job, ())
-        done: T | Lost = result(job, (), self._workers)
+        done: T | JobFailure = result(job, (), self._workers)
         return done
 
 
-def _gone(job: Job) -> bool:
+def _is_node_lost(job: PoolJob) -> bool:
     """True if a finished job failed because its node was lost."""
     from ray.exceptions import RayError, RayTaskError
 
@@ -119,18 +119,18 @@ def _gone(job: Job) -> bool:
 
 
 @contextmanager
-def _joined(address: str, workers: int | None) -> Iterator[None]:
+def _connected(address: str, workers: int | None) -> Iterator[None]:
     """Connect to a cluster within the context. Raises WmsError if there is none."""
     with ThreadPoolExecutor(1) as thread:  # processes of Ray end with the thread that starts them
         try:
-            _join(thread, address, workers)
+            _start_ray(thread, address, workers)
             yield
         finally:
-            with undisturbed():
+            with defer_signals():
                 _ray().shutdown()
 
 
-def _join(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None:
+def _start_ray(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None:
     """Initialize Ray in a thread: in the main thread it handles SIGTERM, and a signal could interrupt the start."""
     ray = _ray()
     if not address and any(map(str.isspace, sys.executable)):
@@ -140,8 +140,8 @@ def _join(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None
         )
     quiet = {"log_to_driver": False, "logging_level": logging.ERROR, "include_dashboard": None if address else False}
     try:
-        _answers(address)
-        with undisturbed():
+        _require_reachable(address)
+        with defer_signals():
             thread.submit(ray.init, address or "local", num_cpus=None if address else workers, **quiet).result()
     except (ValueError, RuntimeError, OSError) as error:
         reason = " ".join(str(error).split())[:300].rstrip(".")
@@ -151,7 +151,7 @@ def _join(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None
         ) from error
 
 
-def _answers(address: str) -> None:
+def _require_reachable(address: str) -> None:
     """Raise OSError or ValueError if an address does not respond; Ray would take minutes to report it."""
     if address and address != "auto":
         host, colon, port = address.rpartition(":")
@@ -160,7 +160,7 @@ def _answers(address: str) -> None:
         socket.create_connection((host.strip("[]"), int(port)), timeout=10).close()
 
 
-def _check(versions: Mapping[str, str]) -> None:
+def _require_versions(versions: Mapping[str, str]) -> None:
     """Raise WmsError unless every machine of the cluster has these versions."""
     from ray.exceptions import RayError
     from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
@@ -175,9 +175,9 @@ def _check(versions: Mapping[str, str]) -> None:
     answers = {node: there.remote(tuple(versions)).future() for node, there in asked.items()}
     for node, answer in answers.items():
         try:
-            there = answer.result(timeout=FIRST)
+            there = answer.result(timeout=STARTUP_TIMEOUT)
         except (RayError, TimeoutError) as error:
-            reason = " ".join(str(error).split())[-300:] or f"it has not answered for {FIRST:g} s"
+            reason = " ".join(str(error).split())[-300:] or f"it has not answered for {STARTUP_TIMEOUT:g} s"
             raise WmsError(
                 f"the machine {nodes[node]} of the cluster cannot run wmspec: {reason}",
                 help="install the same wmspec, with the same engines, on every machine",

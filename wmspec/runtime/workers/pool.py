@@ -27,15 +27,15 @@ T = TypeVar("T")
 Piece = tuple[Any, ...]
 
 #: Number of jobs after which a worker is replaced, which bounds memory leaks of engines.
-PIECES_PER_WORKER = 1000
+MAX_JOBS_PER_WORKER = 1000
 #: Number of jobs queued per worker, so that it never idles.
-AHEAD = 2
+PREFETCH = 2
 #: Number of consecutive times that workers may vanish before starting, until the awaited job fails.
-PATIENCE = 10
+MAX_RETRIES = 10
 
 
 @dataclass(frozen=True)
-class Effort:
+class PoolConfig:
     """Worker processes, and the timeout (s) of a job.
 
     Without workers, jobs run in this process, where a hanging job cannot be stopped. `hire` creates a worker that is
@@ -44,11 +44,11 @@ class Effort:
 
     workers: int
     timeout: float
-    hire: Callable[[], Workers] | None = None
+    worker_factory: Callable[[], Workers] | None = None
 
 
 @dataclass(frozen=True)
-class Lost:
+class JobFailure:
     """A job without a result, and the reason.
 
     `timeout` and `crashed` (twice each) depend on the machine and its load: the same job may succeed later. An `error`
@@ -60,43 +60,43 @@ class Lost:
     crash: Crash | None = field(default=None, compare=False)
 
 
-def in_order(
+def map_ordered(
     work: Callable[..., T],
     pieces: Iterable[tuple[Any, ...]],
-    effort: Effort,
+    effort: PoolConfig,
     weight: Callable[[tuple[Any, ...]], int] = lambda _: 1,
-) -> Generator[T | Lost, None, None]:
+) -> Generator[T | JobFailure, None, None]:
     """Yield `work(*piece)` for every piece, in order, with a bounded number of pieces in progress.
 
     The timeout of a piece is multiplied by its `weight`. Close the generator to stop the workers. Raises GraphicsError
     if a worker does: the machine then cannot render any piece.
     """
     if effort.workers == 0:
-        yield from (_done(work, *piece) for piece in pieces)
+        yield from (_run_job(work, *piece) for piece in pieces)
     elif first := list(islice(every := iter(pieces), effort.workers)):
         yield from _in_workers(work, chain(first, every), effort, len(first), weight)
 
 
-def by_units(
+def map_batches(
     work: Callable[..., T],
     units: Iterable[Sequence[Piece]],
-    effort: Effort,
+    effort: PoolConfig,
     weight: Callable[[Piece], int] = lambda _: 1,
-) -> Generator[tuple[Piece, T | Lost], None, None]:
+) -> Generator[tuple[Piece, T | JobFailure], None, None]:
     """Yield every piece of every unit with `work(*piece)`, as they finish.
 
-    One worker processes all pieces of a unit in order, so that its caches apply. Otherwise like `in_order`.
+    One worker processes all pieces of a unit in order, so that its caches apply. Otherwise like `map_ordered`.
     """
     if effort.workers == 0:
-        yield from ((piece, _done(work, *piece)) for unit in units for piece in unit)
+        yield from ((piece, _run_job(work, *piece)) for unit in units for piece in unit)
         return
     first = list(islice(rest := iter(units), effort.workers))
-    waiting, seats = chain(first, rest), list[_Seat]()
+    waiting, seats = chain(first, rest), list[_WorkerSlot]()
     try:
-        seats += (_Seat((effort.hire or LocalWorkers)()) for _ in first)
+        seats += (_WorkerSlot((effort.worker_factory or LocalWorkers)()) for _ in first)
         while True:
             for seat in seats:
-                seat.fill(waiting, lambda piece: Job(work, piece, effort.timeout * weight(piece)))
+                seat.fill(waiting, lambda piece: PoolJob(work, piece, effort.timeout * weight(piece)))
             for seat in [seat for seat in seats if not seat.jobs]:
                 seat.workers.finish()
                 seats.remove(seat)
@@ -108,7 +108,7 @@ def by_units(
                     job = seat.jobs.popleft()
                     yield job.piece, cast(T, result(job, seat.jobs, seat.workers))
     except BaseException:
-        with undisturbed():
+        with defer_signals():
             for seat in seats:
                 seat.workers.stop()
         raise
@@ -117,15 +117,15 @@ def by_units(
 def _in_workers(
     work: Callable[..., T],
     pieces: Iterable[tuple[Any, ...]],
-    effort: Effort,
+    effort: PoolConfig,
     workers: int,
     weight: Callable[[tuple[Any, ...]], int],
-) -> Generator[T | Lost, None, None]:
-    under_way: deque[Job] = deque()
+) -> Generator[T | JobFailure, None, None]:
+    under_way: deque[PoolJob] = deque()
     pool = LocalWorkers(workers)
     try:
         for piece in pieces:
-            under_way.append(Job(work, piece, effort.timeout * weight(piece)))
+            under_way.append(PoolJob(work, piece, effort.timeout * weight(piece)))
             pool.take(under_way[-1], under_way)
             if len(under_way) > 4 * workers:
                 yield cast(T, result(under_way.popleft(), under_way, pool))
@@ -137,7 +137,7 @@ def _in_workers(
     pool.finish()
 
 
-def result(job: Job, others: Iterable[Job], pool: Workers) -> Any:
+def result(job: PoolJob, others: Iterable[PoolJob], pool: Workers) -> Any:
     """Return the result of a job, which is tried twice, while others are in progress."""
     try:
         try:
@@ -146,15 +146,15 @@ def result(job: Job, others: Iterable[Job], pool: Workers) -> Any:
             pool.take(job, others)
             return pool.result(job, others)
     except FutureTimeout:
-        return Lost("timeout", f"took longer than {job.timeout:g} s, twice")
+        return JobFailure("timeout", f"took longer than {job.timeout:g} s, twice")
     except ProcessExpired as error:
-        return Lost("crashed", f"the worker process died twice (exit code {error.exitcode})")
+        return JobFailure("crashed", f"the worker process died twice (exit code {error.exitcode})")
     except BrokenProcessPool:
-        return Lost("crashed", "the worker processes died before they began")
+        return JobFailure("crashed", "the worker processes died before they began")
 
 
 @dataclass
-class Job:
+class PoolJob:
     """Arguments of one call, its timeout (s), and its future."""
 
     work: Callable[..., Any]
@@ -164,16 +164,16 @@ class Job:
 
 
 @dataclass
-class _Seat:
+class _WorkerSlot:
     """One worker, the remaining pieces of its unit, and its queued jobs."""
 
     workers: Workers
     unit: deque[Piece] = field(default_factory=deque)
-    jobs: deque[Job] = field(default_factory=deque)
+    jobs: deque[PoolJob] = field(default_factory=deque)
 
-    def fill(self, units: Iterator[Sequence[Piece]], job: Callable[[Piece], Job]) -> None:
+    def fill(self, units: Iterator[Sequence[Piece]], job: Callable[[Piece], PoolJob]) -> None:
         """Queue the next pieces, from another unit when its own is done."""
-        while len(self.jobs) < AHEAD:
+        while len(self.jobs) < PREFETCH:
             if not self.unit:
                 self.unit.extend(next(units, ()))
             if not self.unit:
@@ -185,13 +185,13 @@ class _Seat:
 class Workers(Protocol):
     """An executor of jobs, local or remote."""
 
-    def take(self, job: Job, others: Iterable[Job]) -> None:
+    def take(self, job: PoolJob, others: Iterable[PoolJob]) -> None:
         """Submit a job, while others are in progress."""
 
-    def done(self, jobs: Sequence[Job]) -> bool:
+    def done(self, jobs: Sequence[PoolJob]) -> bool:
         """Whether the first of its jobs is done or abandoned."""
 
-    def result(self, job: Job, others: Iterable[Job]) -> Any:
+    def result(self, job: PoolJob, others: Iterable[PoolJob]) -> Any:
         """Return the result of a job."""
 
     def finish(self) -> None:
@@ -205,26 +205,26 @@ class LocalWorkers:
     """Worker processes on this machine.
 
     If one dies before it reports its job, pebble abandons all of them. New processes then resume the jobs in progress.
-    The awaited job fails only if that happens `PATIENCE` times in a row.
+    The awaited job fails only if that happens `MAX_RETRIES` times in a row.
     """
 
     def __init__(self, count: int = 1) -> None:
         self._count = count
         self._begin()
 
-    def take(self, job: Job, others: Iterable[Job]) -> None:
+    def take(self, job: PoolJob, others: Iterable[PoolJob]) -> None:
         """Submit a job."""
         if not self._pool.active:
             self._renew(other for other in others if other is not job)
         self._schedule(job)
 
-    def done(self, jobs: Sequence[Job]) -> bool:
+    def done(self, jobs: Sequence[PoolJob]) -> bool:
         """Whether the first of its jobs is done or abandoned."""
         return bool(jobs[0].future.done() or not self._pool.active)
 
-    def result(self, job: Job, others: Iterable[Job]) -> Any:
+    def result(self, job: PoolJob, others: Iterable[PoolJob]) -> Any:
         """Return the result of a job. Raises pebble's errors, BrokenProcessPool if the processes keep dying."""
-        for _ in range(PATIENCE):
+        for _ in range(MAX_RETRIES):
             while not wait([job.future], timeout=1).done and self._pool.active:
                 pass
             try:
@@ -237,56 +237,56 @@ class LocalWorkers:
 
     def finish(self) -> None:
         """Wait until all submitted jobs are done."""
-        with undisturbed():
+        with defer_signals():
             self._pool.close()
             self._pool.join()
 
     def stop(self) -> None:
         """Kill the processes."""
-        with undisturbed():
+        with defer_signals():
             self._pool.stop()
             self._pool.join()
 
     def _begin(self) -> None:
-        pool = {"max_workers": self._count, "max_tasks": PIECES_PER_WORKER, "context": _Context()}
-        self._pool: Any = ProcessPool(**pool, initializer=_seldom_collected)
-        with undisturbed():
+        pool = {"max_workers": self._count, "max_tasks": MAX_JOBS_PER_WORKER, "context": _Context()}
+        self._pool: Any = ProcessPool(**pool, initializer=_relax_gc)
+        with defer_signals():
             _ = self._pool.active  # reading this starts the processes
 
-    def _renew(self, jobs: Iterable[Job]) -> None:
+    def _renew(self, jobs: Iterable[PoolJob]) -> None:
         undone = [j for j in jobs if not j.future.done() or isinstance(j.future.exception(), BrokenProcessPool)]
         self.stop()
         self._begin()
         for job in undone:
             self._schedule(job)
 
-    def _schedule(self, job: Job) -> None:
-        with undisturbed():
-            job.future = self._pool.schedule(_done, args=(job.work, *job.piece), timeout=job.timeout)
+    def _schedule(self, job: PoolJob) -> None:
+        with defer_signals():
+            job.future = self._pool.schedule(_run_job, args=(job.work, *job.piece), timeout=job.timeout)
 
 
-def _seldom_collected() -> None:
+def _relax_gc() -> None:
     """Raise GC thresholds: specs and scenes are acyclic, and collection costs ~20 %."""
     gc.set_threshold(100_000, 20, 100)
 
 
-def _done(work: Callable[..., T], *piece: Any) -> T | Lost:
+def _run_job(work: Callable[..., T], *piece: Any) -> T | JobFailure:
     """Return the result of a job, or its failure; runs in the worker."""
     try:
         return work(*piece)
     except GraphicsError:
         raise
     except MemoryError:
-        return Lost("crashed", "there was not enough memory")
+        return JobFailure("crashed", "there was not enough memory")
     except WmsError as error:
-        return Lost("error", str(error))
+        return JobFailure("error", str(error))
     except Exception as error:  # noqa: BLE001  whatever it is, it must not cost the other pieces
         crash = Crash.of(error, skip=1)  # this frame
-        return Lost("error", crash.line, crash)
+        return JobFailure("error", crash.line, crash)
 
 
 @contextmanager
-def undisturbed() -> Iterator[None]:
+def defer_signals() -> Iterator[None]:
     """Defer signals until the block ends.
 
     If a signal handler raises while a queue notifies its reader (in `threading.Condition.notify`), the notification is
@@ -309,27 +309,27 @@ def undisturbed() -> Iterator[None]:
             signal.raise_signal(signalled)
 
 
-class Helper:
+class HelperProcess:
     """One persistent process for successive jobs; its crashes and hangs do not affect the caller."""
 
     def __init__(self, timeout: float) -> None:
         self._workers = LocalWorkers(1)
         self._timeout = timeout
 
-    def do(self, work: Callable[..., T], *piece: Any) -> T | Lost:
+    def do(self, work: Callable[..., T], *piece: Any) -> T | JobFailure:
         """Return `work(*piece)` or its failure; it is tried once."""
-        job = Job(work, piece, self._timeout)
+        job = PoolJob(work, piece, self._timeout)
         try:
             self._workers.take(job, ())
             return cast(T, self._workers.result(job, ()))
         except GraphicsError as error:
-            return Lost("error", str(error))
+            return JobFailure("error", str(error))
         except FutureTimeout:
-            return Lost("timeout", f"took longer than {self._timeout:g} s")
+            return JobFailure("timeout", f"took longer than {self._timeout:g} s")
         except ProcessExpired as error:
-            return Lost("crashed", f"the worker process died (exit code {error.exitcode})")
+            return JobFailure("crashed", f"the worker process died (exit code {error.exitcode})")
         except BrokenProcessPool:
-            return Lost("crashed", "the worker process died before it began")
+            return JobFailure("crashed", "the worker process died before it began")
 
     def close(self) -> None:
         """Kill it."""

@@ -185,7 +185,7 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
     if kind == List(ITEM):
         typed = check.infer(argument.value)
         if not isinstance(typed.type, List) or typed.type.item is None:
-            check.fail("WMS302", f"`{function}` wants a list of items to choose from", argument.span, "write `[a, b]`")
+            check.fail("WMS302", f"`{function}` expects a list of items to choose from", argument.span, "write `[a, b]`")
         return typed
     if kind in _TYPE_ALIASES:
         return check.value(argument.value, _TYPE_ALIASES[kind], f"`{function}`")
@@ -196,7 +196,7 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
     if not isinstance(item, Quantity):
         what = article(str(typed.type))
         remedy = _AS_QUANTITY.get(typed.type, "")
-        check.fail("WMS302", f"`{function}` wants quantities, but this is {what}", argument.span, remedy)
+        check.fail("WMS302", f"`{function}` expects quantities, found {what}", argument.span, remedy)
     return typed
 
 

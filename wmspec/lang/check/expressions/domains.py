@@ -289,7 +289,7 @@ def _numbers(check: Expressions, e: s.Call, what: str) -> tuple[Type, tuple[floa
     a, b = check.infer(first), check.infer(second)
     assert isinstance(e.function, s.Name)
     if not isinstance(a.type, Quantity):
-        check.fail("WMS302", f"`{e.function.id}` wants quantities, but this is {article(str(a.type))}", first.span)
+        check.fail("WMS302", f"`{e.function.id}` expects quantities, found {article(str(a.type))}", first.span)
     kind = common_type(a.type, b.type)
     if kind is None:
         check.type_mismatch(second, b.type, (a.type,), f"`{e.function.id}`, like its first argument,")

@@ -136,7 +136,7 @@ class Expressions:
         elif isinstance(e, s.Name):
             help = names.suggest_replacement(self, e, expected) or help
         shown = "a bare 0" if actual == Quantity(ZERO) else article(str(actual))
-        message = f"{what} wants {wants}, but this is {shown}"
+        message = f"{what} expects {wants}, found {shown}"
         if (
             isinstance(e, s.Name)
             and names.may_be_undeclared_name(self, e, actual)

@@ -82,7 +82,7 @@ def _arithmetic_of(check: Expressions, e: s.Operation, operands: list[Typed], ea
     kinds = []
     for operand, written in zip(operands, e.operands, strict=True):
         if not isinstance(operand.type, Quantity):
-            message = f"`{e.operator}` wants quantities, but this is {article(str(operand.type))}"
+            message = f"`{e.operator}` expects quantities, found {article(str(operand.type))}"
             check.fail("WMS302", message, written.span)
         kinds.append(operand.type)
     dimensions = [NUMBER if k.dimension == ZERO and e.operator in "*/" else k.dimension for k in kinds]

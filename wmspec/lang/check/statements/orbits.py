@@ -112,7 +112,7 @@ class Orbits:
             self._free(target.id, target.span)
             return tuple(self._siblings((target.id,), place))
         if not isinstance(target, s.Member) or not isinstance(target.value, s.Name):
-            what = "`each other` wants a factor, or an argument that a factor gives"
+            what = "`each other` expects a factor, or an argument that a factor gives"
             self.check.fail("WMS503", what, target.span, "write something like `each other pace` or `push.speed`")
         owner = next((t for t in self.things if t.name == target.value.id), None)
         setting = owner.properties.get(target.name.id) if owner else None

@@ -243,7 +243,7 @@ class Questions:
     def _quantity(self, clause: s.Clause, what: str) -> tuple[ir.Expr, Quantity]:
         value = self.check.measuring(clause.value)
         if not isinstance(value.type, Quantity):
-            message = f"`{what}` wants a quantity, but this is {article(str(value.type))}"
+            message = f"`{what}` expects a quantity, found {article(str(value.type))}"
             self.check.fail("WMS302", message, clause.value.span)
         return value.expr, Quantity(NUMBER) if value.type.dimension == ZERO else value.type
 

@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.compile.design.about import named
+from wmspec.compile.design.about import referenced_objects
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, Level, OrbitFactor, Outcome, Question, QuestionKind
 from wmspec.runtime.caches.cache_keys import look_key
@@ -146,7 +146,7 @@ class Pictures(Kind[PictureAnswer]):
         depicted = self.option_images(asking, answer)
         frames = [option.run.draw(option.camera, option.time, asking.pair) for option in depicted]
         _require_distinct_images(depicted, frames)
-        names = named(asking.question, asking.values)
+        names = referenced_objects(asking.question, asking.values)
         objects = [visible_objects(d.run, frame, d.time, names) for d, frame in zip(depicted, frames, strict=True)]
         changes, outcomes = (None, *asking.changes), answer.outcome_kinds or (None,) * len(depicted)
         options = []
