@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.cavities import has_room
 from wmspec.compile.layout.values import Evaluator
-from wmspec.compile.layout.view import gaze, seen
+from wmspec.compile.layout.view import gaze_direction, view_coordinates
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.statements.builder import compound, objects, observe, task, thing
@@ -188,7 +188,7 @@ def test_what_is_placed_for_a_viewer_is_seen_there_by_it(turned: float, far: flo
         "in_front_of": (0, -far),
     }.items():
         _, x, y = found.call(name, ("a", far), seen_from="eye")
-        assert seen(gaze(found, "eye"), x - 1, y - 2) == pytest.approx(expected, abs=1e-9)
+        assert view_coordinates(gaze_direction(found, "eye"), x - 1, y - 2) == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_property_is_read_as_its_kind_and_as_no_other() -> None:

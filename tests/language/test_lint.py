@@ -16,7 +16,7 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.overlap import SLACK, Overlap, overlaps
-from wmspec.compile.lint.visibility import blind
+from wmspec.compile.lint.visibility import blind_cameras
 from wmspec.lang.check.statements.builder import action, observe, task, thing
 
 ANGLES = st.floats(-3, 3)
@@ -135,9 +135,9 @@ def test_a_camera_is_blind_only_if_the_middle_is_out_of_its_picture(
     along = float(there @ forward)
     off = math.atan2(float(np.linalg.norm(there - along * forward)), along)
     if off < fov / 2:
-        assert blind(values) == ()
+        assert blind_cameras(values) == ()
     if off > fov / 2 * math.sqrt(2) + 0.1 and np.linalg.norm(there) > 0.2 and fov < 1:
-        assert blind(values) == ("eye",)
+        assert blind_cameras(values) == ("eye",)
 
 
 def test_what_comes_into_view_by_its_own_action_is_seen() -> None:
@@ -146,7 +146,7 @@ def test_what_comes_into_view_by_its_own_action_is_seen() -> None:
     for pace, expected in ((1.5, ()), (0.5, ("eye",))):
         go = action("go", "glide", object="ball", direction=0.0, speed=pace, duration=2.0)
         spec = task("t", camera, ball, go, observe("eye", [0.0, 2.0]))
-        assert blind(Evaluator(spec, {})) == expected
+        assert blind_cameras(Evaluator(spec, {})) == expected
 
 
 def test_nothing_is_said_of_a_camera_that_rides_or_of_a_task_without_a_matter() -> None:
@@ -154,6 +154,6 @@ def test_nothing_is_said_of_a_camera_that_rides_or_of_a_task_without_a_matter() 
     ball = thing("object", "ball", shape="sphere", size=0.1, at=(0.0, 0.0, 0.1))
     go = action("go", "glide", object="ball", direction=0.0, speed=1.0, duration=1.0)
     still, riding = thing("camera", "eye", **away), thing("camera", "eye", **away, ride="ball")
-    assert blind(Evaluator(task("t", still, ball, go, observe("eye", [0.0])), {})) == ("eye",)
-    assert blind(Evaluator(task("t", riding, ball, go, observe("eye", [0.0])), {})) == ()
-    assert blind(Evaluator(task("t", still, ball, observe("eye", [0.0])), {})) == ()
+    assert blind_cameras(Evaluator(task("t", still, ball, go, observe("eye", [0.0])), {})) == ("eye",)
+    assert blind_cameras(Evaluator(task("t", riding, ball, go, observe("eye", [0.0])), {})) == ()
+    assert blind_cameras(Evaluator(task("t", still, ball, observe("eye", [0.0])), {})) == ()

@@ -14,7 +14,7 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage import object_cache
 from wmspec.compile.stage.document import Document
-from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.episode import build_document
 from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
@@ -35,7 +35,7 @@ def made(values: Evaluator, objects: ObjectCache | None) -> tuple[list[tuple[str
     """What all prims say, in order, with the sources of that; or what is wrong."""
     anew = Evaluator(values.spec, values.own, values.change, values.key)
     try:
-        document = built(anew, objects)
+        document = build_document(anew, objects)
     except WmsError as error:
         return str(error)
     return [(path, prim.content) for path, prim in document.prims.items()], document
@@ -93,7 +93,7 @@ def test_only_what_changed_is_made_again(monkeypatch: pytest.MonkeyPatch) -> Non
 
     def again(key: int = 0, **changed: object) -> set[str]:
         names.clear()
-        built(Evaluator(spec, levels | changed, None, ("seed", key)), objects)
+        build_document(Evaluator(spec, levels | changed, None, ("seed", key)), objects)
         assert len(names) == len(set(names))
         return set(names)
 

@@ -123,7 +123,7 @@ def crosscheck(
     engines = chosen(backend)
     if len(engines) < 2:
         raise WmsError(f"a crosscheck needs two engines, found only {engines[0]}; try `wmspec doctor`")
-    gathered_tasks = gathered(tasks, seed, tell)
+    gathered_tasks = collect_tasks(tasks, seed, tell)
     specs = [task.spec for task in gathered_tasks]
     limits = tuple((s.name, tolerances(tolerance, s.tolerances)) for s in specs)
     job = Job(tuple((s.name, to_json(s)) for s in specs), gathered_tasks[0].seed, engines, limits)
@@ -138,7 +138,7 @@ def _tally(swept: Swept) -> Tally:
     return Tally("instance was compared", compared, "instances", len(swept.checked), swept.failed, cause)
 
 
-def gathered(tasks: Tasks, seed: int | None, tell: Tell, dimensions: Sequence[str] = ()) -> tuple[Task, ...]:
+def collect_tasks(tasks: Tasks, seed: int | None, tell: Tell, dimensions: Sequence[str] = ()) -> tuple[Task, ...]:
     """Return the given tasks, restricted to these dimensions.
 
     Raises WmsError if there is none, or if their seeds differ from one another or from `seed`.

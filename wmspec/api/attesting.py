@@ -6,7 +6,7 @@ from os import PathLike
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from wmspec.api.agreement import gathered
+from wmspec.api.agreement import collect_tasks
 from wmspec.api.generating import generate
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
@@ -42,7 +42,7 @@ def attest(
     made = attestation_of(reader)
     shown = set(reader.tasks[::SAMPLE_STRIDE])
     with TemporaryDirectory() as scratch:
-        tasks = [t for t in gathered(unpacked(reader, Path(scratch)), 0, tell) if t.name in shown]
+        tasks = [t for t in collect_tasks(unpacked(reader, Path(scratch)), 0, tell) if t.name in shown]
         generate(
             tasks,
             folder / "debug",

@@ -10,7 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Literal, TypedDict, Unpack
 
-from wmspec.api.agreement import Tasks, effort, gathered
+from wmspec.api.agreement import Tasks, effort, collect_tasks
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.rendering import SIDE, pixels, samples_of
@@ -135,7 +135,7 @@ def planned(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptions]) 
         raise WmsError("`full` and `per_task` exclude each other; give one of the two")
     if not -(1 << 63) <= options.get("seed", 0) < 1 << 63:
         raise WmsError(f"a seed is an integer from {-(1 << 63)} to {(1 << 63) - 1}")
-    chosen_tasks = gathered(tasks, options.get("seed"), tell, options.get("dimensions", ()))
+    chosen_tasks = collect_tasks(tasks, options.get("seed"), tell, options.get("dimensions", ()))
     engines = chosen(backend) if renderer else drawing(chosen(backend), look)
     drawers = drawing(chosen(renderer), look) if renderer else engines
     if renderer and len(drawers) > 1:

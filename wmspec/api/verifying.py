@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from wmspec.api.agreement import effort, gathered
+from wmspec.api.agreement import effort, collect_tasks
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
@@ -50,7 +50,7 @@ def verify(
     dataset = DatasetReader.open(Path(folder))
     dataset.intact()
     with TemporaryDirectory() as scratch:
-        tasks = gathered(unpacked(dataset, Path(scratch)), dataset.manifest["seed"], tell)
+        tasks = collect_tasks(unpacked(dataset, Path(scratch)), dataset.manifest["seed"], tell)
     known = {task.name: task for task in tasks}
     if unknown := [name for name in dataset.tasks if name not in known]:
         raise WmsError(f"the specs in {dataset.folder / files.MANIFEST} have no task `{unknown[0]}`")

@@ -76,7 +76,7 @@ Exit codes:
 """
 
 
-def _end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  the signature of a handler
+def _exit_on_signal(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  the signature of a handler
     raise SystemExit(128 + number)
 
 
@@ -86,7 +86,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
     raise KeyboardInterrupt
 
 
-def _of_thread(arguments: threading.ExceptHookArgs) -> None:
+def _report_thread_error(arguments: threading.ExceptHookArgs) -> None:
     """Report an exception that a thread did not catch like any unexpected error."""
     from wmspec.core import crash
 
@@ -120,9 +120,9 @@ class _Commands(click.Group):
         # Skip the collection at exit: another 10 %.
         atexit.register(gc.freeze)
         _open_streams()
-        threading.excepthook = _of_thread
+        threading.excepthook = _report_thread_error
         # On SIGTERM, exit through `finally` blocks, which stop the workers and free shared memory.
-        signal.signal(signal.SIGTERM, _end)
+        signal.signal(signal.SIGTERM, _exit_on_signal)
         if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:  # ignored in background jobs
             signal.signal(signal.SIGINT, _interrupt)
         try:

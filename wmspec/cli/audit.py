@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wmspec.dataset.audit.model import Audit
 
 #: So many failures of one sort are told on the terminal.
-MOST = 3
+MAX_PRINTED = 3
 
 
 @click.command("audit")
@@ -57,13 +57,13 @@ def audit_command(
     if as_json:
         click.echo(record, nl=False)
     else:
-        _tell(result)
+        _print(result)
         if output is not None:
             click.echo(written)
     ctx.exit(0 if result.passed else 1)
 
 
-def _tell(result: Audit) -> None:
+def _print(result: Audit) -> None:
     """The first page, for a terminal, and what fails."""
     from rich.console import Console
     from rich.table import Table
@@ -81,8 +81,8 @@ def _tell(result: Audit) -> None:
         if finding.verdict == "fails":
             failing.setdefault((finding.check, finding.task), []).append(finding.what)
     for (check, task), those in failing.items():
-        for what in those[:MOST]:
+        for what in those[:MAX_PRINTED]:
             click.echo(f"{click.style(WORDS['fails'], fg='red')}: {check}{f' {task}' if task else ''}: {what}")
-        if len(those) > MOST:
-            click.echo(f"  and {len(those) - MOST:,} more; all of them are in the report that `-o FOLDER` writes")
+        if len(those) > MAX_PRINTED:
+            click.echo(f"  and {len(those) - MAX_PRINTED:,} more; all of them are in the report that `-o FOLDER` writes")
     click.echo(verdict(result))

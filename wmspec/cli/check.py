@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import balanced, by_size, paint, standard_input, within
+from wmspec.cli.common import balance_note, by_size, paint, read_stdin, time_limit
 
 if TYPE_CHECKING:
     from wmspec.api.checking import Checked, CheckedTask
@@ -40,8 +40,8 @@ def check_command(specs: tuple[Path, ...], form: str, timeout: float, no_cache: 
     from wmspec.api.checking import check_files, check_text
     from wmspec.core.disk_cache import disabled
 
-    with within(timeout), disabled() if no_cache else nullcontext():
-        checked = check_text(standard_input()) if specs == (Path("-"),) else check_files(specs)
+    with time_limit(timeout), disabled() if no_cache else nullcontext():
+        checked = check_text(read_stdin()) if specs == (Path("-"),) else check_files(specs)
     if form == "json":
         records = [d.record() for d in checked.diagnostics]
         counts = {task.name: task.instances for task in checked.tasks}
@@ -79,4 +79,4 @@ def _print_design(task: CheckedTask) -> None:
     for size, names in by_size(task.sample_sizes or {}).items():
         click.echo(f"  {size:,} independent group{'s' * (size != 1)}: {', '.join(names)}")
     if task.balance:
-        click.echo(f"  {balanced(task.balance)}")
+        click.echo(f"  {balance_note(task.balance)}")

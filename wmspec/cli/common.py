@@ -51,7 +51,7 @@ def by_size(sizes: Mapping[str, int]) -> dict[int, list[str]]:
     return named
 
 
-def balanced(question: str) -> str:
+def balance_note(question: str) -> str:
     """What balance may cost."""
     from wmspec.core.limits import MAX_DRAWS
 
@@ -61,17 +61,17 @@ def balanced(question: str) -> str:
 
 def paint() -> Paint:
     """How diagnostics are coloured."""
-    if not _in_colour():
+    if not _has_colour():
         return unpainted
     return lambda text, part: click.style(text, fg=_COLORS[part], bold=part != "caret")
 
 
-def _in_colour() -> bool:
+def _has_colour() -> bool:
     """On a terminal, unless the user asked for none (https://no-color.org)."""
     return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
 
 
-def standard_input() -> Source:
+def read_stdin() -> Source:
     """The text that is piped in, as `-` asks for. Raises WmsError if it is no text."""
     try:
         return Source("<stdin>", sys.stdin.buffer.read().decode("utf-8").replace("\r\n", "\n"))
@@ -92,22 +92,22 @@ def look_options(command: F) -> F:
     return look(samples(command))
 
 
-class _TimeIsUp(BaseException):
+class _Timeout(BaseException):
     """No mistake of the user's, which what reads files of others might take it for."""
 
 
 @contextmanager
-def within(seconds: float) -> Iterator[None]:
+def time_limit(seconds: float) -> Iterator[None]:
     """Raise WmsError when the block exceeds the time limit, at the next Python instruction."""
 
     def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  a handler is called with both
-        raise _TimeIsUp
+        raise _Timeout
 
     before = signal.signal(signal.SIGALRM, stop)
     signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
         yield
-    except _TimeIsUp:
+    except _Timeout:
         raise WmsError(
             f"it takes longer than {seconds:g} s; check fewer specs, or give it more with --timeout"
         ) from None
@@ -121,7 +121,7 @@ def tell(text: str) -> None:
     click.echo(text, err=True)
 
 
-def settle(tally: Tally) -> None:
+def exit_if_failed(tally: Tally) -> None:
     """Say on standard error what failed of a run. Exits with 1 if nothing was made, or too much of it failed."""
     if tally.told:
         tell(tally.told)
@@ -129,7 +129,7 @@ def settle(tally: Tally) -> None:
         raise SystemExit(1)
 
 
-def instance_of(path: Path, name: str, index: int, seed: int, redraw: int = 0) -> Instance:
+def load_instance(path: Path, name: str, index: int, seed: int, redraw: int = 0) -> Instance:
     """An instance of the task of this name, or of the only one, of a spec file. Raises WmsError if there is none."""
     from wmspec.api import load_all
 

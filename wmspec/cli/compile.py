@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import (
-    instance_of,
+    load_instance,
     instance_option,
     make_folder,
     redraw_option,
@@ -38,7 +38,7 @@ def compile_command(
     """
     from wmspec.runtime.engines.registry import chosen
 
-    chosen_instance = instance_of(spec, task, instance, seed, redraw)
+    chosen_instance = load_instance(spec, task, instance, seed, redraw)
     checked = chosen_instance.task
     if ir:
         click.echo(checked.to_json())

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.api.progress import progress_bar
-from wmspec.cli.common import settle
+from wmspec.cli.common import exit_if_failed
 from wmspec.core.tally import Tally
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from wmspec.runtime.workers.pool import PoolConfig
 
 
-def tell_cost(plan: Plan, effort: PoolConfig, as_json: bool) -> None:
+def print_cost(plan: Plan, effort: PoolConfig, as_json: bool) -> None:
     """Try some instances of each task and print what all of them would take. Exits with 1 if too many failed."""
     from wmspec.dataset.build.estimate import estimate
     from wmspec.dataset.build.manifest import top_reasons
@@ -39,7 +39,7 @@ def tell_cost(plan: Plan, effort: PoolConfig, as_json: bool) -> None:
                 click.echo(f"{cost.task}: {cost.balance}")
         click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")
         click.echo("± is one standard error, by how the units that were tried differ")
-    settle(_tally(costs))
+    exit_if_failed(_tally(costs))
 
 
 def _tally(costs: Sequence[Cost]) -> Tally:
@@ -64,14 +64,14 @@ def _print(costs: Sequence[Cost], workers: int) -> None:
         table.add_column(name, justify="left" if name == "task" else "right", overflow="fold")
     for c in costs:
         table.add_row(
-            c.task, *_together([c], workers), f"{c.tried}", f"{c.seconds:.2f}", f"{c.rejected} of {c.questions}"
+            c.task, *_totals([c], workers), f"{c.tried}", f"{c.seconds:.2f}", f"{c.rejected} of {c.questions}"
         )
     if len(costs) > 1:
-        table.add_row("together", *_together(costs, workers))
+        table.add_row("together", *_totals(costs, workers))
     Console(soft_wrap=False).print(table, highlight=False)
 
 
-def _together(costs: Sequence[Cost], workers: int) -> tuple[str, str, str]:
+def _totals(costs: Sequence[Cost], workers: int) -> tuple[str, str, str]:
     """Instances, time with its standard error, and size."""
     hours, count = sum(c.hours(workers) for c in costs), sum(c.bytes for c in costs)
     errors = [error for c in costs if (error := c.standard_error(workers)) is not None]

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import seed_option, settle, specs_argument, tell, write_text
+from wmspec.cli.common import seed_option, exit_if_failed, specs_argument, tell, write_text
 
 if TYPE_CHECKING:
     from wmspec.api import Agreement
 
 #: The most disagreements that are told in full on the terminal; the files hold all.
-MOST_TOLD = 20
+MAX_PRINTED = 20
 
 
 @click.command("crosscheck")
@@ -94,7 +94,7 @@ def crosscheck_command(
             write_text(Path(json_file), text + "\n")
     if json_file != "-":
         _print(agreement)
-    settle(agreement.tally)
+    exit_if_failed(agreement.tally)
     if not agreement.passed:
         raise SystemExit(1)
 
@@ -118,13 +118,13 @@ def _print(agreement: Agreement) -> None:
         )
     Console(width=None if os.isatty(1) else 120).print(table)
     failed = agreement.failed
-    for instance in failed[:MOST_TOLD]:
+    for instance in failed[:MAX_PRINTED]:
         settings = ", ".join(f"{k} {_short(v)}" for k, v in instance.factors.items())
         click.echo(f"\n{instance.task}, instance {instance.index} ({settings})")
         for complaint in agreement.complaints(instance):
             click.echo(f"  {complaint}")
-    if len(failed) > MOST_TOLD:
-        click.echo(f"\n... and {len(failed) - MOST_TOLD} more instances; --json FILE has them all")
+    if len(failed) > MAX_PRINTED:
+        click.echo(f"\n... and {len(failed) - MAX_PRINTED} more instances; --json FILE has them all")
     if agreement.suspects:
         click.echo("\nmore often with:")
     for s in agreement.suspects:

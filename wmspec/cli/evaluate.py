@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.api.progress import progress_bar
-from wmspec.cli.common import json_option, seed_option, settle
+from wmspec.cli.common import json_option, seed_option, exit_if_failed
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
 
@@ -86,7 +86,7 @@ def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, 
         raise WmsError("what is asked, and who? `wmspec evaluate DATASET --model MODEL -o results.parquet`")
     run, server = _run(dataset, options)
     if options["dry_run"]:
-        _tell_requests(run)
+        _print_requests(run)
         return
     _evaluate(run, server, options, as_json)
 
@@ -138,7 +138,7 @@ def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any]
 
 
 def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json: bool) -> None:
-    from wmspec.eval.models.cache import Cached
+    from wmspec.eval.models.cache import CachedModel
     from wmspec.eval.models.model import Model
     from wmspec.eval.models.models import open_model
     from wmspec.eval.models.run import evaluate
@@ -150,14 +150,14 @@ def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json:
     parameters = dict(settings.parameters)
     model: Model = open_model(settings.model, run.dataset, settings.seed, parameters, server, options["concurrency"])
     if options["cache"] is not None:
-        model = Cached(model, parameters, options["cache"])
+        model = CachedModel(model, parameters, options["cache"])
     total = sum(len(list(run.asks(question))) for question in run.chosen())
     with progress_bar(total, "asking", "replies") as bar:
         ended = evaluate(run, model, output, lambda right, count, cost: bar(_so_far(right, count, cost), 1))
-    _tell(ended.counts, output, as_json)
+    _print_counts(ended.counts, output, as_json)
     if ended.missing and not as_json:
         click.echo(f"{ended.missing:,} requests were not sent, because a limit was reached; the same command goes on")
-    settle(_tally(ended))
+    exit_if_failed(_tally(ended))
 
 
 def _tally(ended: Ended) -> Tally:
@@ -172,7 +172,7 @@ def _so_far(right: int, count: int, cost: float) -> str:
     return f"{right / count:.1%} right" + (f", cost {cost:.4g}" if cost else "")
 
 
-def _tell(counted: Counts, path: Path, as_json: bool) -> None:
+def _print_counts(counted: Counts, path: Path, as_json: bool) -> None:
     """What came out, for a terminal or a program."""
     if as_json:
         from dataclasses import asdict
@@ -197,12 +197,12 @@ def _rescore(path: Path, as_json: bool) -> None:
     from wmspec.eval.models.results import rescore
 
     counted, changed = rescore(path)
-    _tell(counted, path, as_json)
+    _print_counts(counted, path, as_json)
     if not as_json:
         click.echo(f"{changed:,} scores have changed")
 
 
-def _tell_requests(run: Run) -> None:
+def _print_requests(run: Run) -> None:
     """How many requests there are, and the first, with its pictures as sizes."""
     chosen = run.chosen()
     click.echo(f"{sum(len(list(run.asks(question))) for question in chosen):,} requests for {len(chosen):,} questions")

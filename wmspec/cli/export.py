@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import settle
+from wmspec.cli.common import exit_if_failed
 from wmspec.core.tally import Tally
 
 _PATH = click.Path(path_type=Path)
@@ -49,4 +49,4 @@ def export_command(
     what = Export(opened, Selection(task, engine, limit), Path(prompt).stem, prompts.load(prompt))
     count = export(what, tool, output)
     click.echo(f"{output}: {count:,} questions for {tool}; {output / 'README.md'} says how to run it")
-    settle(Tally("question was written", count))
+    exit_if_failed(Tally("question was written", count))

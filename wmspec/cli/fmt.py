@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import paint, standard_input
+from wmspec.cli.common import paint, read_stdin
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 
@@ -29,7 +29,7 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
 
     changed = failed = 0
     for path in [Path("-")] if specs == (Path("-"),) else spec_files(specs):
-        source = standard_input() if path == Path("-") else read_source(path)
+        source = read_stdin() if path == Path("-") else read_source(path)
         try:
             formatted = format_spec(source)
         except SpecError as error:

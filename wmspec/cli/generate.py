@@ -17,12 +17,12 @@ from wmspec.cli.common import (
     parse_share,
     parse_size,
     seed_option,
-    settle,
+    exit_if_failed,
     size_option,
     specs_argument,
     tell,
 )
-from wmspec.cli.cost import tell_cost
+from wmspec.cli.cost import print_cost
 from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def generate_command(
     }
     if dry_run:
         plan = planned(specs, tell, **choices)
-        tell_cost(plan, effort(workers, timeout, plan.engines), as_json)
+        print_cost(plan, effort(workers, timeout, plan.engines), as_json)
         return
     if output is None:
         raise WmsError("where to? give the folder of the dataset with -o, or --dry-run to learn what it would take")
@@ -161,4 +161,4 @@ def generate_command(
         click.echo("\nstopped; give the same command again to go on", err=True)
         raise SystemExit(INTERRUPTED) from None
     click.echo(json.dumps(asdict(summary)["tasks"], indent=2) if as_json else summary)
-    settle(summary.tally)
+    exit_if_failed(summary.tally)

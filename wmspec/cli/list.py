@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import balanced, by_size, dimension_option, json_option, tell
+from wmspec.cli.common import balance_note, by_size, dimension_option, json_option, tell
 
 if TYPE_CHECKING:
     from wmspec.api import Task
@@ -78,8 +78,8 @@ def _print(rows: Sequence[dict[str, Any]], sizes: bool) -> None:
     console.print(table)
     for row in rows:
         if row["balance"]:
-            console.print(f"{row['task']}: {balanced(row['balance'])}", highlight=False)
-    console.print(_covered(rows), highlight=False)
+            console.print(f"{row['task']}: {balance_note(row['balance'])}", highlight=False)
+    console.print(_coverage(rows), highlight=False)
 
 
 def _sizes(row: dict[str, Any]) -> str:
@@ -94,7 +94,7 @@ def _factors(row: dict[str, Any]) -> str:
     return ", ".join(f"{name} ({count or 'continuous'}{crossed[name]})" for name, count in row["factors"].items())
 
 
-def _covered(rows: Sequence[dict[str, Any]]) -> str:
+def _coverage(rows: Sequence[dict[str, Any]]) -> str:
     """How much there is, and how much of the paper these tasks rebuild."""
     from wmspec.core.wm_abench import COLUMNS
 

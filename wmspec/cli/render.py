@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.cli.common import (
-    instance_of,
+    load_instance,
     instance_option,
     look_options,
     make_folder,
     parse_size,
     redraw_option,
     seed_option,
-    settle,
+    exit_if_failed,
     size_option,
     task_option,
 )
-from wmspec.cli.run import duration_option, seconds_of, tell_notes
+from wmspec.cli.run import duration_option, parse_duration, print_notes
 from wmspec.core.crash import Crash
 from wmspec.core.diagnostics import EngineError, GraphicsError, StageError, WmsError
 from wmspec.core.places import FilePlace
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from wmspec.api import Episode, RenderOptions
 
-FILMS = (".gif", ".mp4")
+FILM_SUFFIXES = (".gif", ".mp4")
 
 
 @click.command("render")
@@ -90,24 +90,24 @@ def render_command(
     from wmspec.api.rendering import renderer_of
 
     drawing: RenderOptions = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
-    seconds = seconds_of(duration) if duration else None
+    seconds = parse_duration(duration) if duration else None
     executions = _executions(source, backend, task, instance, seed, redraw, seconds)
     many = len(executions) > 1 or backend == "all"
     drawn, causes = 0, list[str]()
     for execute in executions:
-        with _counted(causes) if len(executions) > 1 else nullcontext():
+        with _record_failure(causes) if len(executions) > 1 else nullcontext():
             episode = execute()
             renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
             name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
-            for path in _written(_Pictures(episode, camera, overlay, drawing), output, name, rate, many):
+            for path in _write(_Pictures(episode, camera, overlay, drawing), output, name, rate, many):
                 click.echo(path)
                 drawn += 1
     cause = "\n".join(causes[:1])
-    settle(Tally("picture was drawn", drawn, "engines", len(executions), len(causes), cause, how="failed", most=0))
+    exit_if_failed(Tally("picture was drawn", drawn, "engines", len(executions), len(causes), cause, how="failed", most=0))
 
 
 @contextmanager
-def _counted(causes: list[str]) -> Iterator[None]:
+def _record_failure(causes: list[str]) -> Iterator[None]:
     """Keep why one of several engines cannot execute or draw it. A mistake in what was asked for is raised."""
     try:
         yield
@@ -141,42 +141,42 @@ def _executions(
     if suffix == ".npz":
         return [partial(load_episode, source)]
     given = suffix in STAGES
-    stage = open_stage(source) if given else instance_of(source, task, instance, seed, redraw).stage()
+    stage = open_stage(source) if given else load_instance(source, task, instance, seed, redraw).stage()
 
     def executed(engine: str) -> Episode:
         episode = execute(stage, engine, seconds, strict=not given)
-        tell_notes([episode])
+        print_notes([episode])
         return episode
 
     return [partial(executed, engine) for engine in chosen(backend)]
 
 
-def _written(pictures: _Pictures, output: Path, name: str, rate: float, many: bool) -> Iterator[Path]:
+def _write(pictures: _Pictures, output: Path, name: str, rate: float, many: bool) -> Iterator[Path]:
     """Write what the suffix of the output asks for; with many engines, each to a file of its own."""
     episode, camera = pictures.episode, pictures.camera
     suffix = output.suffix.lower()
-    if suffix not in (*FILMS, ".png"):
+    if suffix not in (*FILM_SUFFIXES, ".png"):
         if suffix and not output.is_dir():
             raise WmsError("expected a folder, or a file that ends in .png, .gif or .mp4", FilePlace(str(output)))
-        yield from _stills(pictures, make_folder(output), name)
+        yield from _write_stills(pictures, make_folder(output), name)
         return
     path = output.with_stem(f"{output.stem}-{episode.engine}") if many else output
     make_folder(path.parent)
     if suffix == ".png":
-        _saved(episode.sheet(camera, overlay=pictures.overlay, **pictures.drawing), path)
+        _save(episode.sheet(camera, overlay=pictures.overlay, **pictures.drawing), path)
     else:
         episode.film(path, camera, rate=rate, overlay=pictures.overlay, **pictures.drawing)
     yield path
 
 
-def _stills(pictures: _Pictures, folder: Path, name: str) -> Iterator[Path]:
+def _write_stills(pictures: _Pictures, folder: Path, name: str) -> Iterator[Path]:
     episode = pictures.episode
     for camera, time in episode.views(pictures.camera):
         picture = episode.picture(camera, time, overlay=pictures.overlay, **pictures.drawing)
-        yield _saved(picture, folder / f"{name}-{camera}-{time:.3f}s.png")
+        yield _save(picture, folder / f"{name}-{camera}-{time:.3f}s.png")
 
 
-def _saved(picture: Image, path: Path) -> Path:
+def _save(picture: Image, path: Path) -> Path:
     try:
         picture.save(path)
     except OSError as error:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.cli.common import (
-    instance_of,
+    load_instance,
     instance_option,
     json_option,
     paint,
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from wmspec.api import Episode
 
 
-MANY, DEPTH = 3, 2
+MIN_PARTS, MIN_DEPTH = 3, 2
 """So many parts of one prim, that deep in a stage (`/World/Objects/arm`), are told together."""
 
 duration_option = click.option(
@@ -78,19 +78,19 @@ def run_command(
     engines = chosen(backend)
     if output is not None and len(engines) > 1:
         raise WmsError("one file holds the trace of one engine; choose one with --backend, or leave out --output")
-    seconds = seconds_of(duration) if duration else None
+    seconds = parse_duration(duration) if duration else None
     if source.suffix.lower() in STAGES:
-        episodes, refusals = _each(engines, lambda engine: run(source, engine, seconds, strict=strict))
+        episodes, refusals = _run_each(engines, lambda engine: run(source, engine, seconds, strict=strict))
     else:
-        one = instance_of(source, task, instance, seed, redraw)
-        episodes, refusals = _each(engines, lambda engine: one.run(engine, duration=seconds))
+        one = load_instance(source, task, instance, seed, redraw)
+        episodes, refusals = _run_each(engines, lambda engine: one.run(engine, duration=seconds))
     if output is not None and episodes:
         episodes[0].save(output)
     if as_json:
         refused = [{"engine": e, "refused": [d.record() for d in error.diagnostics]} for e, error in refusals.items()]
         click.echo(json.dumps([*map(_summary, episodes), *refused], indent=2))
     else:
-        tell_notes(episodes)
+        print_notes(episodes)
         for episode in episodes:
             _print(episode)
     if refusals:
@@ -101,7 +101,7 @@ def run_command(
         raise SystemExit(1)
 
 
-def _each(engines: Sequence[str], execute: Callable[[str], Episode]) -> tuple[list[Episode], dict[str, WmsError]]:
+def _run_each(engines: Sequence[str], execute: Callable[[str], Episode]) -> tuple[list[Episode], dict[str, WmsError]]:
     """What happened in each engine that executes it, and why the others do not, by name."""
     episodes: list[Episode] = []
     refusals: dict[str, WmsError] = {}
@@ -113,13 +113,13 @@ def _each(engines: Sequence[str], execute: Callable[[str], Episode]) -> tuple[li
     return episodes, refusals
 
 
-def tell_notes(episodes: Sequence[Episode]) -> None:
+def print_notes(episodes: Sequence[Episode]) -> None:
     """What was taken for something else, each once."""
     for note in dict.fromkeys(note for episode in episodes for note in episode.notes):
         tell(note.render(paint()))
 
 
-def seconds_of(text: str) -> float:
+def parse_duration(text: str) -> float:
     """The time (s) that is meant."""
     from wmspec.lang.check.types.units import TIME, UnknownUnit, parse_unit
 
@@ -186,4 +186,4 @@ def _links(episode: Episode) -> dict[str, str]:
     """What moves as told and is one of many parts of something, as links of an arm are: name -> path of the whole."""
     led = {b.name: b.path.rpartition("/")[0] for b in episode.scene.bodies if b.motion == "kinematic"}
     wholes = Counter(led.values())
-    return {name: whole for name, whole in led.items() if wholes[whole] >= MANY and whole.count("/") > DEPTH}
+    return {name: whole for name, whole in led.items() if wholes[whole] >= MIN_PARTS and whole.count("/") > MIN_DEPTH}

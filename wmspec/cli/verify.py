@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from wmspec.dataset.verify import Verification
 
 #: So many differences are told one by one.
-TOLD = 10
+MAX_PRINTED = 10
 
 
 @click.command("verify")
@@ -50,16 +50,16 @@ def verify_command(
     if as_json:
         click.echo(json.dumps({"verdict": result.verdict, **asdict(result)}, indent=1, ensure_ascii=False))
     else:
-        _tell(result)
+        _print(result)
     ctx.exit(1 if result.verdict == "different" else 0)
 
 
-def _tell(result: Verification) -> None:
+def _print(result: Verification) -> None:
     worst = sorted(result.differences, key=lambda difference: difference.near)
-    for difference in worst[:TOLD]:
+    for difference in worst[:MAX_PRINTED]:
         click.echo(f"{'near     ' if difference.near else 'DIFFERENT'} {difference}")
-    if len(worst) > TOLD:
-        click.echo(f"and {len(worst) - TOLD:,} more")
+    if len(worst) > MAX_PRINTED:
+        click.echo(f"and {len(worst) - MAX_PRINTED:,} more")
     for name, (there, here) in result.versions.items():
         click.echo(f"made with {name} {there}; here is {here}")
     words = {

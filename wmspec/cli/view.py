@@ -10,7 +10,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 
 #: How many instances of each task are shown on a sheet, in a page and in a folder, if nothing is said.
-PER_TASK = {".png": 3, ".html": 20, "": 50}
+DEFAULT_PER_TASK = {".png": 3, ".html": 20, "": 50}
 
 
 @click.command("view")
@@ -41,11 +41,11 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
     The page opens from disk in any browser. Answers are hidden until you answer or reveal them.
     """
     kind = output.suffix.lower()
-    if kind not in PER_TASK:
+    if kind not in DEFAULT_PER_TASK:
         raise WmsError(
             "what to write? a page is a .html file, a sheet a .png file, a folder has no suffix", FilePlace(str(output))
         )
-    count = per_task or PER_TASK[kind]
+    count = per_task or DEFAULT_PER_TASK[kind]
     if kind == ".png":
         _sheet(dataset, output, count)
         click.echo(output)

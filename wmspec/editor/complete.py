@@ -88,7 +88,7 @@ def _sorted(offers: Iterable[CompletionItem]) -> tuple[CompletionItem, ...]:
 
 def _units(document: Document, meaning: Expressions | None, place: Cursor) -> list[CompletionItem]:
     assert place.unit is not None
-    types = Reader(document.source, meaning, place.unit[1]).wanted().types or ()
+    types = Reader(document.source, meaning, place.unit[1]).expected().types or ()
     dimensions = dict.fromkeys(t.dimension for each in types if isinstance(t := _item(each), Quantity | Vector))
     return [CompletionItem(unit, "unit", str(dimension)) for dimension in dimensions for unit in units_of(dimension)]
 
@@ -98,24 +98,24 @@ def _item(of: Type) -> Type:
 
 
 def _others(document: Document, meaning: Expressions | None, place: Cursor, offset: int) -> Iterator[CompletionItem]:
-    wanted = Reader(document.source, meaning, place.stack).wanted() if place.stack is not None else ExpectedInput()
-    yield from (CompletionItem(word, "keyword") for word in place.keywords if _stands(word, wanted))
+    expected = Reader(document.source, meaning, place.stack).expected() if place.stack is not None else ExpectedInput()
+    yield from (CompletionItem(word, "keyword") for word in place.keywords if _stands(word, expected))
     if place.stack is None:
         return
     arguments = any(p.read is not None and getattr(p.read, "type", "") == "LPAR" for p in place.stack)
-    for name, slot in wanted.slots.items():
+    for name, slot in expected.slots.items():
         yield CompletionItem(name, "argument" if arguments else "property", accepted_values(slot), slot.meaning, f"{name}: ")
-    if wanted.kind:
-        yield from _named(document, meaning, wanted, offset)
-    elif wanted.types is None or wanted.types:
-        yield from _values(document, meaning, wanted, offset)
+    if expected.kind:
+        yield from _named(document, meaning, expected, offset)
+    elif expected.types is None or expected.types:
+        yield from _values(document, meaning, expected, offset)
 
 
-def _stands(keyword: str, wanted: ExpectedInput) -> bool:
+def _stands(keyword: str, expected: ExpectedInput) -> bool:
     """Whether a keyword that may stand makes sense there too."""
-    if keyword in ("true", "false", "not") and wanted.types is not None:
-        return TRUTH in map(_item, wanted.types)
-    return wanted.kind not in ("member", "verb") and not (keyword == "object" and wanted.types != ())
+    if keyword in ("true", "false", "not") and expected.types is not None:
+        return TRUTH in map(_item, expected.types)
+    return expected.kind not in ("member", "verb") and not (keyword == "object" and expected.types != ())
 
 
 def accepted_values(slot: PropertySpec) -> str:
@@ -127,8 +127,8 @@ def accepted_values(slot: PropertySpec) -> str:
 # ---------------------------------------------------------------- values
 
 
-def _values(document: Document, meaning: Expressions | None, wanted: ExpectedInput, offset: int) -> Iterator[CompletionItem]:
-    types = wanted.types
+def _values(document: Document, meaning: Expressions | None, expected: ExpectedInput, offset: int) -> Iterator[CompletionItem]:
+    types = expected.types
     for name, of, what in _typed(document, meaning, offset):
         if types is None or of is None or any(_may_be(of, t) for t in types):
             yield CompletionItem(name, "name", str(of) if of else what)
@@ -138,16 +138,16 @@ def _values(document: Document, meaning: Expressions | None, wanted: ExpectedInp
     if types is not None and A_TIME in map(_item, types):
         yield CompletionItem("end", "word", "time", "when the episode ends")
     for name, function in FUNCTIONS.items():
-        if function.measured and not wanted.measured:
+        if function.measured and not expected.measured:
             continue
         if types is None or any(_may_be(function.result, t) for t in types):
             yield CompletionItem(name, "function", signature(name, function), function.meaning, f"{name}(")
 
 
-def _may_be(of: Type, wanted: Type) -> bool:
+def _may_be(of: Type, expected: Type) -> bool:
     if of in (QUANTITY, ITEM):
-        return of == ITEM or isinstance(_item(wanted), Quantity)
-    return fits(of, wanted) or fits(of, _item(wanted))
+        return of == ITEM or isinstance(_item(expected), Quantity)
+    return fits(of, expected) or fits(of, _item(expected))
 
 
 def _typed(document: Document, meaning: Expressions | None, offset: int) -> Iterator[tuple[str, Type | None, str]]:
@@ -174,17 +174,17 @@ def _type(meaning: Expressions | None, name: str, node: object) -> Type | None:
 
 
 def _named(  # noqa: C901, PLR0912  a case for each kind
-    document: Document, meaning: Expressions | None, wanted: ExpectedInput, offset: int
+    document: Document, meaning: Expressions | None, expected: ExpectedInput, offset: int
 ) -> Iterator[CompletionItem]:
     visible = Names(document).visible(offset)
-    match wanted.kind:
+    match expected.kind:
         case "table":
-            yield from (CompletionItem(word, "word", what) for word, what in wanted.words.items())
+            yield from (CompletionItem(word, "word", what) for word, what in expected.words.items())
         case "library":
             yield from _libraries(document.path.parent)
-        case "library_names" if wanted.of is not None:
+        case "library_names" if expected.of is not None:
             for use, library in document.program.paths.items():
-                if use.start == wanted.of.start:
+                if use.start == expected.of.start:
                     items = document.program.libraries[library].items
                     named = (i for i in items if isinstance(i, s.Factor | s.Let | s.Block | s.Template | s.Action))
                     yield from (CompletionItem(i.name.id, "name", _what(i)) for i in named)
@@ -206,8 +206,8 @@ def _named(  # noqa: C901, PLR0912  a case for each kind
                 node = declared.node
                 if isinstance(node, s.Block) and node.kind == "robot" and node.model is not None:
                     yield from _verbs(ROBOTS.get(node.model.id, {}), f"{name}.")
-        case "member" if wanted.of is not None:
-            yield from _members(meaning, wanted.of, visible.keys())
+        case "member" if expected.of is not None:
+            yield from _members(meaning, expected.of, visible.keys())
 
 
 def _what(node: object) -> str:

@@ -80,11 +80,11 @@ class Reader:
         self.meaning = meaning
         self.stack = stack
 
-    def wanted(self) -> ExpectedInput:
+    def expected(self) -> ExpectedInput:
         """What is wanted after the whole stack."""
         context = self._after(len(self.stack) - 1)
-        asked = {"ANSWER", "ENSURE", "MARGIN", "DIFFERENCE", "APART", "UNLESS"} & {symbol(p) for p in self.stack}
-        return ExpectedInput(context.types, bool(asked), context.slots, context.kind, context.words, context.of)
+        measuring = {"ANSWER", "ENSURE", "MARGIN", "DIFFERENCE", "APART", "UNLESS"} & {symbol(p) for p in self.stack}
+        return ExpectedInput(context.types, bool(measuring), context.slots, context.kind, context.words, context.of)
 
     def _after(self, top: int) -> ExpectedInput:
         """What is wanted after the parts up to `top`."""
@@ -321,9 +321,9 @@ _VALUES = frozenset(
 )
 
 
-def _open(wanted: Type) -> tuple[Type, ...] | None:
+def _open(expected: Type) -> tuple[Type, ...] | None:
     """A type of the tables of functions; None for one that stands for any."""
-    return None if str(wanted) in ("quantity", "list of items", "item") else (wanted,)
+    return None if str(expected) in ("quantity", "list of items", "item") else (expected,)
 
 
 def _parts(types: tuple[Type, ...]) -> tuple[Type, ...]:

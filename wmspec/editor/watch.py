@@ -54,7 +54,7 @@ class Watch:
     state: State = field(default_factory=State)
     stopped: Event = field(default_factory=Event)
     _before: tuple[examples.Row, ...] = ()
-    _news: Condition = field(default_factory=Condition)
+    _updated: Condition = field(default_factory=Condition)
 
     def run(self) -> None:
         """Check and draw at every change, until it is stopped."""
@@ -75,13 +75,13 @@ class Watch:
     def stop(self) -> None:
         """End `run`, and let go of those who wait."""
         self.stopped.set()
-        with self._news:
-            self._news.notify_all()
+        with self._updated:
+            self._updated.notify_all()
 
     def after(self, version: int, timeout: float) -> State | None:
         """A state newer than `version`, as soon as there is one; None if there is none in `timeout` seconds."""
-        with self._news:
-            self._news.wait_for(lambda: self.state.version > version or self.stopped.is_set(), timeout)
+        with self._updated:
+            self._updated.wait_for(lambda: self.state.version > version or self.stopped.is_set(), timeout)
             return self.state if self.state.version > version else None
 
     def png(self, name: str) -> bytes | None:
@@ -90,26 +90,26 @@ class Watch:
             (c.png for c in _cells((*self.state.rows, *self._before)) if c.png and picture_name(c.png) == name), None
         )
 
-    def _say(self, state: State) -> None:
-        with self._news:
+    def _publish(self, state: State) -> None:
+        with self._updated:
             self.state = replace(state, version=self.state.version + 1)
-            self._news.notify_all()
+            self._updated.notify_all()
 
     def _changed(self, helper: HelperProcess, contents: dict[Path, bytes]) -> tuple[Path, ...]:
         """Check the text, then draw it. Returns the libraries that it uses."""
         self._before = last = self.state.rows
-        self._say(replace(self.state, phase="checking", stale=bool(last)))
+        self._publish(replace(self.state, phase="checking", stale=bool(last)))
         try:
             text = read_source(self.path).text
             diagnosis, tasks = diagnose_text(text, self.path)
         except WmsError as error:
-            self._say(State(phase="done", diagnostics=error.diagnostics, rows=last, stale=bool(last)))
+            self._publish(State(phase="done", diagnostics=error.diagnostics, rows=last, stale=bool(last)))
             return ()
         checked = State(phase="drawing", diagnostics=diagnosis.diagnostics, tasks=diagnosis.tasks, rows=last, stale=True)
         if not tasks:
-            self._say(replace(checked, phase="done", stale=bool(last)))
+            self._publish(replace(checked, phase="done", stale=bool(last)))
             return self._libraries(text)
-        self._say(checked)
+        self._publish(checked)
         self._draw(helper, text, tasks, checked, contents)
         return tuple(path for task in tasks for path in task.program.libraries)
 
@@ -136,8 +136,8 @@ class Watch:
                     task.name, index, str(task[index]), (examples.QuestionPreview("", rejected=row.reason),)
                 )
             rows = (*rows, row)
-            self._say(replace(checked, rows=rows, stale=False))
-        self._say(replace(checked, phase="done", rows=rows, stale=False))
+            self._publish(replace(checked, rows=rows, stale=False))
+        self._publish(replace(checked, phase="done", rows=rows, stale=False))
 
 
 def picture_name(png: bytes) -> str:

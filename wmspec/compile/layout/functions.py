@@ -10,7 +10,7 @@ from wmspec.compile.layout import geometry
 from wmspec.compile.layout.cavities import fits
 from wmspec.compile.layout.motion import heading_of
 from wmspec.compile.layout.surfaces import WORLD
-from wmspec.compile.layout.view import gaze, seen
+from wmspec.compile.layout.view import gaze_direction, view_coordinates
 from wmspec.lang.check.ir.evaluate import NoValue
 from wmspec.lang.check.tables import colors
 
@@ -41,7 +41,7 @@ def _beside(dx: float, dy: float) -> Callable[..., Location]:
 
     def beside(values: Evaluator, owner: str, far: float, seen_from: str | None = None) -> Location:
         x, y, _ = values.pose(owner).position
-        right, back = (dx, dy) if seen_from is None else seen(-gaze(values, seen_from), dx, dy)
+        right, back = (dx, dy) if seen_from is None else view_coordinates(-gaze_direction(values, seen_from), dx, dy)
         return (WORLD, x + right * far, y + back * far)
 
     return beside

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from wmspec.compile.layout import assets
 from wmspec.compile.layout.geometry import own_rotation
 from wmspec.compile.layout.solids import Face, footprint
-from wmspec.compile.layout.surfaces import seen_from, support_faces
+from wmspec.compile.layout.surfaces import face_coordinates, support_faces
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.rng import uniform
 from wmspec.core.space import UP, from_ypr
@@ -65,7 +65,7 @@ def _free(values: Evaluator, name: str, face: Face, taken: list[Circle], deal: i
     """Return the first free proposal of this round, or None."""
     _, pitch, roll = own_rotation(values, name)
     radius = footprint(assets.pieces(values, name), from_ypr(0.0, pitch, roll))
-    x, y = seen_from(face, values.spot(name))
+    x, y = face_coordinates(face, values.spot(name))
     (width, depth), gap = values.pair(name, "scatter"), values.number(name, "gap")
     for k in range(deal * MAX_TRIES, (deal + 1) * MAX_TRIES):
         u, v = (uniform(*values.key, name, axis, k) - 0.5 for axis in "xy")

@@ -41,7 +41,7 @@ def contact_face(values: Evaluator, owner: str, at: Spot) -> Face | None:
         hollow = shape in HOLLOW and not values.has(base, "file")
         remedy = f"put its shape into a part: `part wall {{ shape: {shape} ... }}`" if hollow else f"use `on: {base}`"
         raise ImpossibleValue(f"`{base}` has no parts, so nothing can be inside it", place, remedy)
-    return bottom(values, base, at) if way == "inside" else top(values, base, at)
+    return floor_point(values, base, at) if way == "inside" else top_point(values, base, at)
 
 
 def support_of(values: Evaluator, owner: str) -> tuple[str, str] | None:
@@ -71,7 +71,7 @@ def _tops(values: Evaluator, base: str) -> list[Face]:
     return [Face((here.position[0], here.position[1], highest), UP, values.number(base, "yaw"))]
 
 
-def top(values: Evaluator, base: str, at: Spot) -> Face:
+def top_point(values: Evaluator, base: str, at: Spot) -> Face:
     """Return the point `at` on top of an object, relative to the centre of its most level face, or in the world."""
     faces = support_faces(values, base)
     if is_point(at):
@@ -86,7 +86,7 @@ def _along(face: Face, x: float, y: float) -> Vector:
     return rotate(align_z(face.normal), (cos * x - sin * y, sin * x + cos * y, 0.0))
 
 
-def seen_from(face: Face, at: Spot) -> tuple[float, float]:
+def face_coordinates(face: Face, at: Spot) -> tuple[float, float]:
     """Return a place as (x, y) relative to the centre of a face, along its own axes."""
     if is_point(at):
         return (at[0], at[1])
@@ -100,7 +100,7 @@ def seen_from(face: Face, at: Spot) -> tuple[float, float]:
 # ---------------------------------------------------------------- inside
 
 
-def bottom(values: Evaluator, base: str, at: Spot) -> Face:
+def floor_point(values: Evaluator, base: str, at: Spot) -> Face:
     """Return the point `at` in the cavity of a compound object: on its lowest part there, or on its support."""
     x, y = _ground(values, base, at)
     floor = min(_floors(values, base, x, y), key=lambda face: face.height(x, y), default=None)

@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from wmspec.compile.layout.values import Evaluator
 
 #: A direction with a smaller horizontal component points straight up or down.
-UPRIGHT = 1e-6
+MIN_HORIZONTAL = 1e-6
 
 
-def front(values: Evaluator) -> int:
+def common_direction(values: Evaluator) -> int:
     """Return the common viewing direction of all observed cameras, in quarter turns (0..3) anticlockwise from +y.
 
     0, the world's own front, if cameras differ or one of them rides on an object.
@@ -23,16 +23,16 @@ def front(values: Evaluator) -> int:
     cameras = {o.camera for o in values.spec.observations}
     if any(values.has(camera, "ride") for camera in cameras):
         return 0
-    ways = {facing(values, camera) for camera in cameras}
+    ways = {camera_direction(values, camera) for camera in cameras}
     return ways.pop() if len(ways) == 1 else 0
 
 
-def facing(values: Evaluator, camera: str) -> int:
-    """Return the initial viewing direction of a camera, in quarter turns as in `front`."""
-    return round(gaze(values, camera)) % 4
+def camera_direction(values: Evaluator, camera: str) -> int:
+    """Return the initial viewing direction of a camera, in quarter turns as in `common_direction`."""
+    return round(gaze_direction(values, camera)) % 4
 
 
-def gaze(values: Evaluator, viewer: str) -> float:
+def gaze_direction(values: Evaluator, viewer: str) -> float:
     """Return the initial viewing direction of a camera or an object, in quarter turns anticlockwise from +y.
 
     An object looks along its x axis. For a camera that looks straight down it is the direction of its upper edge.
@@ -40,23 +40,23 @@ def gaze(values: Evaluator, viewer: str) -> float:
     """
     if not values.has(viewer, "look_at"):
         ahead = rotate(values.pose(viewer).orientation, (1.0, 0.0, 0.0))
-        if math.hypot(ahead[0], ahead[1]) <= UPRIGHT:
+        if math.hypot(ahead[0], ahead[1]) <= MIN_HORIZONTAL:
             raise NoValue(f"`{viewer}` looks straight up or down, so nothing is on its left")
-        return quarters(ahead[0], ahead[1])
+        return quarter_turns(ahead[0], ahead[1])
     ahead = add(values.vector(viewer, "look_at"), scale(-1.0, values.vector(viewer, "at")))
     if math.hypot(ahead[0], ahead[1]) <= 1e-9 * math.hypot(*ahead):
         ahead = (0.0, 1.0, 0.0)
     if values.has(viewer, "ride"):
         ahead = rotate(values.pose(values.reference(viewer, "ride")).orientation, ahead)
-    return quarters(ahead[0], ahead[1])
+    return quarter_turns(ahead[0], ahead[1])
 
 
-def quarters(x: float, y: float) -> float:
+def quarter_turns(x: float, y: float) -> float:
     """Return the quarter turns, anticlockwise from +y, to a horizontal direction."""
     return math.atan2(-x, y) / (math.pi / 2)
 
 
-def seen(way: float, x: float, y: float) -> tuple[float, float]:
+def view_coordinates(way: float, x: float, y: float) -> tuple[float, float]:
     """Return the distances (m) to the right and to the back, seen along `way`, of world coordinates x and y."""
     whole = math.floor(way)
     for _ in range(whole % 4):  # exact for whole quarter turns

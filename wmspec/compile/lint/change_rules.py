@@ -8,11 +8,11 @@ from functools import cached_property
 
 from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.action_rules import target_beyond_limit
-from wmspec.compile.lint.question_rules import asked, pictured
+from wmspec.compile.lint.question_rules import is_posed, answer_picture_time
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene, late_action, objects_inside_one_another, outside
 from wmspec.compile.stage.document import Document
-from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.episode import build_document
 from wmspec.core.diagnostics import Note
 from wmspec.lang.check.ir.ir import Counterfactual, Question
 
@@ -38,14 +38,14 @@ class Changed:
     @cached_property
     def other_stage(self) -> Document:
         """The changed stage. Raises WmsError if it cannot be built."""
-        return built(self.otherwise.values)
+        return build_document(self.otherwise.values)
 
 
 @rule("WMS304", "error")
 def option_after_the_end(changed: Changed) -> Iterator[Breach]:
     """Find options that are pictures after the end of the episode."""
     truth, otherwise = changed.scene.values, changed.otherwise.values
-    time = pictured(changed.question, truth) if asked(changed.question, truth) else None
+    time = answer_picture_time(changed.question, truth) if is_posed(changed.question, truth) else None
     if time is not None and truth.during(time) and not otherwise.during(time):
         yield outside(time, otherwise, changed.change.place)
 
@@ -125,7 +125,7 @@ def _alike(changed: Changed, other: Counterfactual, twin: Evaluator) -> bool:
     """Whether two counterfactuals have equal results; added actions are compared without their names."""
     if changed.change.change == other.change == "add":
         return _done(changed.otherwise.values, changed.change.name) == _done(twin, other.name)
-    return not changed.other_stage.differing(built(twin))
+    return not changed.other_stage.differing(build_document(twin))
 
 
 def _done(values: Evaluator, action: str) -> tuple[str, dict[str, object]]:

@@ -63,7 +63,7 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
 def _scene(scene: Scene, linter: Linter, *, changed: bool) -> None:
     """Lint the scene of an instance, with its counterfactuals if `changed`. Raises WmsError if it cannot be built."""
     spec, instance = scene.values.spec, scene.instance
-    stage = episode.built(scene.values)
+    stage = episode.build_document(scene.values)
     linter.check(scene, scene_rules.RULES)
     linter.check(scene, plausible_rules.RULES)
     linter.check(scene, action_rules.RULES)

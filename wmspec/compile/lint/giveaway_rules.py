@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from wmspec.compile.lint.question_rules import asked, pictured
+from wmspec.compile.lint.question_rules import is_posed, answer_picture_time
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
 from wmspec.compile.lint.task_rules import Task
@@ -13,13 +13,13 @@ from wmspec.lang.check.ir.ir import Interpolation, Question, Ref, time_of_last_p
 from wmspec.lang.check.types import units
 
 #: Properties that are visible in every picture.
-_LOOKS = ("form", "color", "material", "image", "scale")
+_VISIBLE_PROPERTIES = ("form", "color", "material", "image", "scale")
 #: Times closer than this (s) are equal.
 _MOMENT = 1e-9
 
 
 @rule("WMS510")
-def told_by_text(task: Task) -> Iterator[Breach]:
+def answer_in_text(task: Task) -> Iterator[Breach]:
     """Find texts that contain everything that distinguishes the options, or the answer itself."""
     for question in task.spec.questions:
         mentioned = [part.value for part in question.text if isinstance(part, Interpolation)]
@@ -34,14 +34,14 @@ def told_by_text(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS510")
-def told_by_looks(task: Task) -> Iterator[Breach]:
+def answer_in_appearance(task: Task) -> Iterator[Breach]:
     """Find states of a closed set that are visible in all pictures and so eliminate options."""
     for question in task.spec.questions:
         for varied in question.orbit:
             if varied.reads == "action":
                 continue
             for thing in (t for t in task.spec.things if t.kind in ("object", "part")):
-                if any(varied.factor in task.depend.source(f"{thing.name}.{look}") for look in _LOOKS):
+                if any(varied.factor in task.depend.source(f"{thing.name}.{look}") for look in _VISIBLE_PROPERTIES):
                     what = f"`{varied.factor}` decides what `{thing.name}` looks like, in the options and before"
                     remedy = "let it change what cannot be seen at the end, such as a mass, or a place that is left"
                     yield Breach(what, question.place, remedy, about=("looks", question.place, varied.factor))
@@ -49,12 +49,12 @@ def told_by_looks(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS510")
-def told_by_pictures(scene: Scene) -> Iterator[Breach]:
+def answer_in_pictures(scene: Scene) -> Iterator[Breach]:
     """Find pictures that show the answer; in a prediction, any picture at or after the answer's time."""
     values = scene.values
     shown = [(o, moment) for o in values.spec.observations for moment in evaluate(o.times, values)]
     for question in values.spec.questions:
-        time = pictured(question, values) if asked(question, values) else None
+        time = answer_picture_time(question, values) if is_posed(question, values) else None
         if time is None:
             continue
         # Without earlier pictures the question is not a prediction, but asks for the view of another camera.
@@ -68,8 +68,8 @@ def told_by_pictures(scene: Scene) -> Iterator[Breach]:
                 break
 
 
-TASK_RULES = (told_by_text, told_by_looks)
-SCENE_RULES = (told_by_pictures,)
+TASK_RULES = (answer_in_text, answer_in_appearance)
+SCENE_RULES = (answer_in_pictures,)
 
 
 def _remedy(scene: Scene, question: Question) -> str:

@@ -9,10 +9,10 @@ from wmspec.compile.design.about import referenced_objects
 from wmspec.compile.layout.geometry import all_pieces, pieces
 from wmspec.compile.layout.solids import bounds, corners
 from wmspec.compile.layout.values import Evaluator
-from wmspec.compile.lint.question_rules import asked
+from wmspec.compile.lint.question_rules import is_posed
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
-from wmspec.compile.lint.visibility import moved
+from wmspec.compile.lint.visibility import moved_objects
 from wmspec.core.diagnostics import Note
 from wmspec.core.space import Pose, Vector, add, inverse, rotate, scale
 from wmspec.lang.check.ir.evaluate import evaluate
@@ -28,8 +28,8 @@ def hidden_thing(scene: Scene) -> Iterator[Breach]:
         return
     things = {t.name: t for t in values.spec.things if t.kind == "object" and values.there(t.name)}
     walls = [(name, half, pose) for name in things for half, pose in _boxes(values, name)]
-    questions = (question for question in values.spec.questions if asked(question, values))
-    needed = {name for question in questions for name in referenced_objects(question, values).union(moved(values))}
+    questions = (question for question in values.spec.questions if is_posed(question, values))
+    needed = {name for question in questions for name in referenced_objects(question, values).union(moved_objects(values))}
     for name in (name for name in things if name in needed and not things[name].set):
         around = list(corners(bounds(pieces(values, name), values.pose(name))))
         by = [_hiding(values.vector(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]

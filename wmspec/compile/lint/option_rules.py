@@ -11,7 +11,7 @@ from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.describe import format_instance
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.values import Evaluator
-from wmspec.compile.lint.question_rules import asked
+from wmspec.compile.lint.question_rules import is_posed
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.expressions.measured import is_measured
@@ -57,7 +57,7 @@ def compared(question: Question, design: Design, depend: Dependencies) -> Option
         options = evaluate(question.options, values) if question.options else ()
         same = [a for a, b in combinations(options, 2) if _same(a, b, directions)]
         answer = _answer(question, values) if known else None
-        if (not same and answer is None) or not asked(question, values):
+        if (not same and answer is None) or not is_posed(question, values):
             continue
         if same:
             return Options(question, design, (same[0], instance), (), checked)

@@ -11,7 +11,7 @@ from wmspec.compile.layout.solids import bounds
 from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import Scene
-from wmspec.compile.lint.visibility import boxes_of, boxes_of_matter, mentioned, subjects
+from wmspec.compile.lint.visibility import swept_boxes, relevant_boxes, mentioned, subjects
 from wmspec.core.diagnostics import Note
 from wmspec.core.space import Vector, add, dot, inverse, rotate, scale, unit
 from wmspec.lang.check.ir.evaluate import evaluate
@@ -55,7 +55,7 @@ def camera_inside(scene: Scene) -> Iterator[Breach]:
 def camera_far_away(scene: Scene) -> Iterator[Breach]:
     """Find cameras in which all relevant objects are too small to be seen."""
     values = scene.values
-    boxes = list(boxes_of_matter(values))
+    boxes = list(relevant_boxes(values))
     for camera in _standing(values):
         if boxes and all(_share(values, camera, box) < LEAST_SIDE for box in boxes):
             what = f"all that is moved or asked about is too small to be seen from `{camera}` {scene.where}"
@@ -73,7 +73,7 @@ def thing_far_away(scene: Scene) -> Iterator[Breach]:
     needed = {name for q in values.spec.questions for e in q.ensures for name in mentioned(values, e.condition)}
     things = [t for t in values.spec.things if t.kind == "object" and not t.set and values.there(t.name)]
     for name in (t.name for t in things if t.name in needed.union(subjects(values))):
-        boxes = list(boxes_of(values, name))
+        boxes = list(swept_boxes(values, name))
         if cameras and all(_share(values, camera, box) < LEAST_SIDE for camera in cameras for box in boxes):
             what = f"`{name}` is too small to be seen from `{cameras[0]}` {scene.where}"
             yield Breach(what, values.place(name, "at"), "is this the unit that is meant?", about=name)

@@ -8,13 +8,13 @@ from wmspec.lang.check.ir.evaluate import NoValue, evaluate
 from wmspec.lang.check.ir.ir import Call, Operation, Question
 
 
-def asked(question: Question, values: Evaluator) -> bool:
+def is_posed(question: Question, values: Evaluator) -> bool:
     """Whether the conditions that are known before the episode hold."""
     known = (e.condition for e in question.ensures if not is_measured(values.spec, e.condition))
     return all(evaluate(condition, values) for condition in known)
 
 
-def pictured(question: Question, values: Evaluator) -> float | None:
+def answer_picture_time(question: Question, values: Evaluator) -> float | None:
     """Return the time (s) of the picture that is the answer; None for other answers and measured times."""
     answer = question.answer
     while isinstance(answer, Operation) and answer.operator == "if":

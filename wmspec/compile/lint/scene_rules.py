@@ -11,11 +11,11 @@ from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.describe import format_instance
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.values import Evaluator
-from wmspec.compile.layout.view import facing, front
+from wmspec.compile.layout.view import camera_direction, common_direction
 from wmspec.compile.lint.overlap import overlaps
-from wmspec.compile.lint.question_rules import asked, pictured
+from wmspec.compile.lint.question_rules import is_posed, answer_picture_time
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.compile.lint.visibility import blind
+from wmspec.compile.lint.visibility import blind_cameras
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location
 from wmspec.lang.check.expressions.measured import is_measured
@@ -71,7 +71,7 @@ def _set_of(values: Evaluator, first: str, second: str) -> str:
 @rule("WMS602")
 def blind_camera(scene: Scene) -> Iterator[Breach]:
     """Find cameras without any relevant object in view."""
-    for camera in blind(scene.values):
+    for camera in blind_cameras(scene.values):
         what = f"`{camera}` has none of what is moved or asked about in its picture"
         place = next(o.place for o in scene.values.spec.observations if o.camera == camera)
         yield Breach(what, place, "turn it with `look_at:`, widen its `fov:`, or leave it out", about=camera)
@@ -84,9 +84,9 @@ def turned_camera(scene: Scene) -> Iterator[Breach]:
     answers = (part for question in spec.questions for part in parts(question.answer))
     if not any(isinstance(part, Call) and part.function == "relation" and not _from(part) for part in answers):
         return
-    way = front(scene.values)
+    way = common_direction(scene.values)
     for observation in spec.observations:
-        if facing(scene.values, observation.camera) != way:
+        if camera_direction(scene.values, observation.camera) != way:
             what = f"`{observation.camera}` looks another way than `relation`, which goes by the world's front"
             remedy = f"observe only from one side, or say from which it is meant: `seen_from: {observation.camera}`"
             yield Breach(what, observation.place, remedy, about=observation.camera)
@@ -130,7 +130,7 @@ def crowded(scene: Scene) -> Iterator[Breach]:
 def picture_after_the_end(scene: Scene) -> Iterator[Breach]:
     """Find answers that are pictures after the end of the episode."""
     for question in scene.values.spec.questions:
-        time = pictured(question, scene.values) if asked(question, scene.values) else None
+        time = answer_picture_time(question, scene.values) if is_posed(question, scene.values) else None
         if time is not None and not scene.values.during(time):
             yield outside(time, scene.values, question.place)
 
@@ -140,7 +140,7 @@ def measure_outside_the_episode(scene: Scene) -> Iterator[Breach]:
     """Find measurements outside the episode, or over an interval that ends before it begins."""
     values = scene.values
     for question in values.spec.questions:
-        if not asked(question, values):
+        if not is_posed(question, values):
             continue
         for expr, place in _measuring(question):
             for call in (part for part in parts(expr) if isinstance(part, Call)):

@@ -14,22 +14,22 @@ from wmspec.lang.check.ir.evaluate import parts
 from wmspec.lang.check.ir.ir import Entity, Expr, Interpolation, Property, Ref, TaskSpec, Value
 
 
-def blind(values: Evaluator) -> tuple[str, ...]:
+def blind_cameras(values: Evaluator) -> tuple[str, ...]:
     """Return the observed, fixed cameras without a relevant or moved object in view.
 
     An object is in view unless its axis-aligned box, and the boxes where its own actions take it, are wholly outside
     the square picture. Occlusion and motion due to collisions are ignored.
     """
-    boxes = list(boxes_of_matter(values))
+    boxes = list(relevant_boxes(values))
     cameras = dict.fromkeys(o.camera for o in values.spec.observations)
     still = [camera for camera in cameras if not values.has(camera, "ride")]
     return tuple(c for c in still if boxes and not any(_in_view(values, c, box) for box in boxes))
 
 
-def boxes_of_matter(values: Evaluator) -> Iterator[Box]:
+def relevant_boxes(values: Evaluator) -> Iterator[Box]:
     """Yield the boxes of relevant or moved objects, at the start and where their own actions take them."""
     for name in subjects(values):
-        yield from boxes_of(values, name)
+        yield from swept_boxes(values, name)
 
 
 # ---------------------------------------------------------------- what matters
@@ -38,19 +38,19 @@ def boxes_of_matter(values: Evaluator) -> Iterator[Box]:
 def subjects(values: Evaluator) -> list[str]:
     """Return the present objects that actions move or that answers, options and texts mention."""
     objects = {t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)}
-    names = dict.fromkeys(moved(values))
-    for expr in _asked(values.spec):
+    names = dict.fromkeys(moved_objects(values))
+    for expr in _question_expressions(values.spec):
         names |= dict.fromkeys(mentioned(values, expr))
     return [name for name in names if name in objects]
 
 
-def moved(values: Evaluator) -> list[str]:
+def moved_objects(values: Evaluator) -> list[str]:
     """Return the objects of actions."""
     acting = (t.name for t in values.spec.things if t.kind == "action" and "object" in t.properties)
     return [values.reference(name, "object") for name in acting if values.there(name)]
 
 
-def _asked(spec: TaskSpec) -> Iterator[Expr]:
+def _question_expressions(spec: TaskSpec) -> Iterator[Expr]:
     for question in spec.questions:
         yield question.answer
         parts = (*question.text, *(part for text in question.texts for part in text.parts))
@@ -79,7 +79,7 @@ def _words(value: object) -> Iterator[str]:
 # ---------------------------------------------------------------- where it is
 
 
-def boxes_of(values: Evaluator, name: str) -> Iterator[Box]:
+def swept_boxes(values: Evaluator, name: str) -> Iterator[Box]:
     """Yield the axis-aligned boxes of an object, at the start and where its own actions take it."""
     low, high = bounds(pieces(values, name), values.pose(name))
     yield low, high

@@ -20,6 +20,6 @@ def base(values: Evaluator, robot: str) -> Pose:
             raise ImpossibleValue(
                 f"`{robot}` stands on something, so its place there is (x, y)", values.place(robot, "at")
             )
-        return Pose(surfaces.top(values, values.reference(robot, "on"), at).middle, from_ypr(yaw))
+        return Pose(surfaces.top_point(values, values.reference(robot, "on"), at).middle, from_ypr(yaw))
     assert surfaces.is_point(at)
     return Pose(at if len(at) == 3 else (*at, 0.0), from_ypr(yaw))

@@ -85,7 +85,7 @@ def place(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     if onto in joined_objects(values, thing.name):
         raise ImpossibleValue(f"`{thing.name}` cannot be put on itself", action.place, "name what it is to stand on")
     made.require_held(action)
-    face = np.array(surfaces.top(values, onto, values.pair(action.name, "at")).middle)
+    face = np.array(surfaces.top_point(values, onto, values.pair(action.name, "at")).middle)
     face = (made.motion(onto) @ [*face, 1.0])[:3]
     way = np.array([*face[:2], face[2] + RELEASE_HEIGHT]) - np.array(
         [*thing.middle[:2], thing.middle[2] - thing.half[2]]

@@ -10,7 +10,7 @@ from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.surfaces import WORLD, support_of, contact_face
 from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Document, Prim
-from wmspec.compile.stage.joints import has_drive, joined, joint_path
+from wmspec.compile.stage.joints import has_drive, has_joint, joint_path
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import UP, Vector, dot, from_ypr, heading_vector, multiply, rotate, scale
@@ -19,7 +19,7 @@ from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.verbs import VERBS
 
 #: A round object lies if the upward component of its axis is below LYING; it slides along its axis above ALONG.
-LYING, ALONG = 0.5, 0.99
+MAX_LYING_COSINE, MIN_ALONG_COSINE = 0.5, 0.99
 
 
 def add_action(doc: Document, action: Entity, values: Evaluator, carried: dict[str, str]) -> None:
@@ -30,7 +30,7 @@ def add_action(doc: Document, action: Entity, values: Evaluator, carried: dict[s
     prim.set("wms:verb", "token", verb.staged or action.verb, uniform=True)
     if "object" in action.properties:
         target = values.reference(name, "object")
-        _able(action, target, values, carried)
+        _require_able(action, target, values, carried)
         prim.relate("wms:object", object_path(target), f"{name}.object")
     prim.set("wms:start", "double", values.number(name, "start"), f"{name}.start", uniform=True)
     if values.has(name, "duration"):
@@ -38,7 +38,7 @@ def add_action(doc: Document, action: Entity, values: Evaluator, carried: dict[s
     resolve_name(verb.author)(prim, action, values)
 
 
-def _able(action: Entity, target: str, values: Evaluator, carried: dict[str, str]) -> None:
+def _require_able(action: Entity, target: str, values: Evaluator, carried: dict[str, str]) -> None:
     """Raise unless the object can perform the verb."""
     if values.flag(target, "fixed") and action.verb != "paint":
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
@@ -48,7 +48,7 @@ def _able(action: Entity, target: str, values: Evaluator, carried: dict[str, str
             action.place,
             "use verbs that carry it, or none of them",
         )
-    if {"launch", "vanish"} & {action.verb, VERBS[action.verb].staged} and joined(values, target):
+    if {"launch", "vanish"} & {action.verb, VERBS[action.verb].staged} and has_joint(values, target):
         remedy = "use `impulse`" if action.verb == "launch" else "leave out the joint, or this"
         raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, remedy)
 
@@ -127,7 +127,7 @@ def _rolls(target: str, way: Vector, values: Evaluator) -> bool:
     if len(made) > 1 or made[0].solid.symmetry == "none":
         return False
     axis = rotate(values.pose(target).compose(made[0].pose).orientation, UP)
-    return made[0].solid.symmetry == "ball" or (abs(axis[2]) < LYING and abs(dot(axis, way)) < ALONG)
+    return made[0].solid.symmetry == "ball" or (abs(axis[2]) < MAX_LYING_COSINE and abs(dot(axis, way)) < MIN_ALONG_COSINE)
 
 
 # ---------------------------------------------------------------- carried

@@ -11,7 +11,7 @@ from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.actions import add_action
 from wmspec.compile.stage.cameras import add_camera, add_light, camera_path
 from wmspec.compile.stage.document import Document
-from wmspec.compile.stage.joints import add_joint, no_loops
+from wmspec.compile.stage.joints import add_joint, require_no_loops
 from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.compile.stage.objects import add_object
 from wmspec.core.diagnostics import ImpossibleValue, Note, Report, WmsError
@@ -19,7 +19,7 @@ from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, TaskSpec
 from wmspec.sim.usd.version import FORMAT_VERSION
 
-RATE = 240
+SAMPLE_RATE = 240
 
 
 def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None = None) -> Document:
@@ -27,10 +27,10 @@ def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None =
 
     Raises WmsError with all errors and their locations, for impossible values and infeasible actions.
     """
-    return built(Evaluator(spec, instance.values, change, instance.key))
+    return build_document(Evaluator(spec, instance.values, change, instance.key))
 
 
-def built(values: Evaluator, objects: ObjectCache | None = None) -> Document:
+def build_document(values: Evaluator, objects: ObjectCache | None = None) -> Document:
     """Return the stage for the values of an instance, reusing prims of cached `objects`."""
     try:
         return _built(values, objects.add if objects else add_object)
@@ -68,7 +68,7 @@ def _built(values: Evaluator, make: Callable[[Document, str, Evaluator, frozense
 
                     robots.add_robot(doc, thing, values)
     with report.collect_errors():
-        no_loops(values)
+        require_no_loops(values)
     with report.collect_errors():
         _episode(doc, spec, values)
     _actions(doc, values, carried, report)
@@ -99,16 +99,16 @@ def _episode(doc: Document, spec: TaskSpec, values: Evaluator) -> None:
     episode.set("wms:formatVersion", "int", FORMAT_VERSION, uniform=True)
     episode.set("wms:task", "string", spec.name, uniform=True)
     episode.set("wms:duration", "double", values.end, "end", uniform=True)
-    episode.set("wms:rate", "int", RATE, uniform=True)
+    episode.set("wms:rate", "int", SAMPLE_RATE, uniform=True)
     doc.add("/World/Episode/Actions", "Scope")
     doc.add("/World/Episode/Observations", "Scope")
-    for observation, times in observed(spec, values):
+    for observation, times in observation_times(spec, values):
         prim = doc.add(f"/World/Episode/Observations/{observation}", "WmsObservation")
         prim.relate("wms:camera", camera_path(observation, values), f"{observation}.ride")
         prim.set("wms:times", "double[]", times, f"observe.{observation}", uniform=True)
 
 
-def observed(spec: TaskSpec, values: Evaluator) -> list[tuple[str, tuple[float, ...]]]:
+def observation_times(spec: TaskSpec, values: Evaluator) -> list[tuple[str, tuple[float, ...]]]:
     """Return the observed cameras, each with its times (s) in order.
 
     Raises WmsError if a time is outside the episode.

@@ -65,7 +65,7 @@ def add_joint(doc: Document, joint: Entity, values: Evaluator, carried: Mapping[
         _coordinate(prim, joint, values, driven)
 
 
-def no_loops(values: Evaluator) -> None:
+def require_no_loops(values: Evaluator) -> None:
     """Raise WmsError with its location for a joint that closes a loop: engines solve trees."""
     groups: dict[str, set[str]] = {}
     for joint in values.spec.things:
@@ -89,7 +89,7 @@ def no_loops(values: Evaluator) -> None:
         groups.update(dict.fromkeys(second, first))
 
 
-def joined(values: Evaluator, owner: str) -> bool:
+def has_joint(values: Evaluator, owner: str) -> bool:
     """Whether a joint holds an object."""
     joints = (j.name for j in values.spec.things if j.kind == "joint" and values.there(j.name))
     ends = ((name, end) for name in joints for end in ("of", "to"))

@@ -92,7 +92,7 @@ def compose(document: Document, *, sources: bool = True) -> Usd.Stage:
     return Usd.Stage.Open(base_layer(document, sources=sources))
 
 
-def bare(stage: Usd.Stage, paths: Iterable[str]) -> Usd.Stage:
+def without_geometry(stage: Usd.Stage, paths: Iterable[str]) -> Usd.Stage:
     """Remove the geometry below some prims of a stage; returns the stage."""
     for path in paths:
         every = Usd.PrimRange(stage.GetPrimAtPath(path)) if stage.GetPrimAtPath(path) else ()

@@ -9,12 +9,12 @@ from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import from_ypr
 
 #: Minimum volume (m³), of a cube of about 0.05 mm; smaller objects are an error.
-LEAST_VOLUME = 1e-13
+MIN_VOLUME = 1e-13
 #: Relative rounding error of a number of a stage, with a margin: twice half a unit of single precision.
 ROUNDING = 2.0**-22
 
 
-def own(name: str, values: Evaluator) -> bool:
+def has_own_mass(name: str, values: Evaluator) -> bool:
     """Whether an object declares its own mass distribution. Raises WmsError if it has no mass."""
     touched = any(touchable(values, part) for part, _ in all_pieces(values, name))
     if not touched and not (values.has(name, "mass") and values.has(name, "moments")):
@@ -26,7 +26,7 @@ def own(name: str, values: Evaluator) -> bool:
     return values.has(name, "centre") or values.has(name, "moments")
 
 
-def add_own(body: Prim, name: str, values: Evaluator) -> None:
+def add_own_mass(body: Prim, name: str, values: Evaluator) -> None:
     """Add mass, centre of mass and moments of an object to its body."""
     if values.has(name, "mass"):
         body.set("physics:mass", "float", values.number(name, "mass"), f"{name}.mass")
@@ -54,7 +54,7 @@ def add_mass(prim: Prim, name: str, volume: float, values: Evaluator) -> None:
     whole = _whole(name, values)
     if not values.has(name, "mass"):
         prim.set("physics:density", "float", values.number(name, "density"), f"{name}.density")
-    elif not own(name, values):
+    elif not has_own_mass(name, values):
         parts = (f"{name}.form",) if values.parts(name) else ()
         share = values.number(name, "mass") * (volume / whole)
         prim.set("physics:mass", "float", share, f"{name}.mass", *parts)
@@ -63,6 +63,6 @@ def add_mass(prim: Prim, name: str, volume: float, values: Evaluator) -> None:
 def _whole(name: str, values: Evaluator) -> float:
     """Return the touchable volume (m³) of an object. Raises WmsError if it is too small."""
     whole = sum(piece.solid.volume for part, piece in all_pieces(values, name) if touchable(values, part))
-    if whole < LEAST_VOLUME:
+    if whole < MIN_VOLUME:
         raise ImpossibleValue(f"`{name}` is too small to have a mass: {whole:g} m³", values.place(name))
     return whole

@@ -33,7 +33,7 @@ def add_material(doc: Document, part: str, owner: str, values: Evaluator) -> str
     return path
 
 
-def plain(doc: Document, path: str, shade: tuple[float, float, float], *sources: str) -> str:
+def plain_material(doc: Document, path: str, shade: tuple[float, float, float], *sources: str) -> str:
     """Add an untextured material of one colour (sRGB) without friction; returns its path."""
     material = doc.add(path, "Material")
     material.connect("outputs:surface", "token", f"{path}/surface.outputs:surface")

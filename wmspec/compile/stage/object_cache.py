@@ -23,7 +23,7 @@ class ObjectCache:
 
     def __init__(self, remembered: int = 1024, specs: int = 8) -> None:
         self._remembered, self._specs = remembered, specs
-        self._deciding: OrderedDict[int, _Deciding] = OrderedDict()
+        self._deciding: OrderedDict[int, _ObjectDependencies] = OrderedDict()
         self._made: OrderedDict[tuple[Any, ...], Document] = OrderedDict()
 
     def add(self, doc: Document, name: str, values: Evaluator, carriers: frozenset[str], carried: bool) -> None:
@@ -42,9 +42,9 @@ class ObjectCache:
         self._made.move_to_end(key)
         doc.prims.update(self._made[key].prims)
 
-    def _of(self, spec: TaskSpec) -> _Deciding:
+    def _of(self, spec: TaskSpec) -> _ObjectDependencies:
         if id(spec) not in self._deciding:
-            self._deciding[id(spec)] = _Deciding(spec)  # it keeps the spec, so its `id` stays unique
+            self._deciding[id(spec)] = _ObjectDependencies(spec)  # it keeps the spec, so its `id` stays unique
             if len(self._deciding) > self._specs:
                 old, _ = self._deciding.popitem(last=False)
                 self._made = OrderedDict((key, made) for key, made in self._made.items() if key[0] != old)
@@ -52,7 +52,7 @@ class ObjectCache:
         return self._deciding[id(spec)]
 
 
-class _Deciding:
+class _ObjectDependencies:
     """The dependencies of each object of a spec: sources, and the factors and nuisances among them."""
 
     def __init__(self, spec: TaskSpec) -> None:

@@ -32,7 +32,7 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
         what = f"`{name}` cannot be touched, so it would fall through everything"
         raise ImpossibleValue(what, values.place(name), "make it `fixed: true`, or carry it with `glide` or `follow`")
     require_support(name, values)
-    weighed = () if fixed or not solid or not masses.own(name, values) else ("PhysicsMassAPI",)
+    weighed = () if fixed or not solid or not masses.has_own_mass(name, values) else ("PhysicsMassAPI",)
     passed = _passed(name, values)
     filters = ("PhysicsFilteredPairsAPI",) if passed else ()
     schemas = filters if fixed else ("PhysicsRigidBodyAPI", *weighed, *filters)
@@ -52,7 +52,7 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
         others = tuple(object_path(other) for other in passed)
         body.relate("physics:filteredPairs", others, f"{name}.passes", *(f"{other}.present" for other in passed))
     if weighed:
-        masses.add_own(body, name, values)
+        masses.add_own_mass(body, name, values)
     _pieces(doc, name, values, solid)
 
 

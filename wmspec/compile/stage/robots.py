@@ -54,7 +54,7 @@ def _paint(doc: Document, name: str, values: Evaluator) -> None:
     for part, piece, tone in car.parts():
         source = () if tone else (f"{name}.color",)
         shade = rgb(tone or values.text(name, "color"))
-        material = materials.plain(doc, f"/World/Materials/{name}/{part}", shade, *source)
+        material = materials.plain_material(doc, f"/World/Materials/{name}/{part}", shade, *source)
         prim = geometry(doc, f"{object_path(name)}/{part}", piece, (), (f"{name}.form",))
         prim.relate("material:binding", material)
 

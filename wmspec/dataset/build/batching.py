@@ -14,7 +14,7 @@ from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Document
-from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.episode import build_document
 from wmspec.compile.stage.one_factor import changed_by
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import MAX_DRAWS
@@ -99,7 +99,7 @@ def _physics_variables(design: Design) -> set[str]:
     """Return the variables that physics depends on; all variables if the first instance cannot be staged."""
     instance = design[0]
     try:
-        document = built(Evaluator(design.spec, instance.values, None, instance.key))
+        document = build_document(Evaluator(design.spec, instance.values, None, instance.key))
     except WmsError:
         return {factor.name for factor in design.spec.factors}
     return set(_sources(document))

@@ -16,7 +16,7 @@ from wmspec.eval.models.model import Model, Reply
 from wmspec.eval.models.request import Ask
 
 
-class Cached:
+class CachedModel:
     """A model with a cache of its replies in a file. Cached replies cost nothing."""
 
     def __init__(self, model: Model, parameters: dict[str, Any], path: Path) -> None:

@@ -70,8 +70,8 @@ class Journal:
             self._append({"asked": asked})
             return {}
         head, *lines = whole.splitlines()
-        same(_loaded(head, self.path).get("asked"), asked, self.path)
-        return dict(_record(_loaded(line, self.path), self.path) for line in lines)
+        require_same_settings(_parse_line(head, self.path).get("asked"), asked, self.path)
+        return dict(_record(_parse_line(line, self.path), self.path) for line in lines)
 
     def keep(self, key: Key, reply: Reply) -> None:
         """Append a reply and flush it to disk. Raises WmsError if that fails."""
@@ -91,7 +91,7 @@ class Journal:
             self.path.unlink()
 
 
-def same(before: Any, asked: dict[str, Any], path: Path) -> None:
+def require_same_settings(before: Any, asked: dict[str, Any], path: Path) -> None:
     """Raise WmsError, with the differences, if results at `path` belong to another run than `asked`."""
     before = before if isinstance(before, dict) else {}
     differing = [key for key in asked if before.get(key) != asked[key]]
@@ -101,13 +101,13 @@ def same(before: Any, asked: dict[str, Any], path: Path) -> None:
         )
 
 
-def _loaded(line: bytes, path: Path) -> dict[str, Any]:
+def _parse_line(line: bytes, path: Path) -> dict[str, Any]:
     try:
         value = json.loads(line)
     except (ValueError, RecursionError):
         value = None
     if not isinstance(value, dict):
-        raise _other(path)
+        raise _wrong_version(path)
     return value
 
 
@@ -116,9 +116,9 @@ def _record(value: dict[str, Any], path: Path) -> tuple[Key, Reply]:
         key = (value.pop("id"), value.pop("permutation"), value.pop("sample"))
         return _KEY.validate_python(key, strict=True), _REPLY.validate_python(asdict(Reply(**value)))
     except (KeyError, TypeError, ValidationError):
-        raise _other(path) from None
+        raise _wrong_version(path) from None
 
 
-def _other(path: Path) -> WmsError:
+def _wrong_version(path: Path) -> WmsError:
     what = "no journal of this version of `wmspec evaluate`"
     return WmsError(what, FilePlace(str(path)), "choose another -o, or move it away")

@@ -7,10 +7,10 @@ import time
 from dataclasses import dataclass, field
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.eval.models.model import Lost, Reply
+from wmspec.eval.models.model import FatalModelError, Reply
 
 #: Maximum number of consecutive errors before the run stops.
-PATIENCE = 20
+MAX_CONSECUTIVE_ERRORS = 20
 
 
 @dataclass(frozen=True)
@@ -54,22 +54,22 @@ class Meter:
         self.flying += 1
 
     def receive(self, reply: Reply) -> None:
-        """Count a reply. Raises Lost after `PATIENCE` consecutive errors, or if a limited cost is unknown."""
+        """Count a reply. Raises Lost after `MAX_CONSECUTIVE_ERRORS` consecutive errors, or if a limited cost is unknown."""
         self.flying -= 1
         self._failed = self._failed + 1 if reply.outcome == "error" else 0
-        if self._failed >= PATIENCE:
-            raise Lost(f"{PATIENCE} requests in a row have failed, the last with: {reply.error}")
+        if self._failed >= MAX_CONSECUTIVE_ERRORS:
+            raise FatalModelError(f"{MAX_CONSECUTIVE_ERRORS} requests in a row have failed, the last with: {reply.error}")
         if reply.outcome == "error":
             return
         if reply.cost is None and self.limits.cost is not None:
-            raise Lost("--max-cost: the server does not say what a reply costs; add --price IN OUT")
+            raise FatalModelError("--max-cost: the server does not say what a reply costs; add --price IN OUT")
         self._paid += 1
         self.spent += reply.cost or 0.0
         self._dearest = max(self._dearest, reply.cost or 0.0)
 
 
 @dataclass
-class Pace:
+class RateLimiter:
     """Spaces the requests of all threads evenly."""
 
     a_minute: float | None

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.eval.models.model import Reply, kept
-from wmspec.eval.models.pictures import opened
+from wmspec.eval.models.model import Reply, storable
+from wmspec.eval.models.pictures import decode_image
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 
 _INSTALL = "install it with `pip install 'wmspec[local]'`"
@@ -59,10 +59,10 @@ class LocalModel:
                 sent = int(batch["input_ids"].shape[1])
                 written = self._model.generate(**batch, **self._generation)[0, sent:]
             except (RuntimeError, ValueError, IndexError, TypeError) as error:
-                return Reply(outcome="error", error=kept(f"{type(error).__name__}: {error}")[:2000])
+                return Reply(outcome="error", error=storable(f"{type(error).__name__}: {error}")[:2000])
             text = self._processor.decode(written, skip_special_tokens=True)
         return Reply(
-            text=kept(text),
+            text=storable(text),
             model_version=self._version,
             tokens_in=sent,
             tokens_out=len(written),
@@ -85,7 +85,7 @@ def _messages(request: Request) -> list[dict[str, Any]]:
             case Text(text):
                 turn.append({"type": "text", "text": f"{text}\n"})
             case Picture(png):
-                turn.append({"type": "image", "image": opened(png)})
+                turn.append({"type": "image", "image": decode_image(png)})
             case Clip():
                 raise WmsError("models by transformers are shown pictures here; use another --prompt than `clip`")
     system = [{"role": "system", "content": [{"type": "text", "text": request.system}]}] if request.system else []

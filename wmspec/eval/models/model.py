@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.eval.models.reply import LONGEST
+from wmspec.eval.models.reply import MAX_REPLY_LENGTH
 from wmspec.eval.models.request import Ask
 
 #: How a request ended: with text, withheld by a filter, or without a reply.
@@ -43,10 +43,10 @@ class Model(Protocol):
         ...
 
 
-class Lost(WmsError):
+class FatalModelError(WmsError):
     """No request to this model can succeed."""
 
 
-def kept(text: str | None) -> str:
+def storable(text: str | None) -> str:
     """Return the text of a reply for storage: at most `LONGEST` characters, with invalid Unicode replaced."""
-    return (text or "")[:LONGEST].encode("utf-8", "replace").decode()
+    return (text or "")[:MAX_REPLY_LENGTH].encode("utf-8", "replace").decode()

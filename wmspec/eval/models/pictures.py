@@ -14,13 +14,13 @@ from wmspec.dataset.build import typeset, video
 
 _LABEL, _GAP, _MARGIN = 26, 12, 16
 #: Frame rate of a video (Hz).
-RATE = 2.0
+VIDEO_RATE = 2.0
 
 
 def montage(rows: Sequence[Sequence[tuple[str, bytes]]]) -> bytes:
     """Return rows of labelled pictures (PNG) as one sheet (PNG) at original size."""
     out = io.BytesIO()
-    drawn = [[(label, opened(png)) for label, png in row] for row in rows if row]
+    drawn = [[(label, decode_image(png)) for label, png in row] for row in rows if row]
     typeset.grid(drawn, _label, _GAP, _MARGIN).save(out, "PNG", compress_level=1)
     return out.getvalue()
 
@@ -32,14 +32,14 @@ def _label(text: str, width: int) -> Image.Image:
     return paper
 
 
-def clip(pictures: Sequence[bytes]) -> bytes:
-    """Return pictures (PNG) as an mp4 at `RATE` Hz. Raises WmsError if `imageio-ffmpeg` is missing."""
+def encode_video(pictures: Sequence[bytes]) -> bytes:
+    """Return pictures (PNG) as an mp4 at `VIDEO_RATE` Hz. Raises WmsError if `imageio-ffmpeg` is missing."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "clip.mp4"
-        video.mp4([opened(png) for png in pictures], RATE, path)
+        video.mp4([decode_image(png) for png in pictures], VIDEO_RATE, path)
         return path.read_bytes()
 
 
-def opened(png: bytes) -> Image.Image:
+def decode_image(png: bytes) -> Image.Image:
     """Decode a picture (RGB)."""
     return load_image(png, "PNG").convert("RGB")

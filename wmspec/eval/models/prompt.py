@@ -67,7 +67,7 @@ class Texts(_Model):
                 known = _PLACEHOLDERS.get(name, set())
                 if word not in known:
                     raise ValueError(
-                        f"`{{{word}}}` cannot stand in texts.{name}; {suggestion(word, known)}".rstrip("; ")
+                        f"`{{{word}}}` cannot stand in texts.{name}; {suggestion(word, builtin_prompts)}".rstrip("; ")
                     )
         return self
 
@@ -93,7 +93,7 @@ class Prompt(_Model):
         return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
-def known() -> list[str]:
+def builtin_prompts() -> list[str]:
     """Return the names of the built-in templates."""
     return sorted(path.stem for path in resource("eval/models/prompts").glob("*.toml"))
 
@@ -117,20 +117,20 @@ def _merged(name: str, depth: int = 0) -> dict[str, Any]:
         return values
     if depth == 8 or not isinstance(base, str):
         raise WmsError(f"prompt {name}: extends: the name of another template, which does not extend this one")
-    if name not in known() and base not in known():
+    if name not in builtin_prompts() and base not in builtin_prompts():
         base = str(Path(name).parent / base)
-    return _over(_merged(base, depth + 1), values)
+    return _merge(_merged(base, depth + 1), values)
 
 
-def _over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     both = {key for key in above if isinstance(above[key], dict) and isinstance(below.get(key), dict)}
-    return {**below, **above, **{key: _over(below[key], above[key]) for key in both}}
+    return {**below, **above, **{key: _merge(below[key], above[key]) for key in both}}
 
 
 def _read(name: str) -> dict[str, Any]:
-    file = resource("eval/models/prompts") / f"{name}.toml" if name in known() else Path(name)
+    file = resource("eval/models/prompts") / f"{name}.toml" if name in builtin_prompts() else Path(name)
     if not file.is_file():
-        raise WmsError(f"there is no prompt `{name}`: {', '.join(known())}, or the path of a .toml file")
+        raise WmsError(f"there is no prompt `{name}`: {', '.join(builtin_prompts())}, or the path of a .toml file")
     try:
         return tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

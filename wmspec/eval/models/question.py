@@ -80,11 +80,11 @@ class Selection:
         everything = [id for queue in queues.values() for id in queue]
         if self.limit is None:
             return everything
-        chosen = _evenly(list(queues.values()), self.limit)
+        chosen = _interleave(list(queues.values()), self.limit)
         return [id for id in everything if id in chosen]
 
 
-def _evenly(queues: list[list[str]], limit: int) -> set[str]:
+def _interleave(queues: list[list[str]], limit: int) -> set[str]:
     """Return the first of every shuffled queue, then the second, and so on; the same shuffle for every engine."""
     shuffled = [sorted(queue, key=lambda id: bits("limit", id.rpartition("/")[0])) for queue in queues]
     turns = sorted((turn, queue) for queue, ids in enumerate(shuffled) for turn in range(len(ids)))

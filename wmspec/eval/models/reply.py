@@ -26,14 +26,14 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 #: Version of these rules, recorded with every result.
-VERSION = 1
+PARSER_VERSION = 1
 #: Maximum number of characters of a reply that are parsed.
-LONGEST = 65_536
+MAX_REPLY_LENGTH = 65_536
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
-_SHORT = ("1st", "2nd", "3rd", "4th", "5th", "6th", "7th", "8th")
-_COUNTED = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_SHORT_ORDINALS = ("1st", "2nd", "3rd", "4th", "5th", "6th", "7th", "8th")
+_NUMBER_WORDS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
 
 #: SI unit -> singular names of the units of its quantity, and their sizes in the SI unit.
 _SIZES: dict[str, dict[str, float]] = {
@@ -89,11 +89,11 @@ def mark(
         place = choice(text, options, labels)
         return Mark(place, None, place is not None and place == answer)
     value = number_in(text, unit or "")
-    right = value is not None and number is not None and near(value, number, within or 0.0, unit or "")
+    right = value is not None and number is not None and is_near(value, number, within or 0.0, unit or "")
     return Mark(None, value, right)
 
 
-def near(value: float, truth: float, within: float, unit: str = "") -> bool:
+def is_near(value: float, truth: float, within: float, unit: str = "") -> bool:
     """Whether a number is right; for angles (rad) the shorter way round counts."""
     apart = abs(math.remainder(value - truth, math.tau)) if unit == "rad" else abs(value - truth)
     return apart <= within * (1 + 1e-9)
@@ -103,7 +103,7 @@ def near(value: float, truth: float, within: float, unit: str = "") -> bool:
 
 
 @dataclass(frozen=True)
-class _Shown:
+class _ShownOptions:
     """The options as shown: their words (empty for pictures), and whether labels are letters or numbers."""
 
     words: tuple[str, ...]
@@ -123,7 +123,7 @@ class _Shown:
         """Return the position of an ordinal."""
         if text == "last":
             return len(self.words) - 1
-        place = next((names.index(text) for names in (ORDINALS, _SHORT) if text in names), len(self.words))
+        place = next((names.index(text) for names in (ORDINALS, _SHORT_ORDINALS) if text in names), len(self.words))
         return place if place < len(self.words) else None
 
 
@@ -132,8 +132,8 @@ def choice(text: str, options: Sequence[str | None], labels: str = "letters") ->
 
     `labels` are those shown with the options: "letters" or "numbers".
     """
-    reply = cleaned(text)
-    shown = _Shown(tuple(_plain(words or "") for words in options), labels == "numbers")
+    reply = normalize(text)
+    shown = _ShownOptions(tuple(_plain(words or "") for words in options), labels == "numbers")
     if not shown.numbered and not any(_SHOWN_PICTURE.search(words) for words in shown.words):
         reply = _SHOWN_PICTURE.sub(" ", reply)
     for rule in _RULES:
@@ -143,9 +143,9 @@ def choice(text: str, options: Sequence[str | None], labels: str = "letters") ->
     return None
 
 
-def cleaned(text: str) -> str:
+def normalize(text: str) -> str:
     """Return a reply without reasoning and markup, with normalized characters."""
-    reply = unicodedata.normalize("NFKC", text[-LONGEST:])
+    reply = unicodedata.normalize("NFKC", text[-MAX_REPLY_LENGTH:])
     reply = re.sub(r"(?is)^.*</think(?:ing)?>", "", reply)
     reply = re.sub(r"(?is)<think(?:ing)?>.*", "", reply)
     marked = re.findall(r"(?is)<answer>(.{0,500}?)</answer>", reply) or re.findall(r"\\boxed\{([^{}]{0,500})\}", reply)
@@ -160,7 +160,7 @@ def _plain(words: str) -> str:
 
 
 _NOUN = r"(?:option|choice|answer|candidate|picture|image|number|one)"
-_ORDINAL = rf"(?P<ordinal>{'|'.join((*ORDINALS, *_SHORT, 'last'))})"
+_ORDINAL = rf"(?P<ordinal>{'|'.join((*ORDINALS, *_SHORT_ORDINALS, 'last'))})"
 # If options have letters, a numbered picture is a context picture.
 _SHOWN_PICTURE = re.compile(rf"(?i)\b(?:the\s+)?(?:(?:picture|image)s?\s*#?\s*\d+|{_ORDINAL}\s+(?:picture|image))\b")
 # A label that does not begin a word or number. A lone "a" (and "A", "I") before a word is not a label.
@@ -170,12 +170,12 @@ _LABEL = (
 )
 
 
-def _alone(reply: str, shown: _Shown) -> set[int]:
+def _only_option(reply: str, shown: _ShownOptions) -> set[int]:
     """The reply is only an option."""
-    return _named(reply, shown) if len(reply) < 500 else set()
+    return _find_label(reply, shown) if len(reply) < 500 else set()
 
 
-def _named(reply: str, shown: _Shown) -> set[int]:
+def _find_label(reply: str, shown: _ShownOptions) -> set[int]:
     plain = _plain(reply)
     if shown.numbered and (place := shown.label(plain)) is not None:
         return {place}
@@ -189,14 +189,14 @@ def _named(reply: str, shown: _Shown) -> set[int]:
     return set() if label is None else {label}
 
 
-def _leading(reply: str, shown: _Shown) -> set[int]:
+def _leading_option(reply: str, shown: _ShownOptions) -> set[int]:
     """The reply begins with an option: its label, a mark and a space, or its words and a mark."""
     match = re.match(r"(?:[(\[](\w{1,3})[)\]]|(\w{1,3})(?:[).:,;](?=\s|$)|\s*\n|\s*[-–—=]+>?\s))", reply)
     label = (match[1] or match[2]) if match else ""
     listed = label.isdecimal() and re.search(r"\n\s*2[.)]", reply)  # "1. ..., 2. ..." are steps, not options
     if label and not listed and (shown.numbered or not label.isdecimal()) and (place := shown.label(label)) is not None:
         return {place}
-    return set() if listed else _named(re.split(r"[.,:;!?\n]|\s[-–—]", reply, maxsplit=1)[0], shown)
+    return set() if listed else _find_label(re.split(r"[.,:;!?\n]|\s[-–—]", reply, maxsplit=1)[0], shown)
 
 
 _ANNOUNCED = re.compile(
@@ -213,7 +213,7 @@ _DENIED = re.compile(
 _MENTIONED = re.compile(rf"(?<![\w.'-])(?:(?i:{_NOUN})\s+(?P<after>[A-Z])\b|{_LABEL})")
 
 
-def _announced(reply: str, shown: _Shown) -> set[int]:
+def _last_announcement(reply: str, shown: _ShownOptions) -> set[int]:
     """The last announcement of an answer."""
     last: tuple[int, int] | None = None
     for match in (*_ANNOUNCED.finditer(reply), *_CONFIRMED.finditer(reply)):
@@ -223,17 +223,17 @@ def _announced(reply: str, shown: _Shown) -> set[int]:
     return set() if last is None else {last[1]}
 
 
-def _place(match: re.Match[str], shown: _Shown) -> int | None:
+def _place(match: re.Match[str], shown: _ShownOptions) -> int | None:
     groups = match.groupdict()
     if label := groups["inside"] or groups["bare"]:
         return shown.label(label)
     if ordinal := groups.get("ordinal"):
         return shown.ordinal(ordinal.casefold())
-    places = _worded(groups.get("words") or "", shown)
+    places = _quoted_options(groups.get("words") or "", shown)
     return places.pop() if len(places) == 1 else None
 
 
-def _mentioned(reply: str, shown: _Shown) -> set[int]:
+def _mentioned_labels(reply: str, shown: _ShownOptions) -> set[int]:
     """Labels in parentheses, or isolated capitals (in a numbered list: numbers) that are not negated."""
     kept = _DENIED.sub(" ", reply)
     labels = [match["inside"] or match["bare"] or match["after"] for match in _MENTIONED.finditer(kept)]
@@ -241,7 +241,7 @@ def _mentioned(reply: str, shown: _Shown) -> set[int]:
     return {place for s in wanted if (place := shown.label(s)) is not None}
 
 
-def _worded(reply: str, shown: _Shown) -> set[int]:
+def _quoted_options(reply: str, shown: _ShownOptions) -> set[int]:
     """Options whose words occur and are not negated; words inside longer ones of another option do not count."""
     text = re.sub(r"\s+", " ", reply.casefold())
     places, taken = set(), text
@@ -257,7 +257,7 @@ def _worded(reply: str, shown: _Shown) -> set[int]:
     return places
 
 
-_RULES: tuple[Callable[[str, _Shown], set[int]], ...] = (_alone, _announced, _leading, _mentioned, _worded)
+_RULES: tuple[Callable[[str, _ShownOptions], set[int]], ...] = (_only_option, _last_announcement, _leading_option, _mentioned_labels, _quoted_options)
 
 
 # ---------------------------------------------------------------- numbers
@@ -266,7 +266,7 @@ _UNIT = r"\s*(?P<unit>[a-zA-Z°%]+(?:/[a-z]+)?)?(?!\w)"
 _NUMBER = re.compile(
     rf"(?i)(?<![\w.])(?P<value>[-+]?(?:\d{{1,3}}(?:,\d{{3}})+|\d+)(?:\.\d+)?(?:e[-+]?\d{{1,3}})?|[-+]?\.\d+){_UNIT}"
 )
-_IN_WORDS = re.compile(rf"(?i)\b(?P<value>{'|'.join(_COUNTED)})\b{_UNIT}")
+_IN_WORDS = re.compile(rf"(?i)\b(?P<value>{'|'.join(_NUMBER_WORDS)})\b{_UNIT}")
 
 
 def number_in(text: str, unit: str = "") -> float | None:
@@ -274,7 +274,7 @@ def number_in(text: str, unit: str = "") -> float | None:
 
     A number after the last "answer" counts; otherwise the only number of the reply.
     """
-    reply = cleaned(text)
+    reply = normalize(text)
     after = re.split(r"(?i)\banswer\b", reply)[-1]
     told = list(_values(after, unit)) if after != reply else []
     values = told[:1] or list(_values(reply, unit))
@@ -286,7 +286,7 @@ def _values(text: str, unit: str) -> Iterator[float]:
     matches = list(_NUMBER.finditer(text)) or list(_IN_WORDS.finditer(text))
     for match in matches:
         digits = match["value"].casefold().replace(",", "")
-        value = float(_COUNTED.index(digits)) if digits in _COUNTED else float(digits)
+        value = float(_NUMBER_WORDS.index(digits)) if digits in _NUMBER_WORDS else float(digits)
         if not math.isfinite(value):
             continue
         name = match["unit"] or ""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from wmspec.eval.models.pictures import clip, montage
+from wmspec.eval.models.pictures import encode_video, montage
 from wmspec.eval.models.prompt import Labels, Prompt
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.reply import LETTERS
@@ -118,7 +118,7 @@ class Ask:
             yield from self._sheet(shown)
         elif self.prompt.pictures == "clip" and len(shown) > 1:
             yield self._line("clip", pictures=len(shown))
-            yield Clip(clip(shown))
+            yield Clip(encode_video(shown))
         else:
             for number, png in enumerate(shown, 1):
                 yield self._line("picture", number=number)

@@ -84,7 +84,7 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
     """Return the scored row of a reply."""
     question: Question = ask.question
     is_open = not question.options
-    return scored(
+    return score(
         {
             "id": question.id,
             "task": question.task,
@@ -119,7 +119,7 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
     )
 
 
-def scored(row: Row) -> Row:
+def score(row: Row) -> Row:
     """Return a row with `parsed`, `number`, `right` and `status` computed from its text and other columns."""
     order = row["order"]
     mark = replies.mark(
@@ -160,14 +160,14 @@ def counts(rows: Sequence[Row]) -> Counts:
 # ---------------------------------------------------------------- files
 
 
-def sidecar(path: Path) -> Path:
+def settings_path(path: Path) -> Path:
     """Return the path of the settings file of results."""
     return path.with_suffix(".json")
 
 
 def check_free(path: Path) -> None:
     """Raise WmsError if a foreign file is in the way of the settings file."""
-    beside = sidecar(path)
+    beside = settings_path(path)
     try:
         ours = "asked" in json.loads(read_bytes(beside))
     except FileNotFoundError:
@@ -185,11 +185,11 @@ def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
     table = pa.Table.from_pylist(list(rows), schema=SCHEMA).replace_schema_metadata({_ABOUT: metadata})
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink, compression="zstd")
-    _whole(sidecar(path), metadata.encode())
-    _whole(path, bytes(sink.getvalue()))
+    _write_atomically(settings_path(path), metadata.encode())
+    _write_atomically(path, bytes(sink.getvalue()))
 
 
-def _whole(path: Path, content: bytes) -> None:
+def _write_atomically(path: Path, content: bytes) -> None:
     part = path.with_name(f"{path.name}.part")
     with with_remedies(path):
         make_folders(path.parent)
@@ -211,7 +211,7 @@ def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
         raise WmsError(
             "results of another version of wmspec", FilePlace(str(path)), "evaluate again, into another file"
         )
-    return checked(table, path).to_pylist(), about
+    return validated(table, path).to_pylist(), about
 
 
 #: Columns with a value in every row; columns of names; columns of text that is displayed.
@@ -222,7 +222,7 @@ _SHOWN = ("id", "dimension", "question_name", "group", "model", "prompt", "ablat
 _WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{0,300}")
 
 
-def checked(table: pa.Table, path: Path) -> pa.Table:
+def validated(table: pa.Table, path: Path) -> pa.Table:
     """Return the result columns of a table, each with its type. Raises WmsError for an invalid row."""
     known = [name for name in SCHEMA.names if name in table.column_names]
     try:
@@ -273,6 +273,6 @@ def _reply(row: Row) -> Reply:
 def rescore(path: Path) -> tuple[Counts, int]:
     """Score results again from their texts, in place. Returns the counts and the number of changed scores."""
     rows, about = read(path)
-    again = [scored(row) for row in rows]
-    write(path, again, about | {"parser": replies.VERSION, "right": sum(row["right"] for row in again)})
+    again = [score(row) for row in rows]
+    write(path, again, about | {"parser": replies.PARSER_VERSION, "right": sum(row["right"] for row in again)})
     return counts(again), sum(before["right"] != after["right"] for before, after in zip(rows, again, strict=True))

@@ -15,8 +15,8 @@ from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models import reply as replies
 from wmspec.eval.models import results
-from wmspec.eval.models.journal import Journal, Replies, same
-from wmspec.eval.models.limits import Limits, Meter, Pace
+from wmspec.eval.models.journal import Journal, Replies, require_same_settings
+from wmspec.eval.models.limits import Limits, Meter, RateLimiter
 from wmspec.eval.models.model import Model, Reply
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Question, Selection, questions
@@ -115,14 +115,14 @@ def _before(output: Path, asked: dict[str, Any]) -> Replies:
     if not output.exists():
         return {}
     rows, about = results.read(output)
-    same(about.get("asked"), asked, output)
+    require_same_settings(about.get("asked"), asked, output)
     return results.known(rows)
 
 
 def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal: Journal, progress: Progress) -> None:
     """Send all requests without a reply, several at a time; replies are added to `have`."""
     meter = Meter(run.limits, spent=sum(reply.cost or 0.0 for reply in have.values()))
-    pace = Pace(run.limits.a_minute)
+    pace = RateLimiter(run.limits.a_minute)
     right = total = 0
 
     def one(ask: Ask) -> Reply:
@@ -205,7 +205,7 @@ def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: in
         "dataset": {key: manifest[key] for key in ("rows", "engines", "seed", "size", "consensus", "versions")},
         "model_versions": sorted({row["model_version"] for row in rows if row["model_version"]}),
         "versions": {"wmspec": __version__, "python": platform.python_version()} | _installed(),
-        "parser": replies.VERSION,
+        "parser": replies.PARSER_VERSION,
         "replies": counted.replies,
         "right": counted.right,
         "status": counted.status,

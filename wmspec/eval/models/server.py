@@ -11,7 +11,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.eval.models.model import Lost, Reply, kept
+from wmspec.eval.models.model import FatalModelError, Reply, storable
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 
 #: Environment variables with the key of a server, and with the server if none is named.
@@ -79,7 +79,7 @@ class ServerModel:
             )
             reply = self._read(done)
         except (openai.AuthenticationError, openai.PermissionDeniedError, openai.NotFoundError) as error:
-            raise Lost(f"{self._server.address} refuses `{self._name}`: {self._hidden(str(error))}") from None
+            raise FatalModelError(f"{self._server.address} refuses `{self._name}`: {self._hidden(str(error))}") from None
         except openai.OpenAIError as error:
             reply = Reply(outcome="error", error=self._hidden(_cause(error)))
         except (ValueError, TypeError, LookupError, AttributeError) as error:
@@ -95,9 +95,9 @@ class ServerModel:
         withheld = chosen.finish_reason == "content_filter" or getattr(chosen.message, "refusal", None)
         version = "/".join(str(part) for part in (done.model, getattr(done, "system_fingerprint", None)) if part)
         return Reply(
-            text=self._hidden(kept(text if isinstance(text, str) else "")),
+            text=self._hidden(storable(text if isinstance(text, str) else "")),
             outcome="refused" if withheld else "ok",
-            model_version=self._hidden(kept(version)[:200]) or None,
+            model_version=self._hidden(storable(version)[:200]) or None,
             **self._usage(done.usage),
         )
 
@@ -127,7 +127,7 @@ def _cause(error: BaseException) -> str:
     message = f"{type(error).__name__}: {error}"
     if error.__cause__ is not None and str(error.__cause__) not in message:
         message += f" ({error.__cause__})"
-    return kept(message)[:2000]
+    return storable(message)[:2000]
 
 
 def _client(openai: Any) -> Any:

@@ -15,7 +15,7 @@ from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import regular_file
 from wmspec.eval.models.agreement import majority
-from wmspec.eval.models.results import checked
+from wmspec.eval.models.results import validated
 from wmspec.eval.report.questions import Questions
 
 #: Required columns of results; `docs/evaluate.md` describes them.
@@ -148,7 +148,7 @@ def _file(path: Path) -> pd.DataFrame:
                 f"{path} is no file of results: it lacks the columns {', '.join(lacking)}; "
                 "give what `wmspec evaluate` or `wmspec study collect` wrote (a dataset goes to --dataset)"
             )
-        table: pd.DataFrame = checked(file.read(list(COLUMNS)), path).to_pandas()
+        table: pd.DataFrame = validated(file.read(list(COLUMNS)), path).to_pandas()
         return table
     except FileNotFoundError:
         raise WmsError(f"{path} is not there; give a file or a folder that `wmspec evaluate` wrote") from None

@@ -198,7 +198,7 @@ def _about(study: Study, rows: Sequence[results.Row], collected: Collected) -> d
         "asked": {"dataset": study.dataset, "study": study.fingerprint, "seed": study.seed, "prompt": PROMPT},
         "dataset": {"name": study.title},
         "versions": {"wmspec": __version__},
-        "parser": replies.VERSION,
+        "parser": replies.PARSER_VERSION,
         "replies": counted.replies,
         "right": counted.right,
         "status": counted.status,

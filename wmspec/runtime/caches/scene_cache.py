@@ -17,8 +17,8 @@ from typing import Any
 
 from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Document, Prim
-from wmspec.compile.stage.episode import built
-from wmspec.compile.stage.layers import bare, compose
+from wmspec.compile.stage.episode import build_document
+from wmspec.compile.stage.layers import without_geometry, compose
 from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
@@ -68,12 +68,12 @@ class SceneCache:
         A counterfactual that only changes levels shares the scene of that sibling. Raises WmsError with all errors.
         """
         if values.change is not None and values.change.change != "levels":
-            return self.scene(built(values, self._objects))
+            return self.scene(build_document(values, self._objects))
         key = (id(values.spec), values.key, *sorted(values.assignment.items()))
         if key not in self._built:
             self._built[key] = (
                 values.spec,
-                self.scene(built(values, self._objects)),
+                self.scene(build_document(values, self._objects)),
             )  # keeping the spec keeps its `id` unique
             if len(self._built) > SIBLINGS:
                 self._built.popitem(last=False)
@@ -131,7 +131,7 @@ class SceneCache:
         paths = {path for part in wanted for path in parts.get(part, ())}.union(_ABOVE)
         small = Document({path: prim for path, prim in document.prims.items() if path in paths})
         try:
-            scene = read(bare(compose(small, sources=False), [part for part in robots if part not in missing]))
+            scene = read(without_geometry(compose(small, sources=False), [part for part in robots if part not in missing]))
         except WmsError:
             raise _Whole from None  # which reports all errors
         _alone(scene.bodies, scene.cameras, document)

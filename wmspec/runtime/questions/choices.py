@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wmspec.compile.layout.functions import extreme_name
-from wmspec.compile.layout.view import front
+from wmspec.compile.layout.view import common_direction
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions import outcome
 from wmspec.runtime.questions.measure import Measured
@@ -63,5 +63,5 @@ def relation(measured: Measured, a: str, b: str, at: float | None = None, seen_f
     """Return the relation of the first object to the second, as seen by the cameras or by a viewer."""
     observed = measured.observed
     time = observed.window[1] if at is None else float(observed.trace.time[observed.moment(at)])
-    way = front(measured.values) if seen_from is None else view_direction(observed, seen_from, time)
+    way = common_direction(measured.values) if seen_from is None else view_direction(observed, seen_from, time)
     return outcome.relation(observed, a, b, way, time)

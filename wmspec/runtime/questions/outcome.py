@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from wmspec.compile.layout.view import seen
+from wmspec.compile.layout.view import view_coordinates
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions.observed import REST_TIME, STANDSTILL_SPEED, Observed
 from wmspec.sim.scene.model import Array
@@ -77,7 +77,7 @@ def relation(observed: Observed, a: str, b: str, way: float, at: float) -> str:
             return "above"
         if middle < there[0, 2] or other > here[1, 2]:
             return "below"
-    x, y = seen(way, *(here.mean(axis=0) - there.mean(axis=0))[:2])
+    x, y = view_coordinates(way, *(here.mean(axis=0) - there.mean(axis=0))[:2])
     if abs(x) < DIAGONAL_RATIO * abs(y) and abs(y) < DIAGONAL_RATIO * abs(x):
         raise WmsError(f"`{a}` is diagonal to `{b}`, so two relations would fit; place it more to one side")
     if x == y == 0:

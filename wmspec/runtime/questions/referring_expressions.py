@@ -7,7 +7,7 @@ from functools import cache, lru_cache
 
 from wmspec.compile.layout.geometry import volume
 from wmspec.compile.layout.values import Evaluator
-from wmspec.compile.layout.view import front, seen
+from wmspec.compile.layout.view import common_direction, view_coordinates
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.vocabulary import COLORS
@@ -136,8 +136,8 @@ def _depth(name: str, rivals: list[str], values: Evaluator) -> Iterator[str]:
 
 
 def _placed(name: str, rivals: list[str], values: Evaluator, axis: int, words: tuple[str, str]) -> Iterator[str]:
-    way = front(values)
-    here, *there = (seen(way, *values.pose(n).position[:2])[axis] for n in (name, *rivals))
+    way = common_direction(values)
+    here, *there = (view_coordinates(way, *values.pose(n).position[:2])[axis] for n in (name, *rivals))
     for word in _extreme(here, there, words, lambda a, b: a > b + MIN_OFFSET):
         yield f"{_plain(name, values)} {word}"
 

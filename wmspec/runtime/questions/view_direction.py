@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wmspec.compile.layout.view import UPRIGHT, quarters
+from wmspec.compile.layout.view import MIN_HORIZONTAL, quarter_turns
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions.observed import Observed
 from wmspec.sim.scene.model.transform import compose, rotate
@@ -21,11 +21,11 @@ def view_direction(observed: Observed, viewer: str, time: float) -> float:
     camera = next((camera for camera in observed.scene.cameras if camera.name == viewer), None)
     if camera is None:
         x, y, _ = rotate(observed.pose(viewer, time).orientation, _X)
-        if np.hypot(x, y) <= UPRIGHT:
+        if np.hypot(x, y) <= MIN_HORIZONTAL:
             raise WmsError(f"`{viewer}` points straight up or down, so left and right are undefined")
-        return quarters(x, y)
+        return quarter_turns(x, y)
     pose = camera.pose if camera.body is None else compose(observed.pose(camera.body, time), camera.pose)
     x, y, _ = rotate(pose.orientation, _AHEAD)
-    if np.hypot(x, y) <= UPRIGHT:
+    if np.hypot(x, y) <= MIN_HORIZONTAL:
         x, y, _ = rotate(pose.orientation, _UP)
-    return quarters(x, y)
+    return quarter_turns(x, y)
